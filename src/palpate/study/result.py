@@ -1,0 +1,138 @@
+"""What a study leaves behind: one record a design, and the tally of what was computed or found in the store."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from palpate.design import DomeShape, DomeSpec, MarkerSpec
+from palpate.learn import Metrics
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How much simulated evidence stands behind one design.
+
+    Attributes
+    ----------
+    presses
+        Solved presses (one a tilt) that the design's dataset was made from.
+    virtual_presses
+        Sampled (tilt, azimuth) pairs; the split into training and validation goes by these.
+    samples, validation_samples
+        Images over all virtual presses, and those of them held out for validation.
+    dropped
+        Sampled poses left out, by reason (e.g. ``"wall reached the clamped rim"``).
+    """
+
+    presses: int
+    virtual_presses: int
+    samples: int
+    validation_samples: int
+    dropped: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PressSummary:
+    """One solved press in the numbers a table needs.
+
+    Attributes
+    ----------
+    tilt_deg
+        Tilt of the wall (degrees).
+    ended, ended_depth_mm
+        Reason of the end, and the wall's depth at that moment (mm).
+    force_n, peak_stress_mpa
+        Norm of the wall's force (N) and greatest von Mises Cauchy stress (MPa) in the deepest image.
+    branch
+        ``"flat"`` or ``"inverted"`` in the deepest image.
+    """
+
+    tilt_deg: float
+    ended: str
+    ended_depth_mm: float
+    force_n: float
+    peak_stress_mpa: float
+    branch: str
+
+
+@dataclass(frozen=True)
+class DesignResult:
+    """One design (dome and marker layout) carried through the whole chain: one row of the grid.
+
+    Attributes
+    ----------
+    dome, markers
+        What was designed.
+    shape
+        The shape's name as in the paper.
+    clean, jittered
+        Errors on the held-out presses without and with pixel jitter; `None` where the chain broke (`failure`).
+    travel_mm
+        Mean distance of the markers from rest in the deepest image, over the presses (mm).
+    force_n
+        Norm of the wall's force in the deepest image of the straight press, the one of least tilt (N).
+    peak_stress_mpa
+        Greatest von Mises Cauchy stress in any image of any press (MPa).
+    presses
+        Every press the design stands on, by rising tilt.
+    counts
+        Numbers of presses, samples and poses left out; `None` where the chain broke before the dataset.
+    seed
+        Seed of the study.
+    versions
+        Versions of palpate, of its stages and of the libraries that matter.
+    artefacts
+        Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``learning``.
+    failure
+        Why there is no result; empty where there is one.
+    """
+
+    dome: DomeSpec
+    markers: MarkerSpec
+    shape: DomeShape
+    clean: Metrics | None
+    jittered: Metrics | None
+    travel_mm: float
+    force_n: float
+    peak_stress_mpa: float
+    presses: tuple[PressSummary, ...]
+    counts: Counts | None
+    seed: int
+    versions: Mapping[str, str]
+    artefacts: Mapping[str, tuple[str, ...]]
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class TaskFailure:
+    """One task of a study that gave no artefact: its name and the reason in one sentence."""
+
+    task: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """All designs of a study, and how they came about.
+
+    Attributes
+    ----------
+    name
+        Name of the study.
+    designs
+        One record a design, in the order of the study.
+    failures
+        Tasks that failed, with their reasons.
+    computed, reused
+        Numbers of artefacts made in this run and found in the store, by kind.
+    wall_s
+        Wall-clock time of this run (s).
+    """
+
+    name: str
+    designs: tuple[DesignResult, ...]
+    failures: tuple[TaskFailure, ...]
+    computed: Mapping[str, int]
+    reused: Mapping[str, int]
+    wall_s: float
