@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
-
-import numba
+from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -15,5 +13,7 @@ def kernel(function: F) -> F:
 
     NaN and infinity keep their meaning, so an inverted element can be seen.
     """
-    compiled: F = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
-    return compiled
+    import numba  # here, so that a front door without kernels opens fast
+
+    compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
+    return cast(F, compiled)

@@ -12,6 +12,7 @@ command-line help and the tables of the documentation are all read from that one
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -61,6 +62,62 @@ class Spec(BaseModel):
         if not isinstance(values, dict):
             return values
         return {name: _without_unit(cls, name, value) for name, value in values.items()}
+
+
+@dataclass(frozen=True)
+class ParameterNote:
+    """One row of a table of parameters, read from the field that declares it.
+
+    Attributes
+    ----------
+    name, meaning, unit, source
+        As declared; `unit` is empty for a field without one.
+    default
+        Value used when nothing is chosen, or `None` for a required field.
+    bounds
+        Bounds as printed, e.g. ``"> 0, <= 20"``; empty where there are none.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    default: Any
+    bounds: str
+    source: str
+
+    def help(self) -> str:
+        """One line for a command's help: meaning, unit and bounds, e.g. ``"bore (mm; > 0, <= 20)"``."""
+        unit = "" if self.unit == "1" else self.unit
+        inside = "; ".join(part for part in (unit, self.bounds) if part)
+        return f"{self.meaning} ({inside})" if inside else self.meaning
+
+
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+
+
+def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
+    """Describe every field of `spec`, in the order of declaration."""
+    notes = []
+    for name, field in spec.model_fields.items():
+        extra = field.json_schema_extra
+        extra = extra if isinstance(extra, dict) else {}
+        bounds = [
+            f"{sign} {getattr(item, bound):g}"
+            for item in field.metadata
+            for bound, sign in _SIGNS.items()
+            if getattr(item, bound, None) is not None
+        ]
+        notes.append(
+            ParameterNote(
+                name=name,
+                meaning=field.description or "",
+                unit=str(extra.get("unit", "")),
+                default=None if field.is_required() else field.get_default(call_default_factory=True),
+                bounds=", ".join(bounds),
+                source=str(extra.get("source", "")),
+            )
+        )
+    return tuple(notes)
 
 
 def _without_unit(spec: type[Spec], name: str, value: Any) -> Any:

@@ -1,0 +1,42 @@
+import pytest
+from pydantic import ValidationError
+
+from palpate.core import Spec, parameter, parameters
+
+
+class HoleSpec(Spec):
+    """A bored hole."""
+
+    diameter: float = parameter(6.0, unit="mm", meaning="bore", source="catalogue", gt=0, le=20)
+    offsets: tuple[float, ...] = parameter((), unit="mm", meaning="offsets of the holes")
+    name: str = "hole"
+
+
+def test_a_number_with_its_unit_is_read() -> None:
+    assert HoleSpec(diameter="8 mm").diameter == 8.0  # type: ignore[arg-type]
+    assert HoleSpec(offsets=["1 mm", 2]).offsets == (1.0, 2.0)  # type: ignore[arg-type]
+
+
+def test_another_unit_is_refused_by_name() -> None:
+    with pytest.raises(ValidationError, match="diameter is given in cm, but its unit is mm"):
+        HoleSpec(diameter="8 cm")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("diameter", [0.0, 20.5])
+def test_bounds_hold(diameter: float) -> None:
+    with pytest.raises(ValidationError):
+        HoleSpec(diameter=diameter)
+
+
+def test_unknown_keys_are_refused() -> None:
+    with pytest.raises(ValidationError, match="Extra inputs"):
+        HoleSpec(radius=3.0)  # type: ignore[call-arg]
+
+
+def test_notes_repeat_what_the_field_declares() -> None:
+    bore, offsets, name = parameters(HoleSpec)
+    assert (bore.name, bore.unit, bore.default) == ("diameter", "mm", 6.0)
+    assert (bore.bounds, bore.source) == ("> 0, <= 20", "catalogue")
+    assert bore.help() == "bore (mm; > 0, <= 20)"
+    assert offsets.default == ()
+    assert (name.unit, name.help()) == ("", "")
