@@ -1,0 +1,56 @@
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.learn import ErrorSummary, Metrics, measure_errors
+
+
+def test_summary_agrees_with_a_vector_worked_by_hand():
+    summary = ErrorSummary.of(np.array([1.0, -1.0, 3.0, 1.0]))
+    assert summary.rmse == pytest.approx(np.sqrt(3.0))
+    assert summary.mae == 1.5
+    assert summary.max == 3.0
+    assert summary.bias == 1.0
+    assert summary.sd == pytest.approx(np.sqrt(2.0))
+
+
+def test_square_of_rmse_is_bias_and_spread_and_the_three_are_ordered():
+    errors = np.random.default_rng(1).normal(0.4, 2.0, 500)
+    summary = ErrorSummary.of(errors)
+    assert summary.rmse**2 == pytest.approx(summary.bias**2 + summary.sd**2)
+    assert summary.max >= summary.rmse >= summary.mae
+
+
+def test_angle_pools_both_components_and_leaves_the_depth_out():
+    poses = np.zeros((2, 3))
+    estimates = np.array([[3.0, 4.0, 100.0], [0.0, 0.0, -100.0]])
+    metrics = measure_errors(estimates, poses)
+    assert metrics.rmse_deg == pytest.approx(np.sqrt(25 / 4))
+    assert metrics.max_error_deg == 4.0
+    assert metrics.rx.max == 3.0
+    assert metrics.depth.rmse == 100.0
+
+
+def test_errors_are_sorted_by_true_depth():
+    poses = np.array([[0, 0, 4.8], [0, 0, 2.4], [0, 0, 2.4]])
+    estimates = poses + np.array([[0.1, 0.1, 0], [2, 0, 0], [0, 0, 0]])
+    shallow, deep = measure_errors(estimates, poses).by_depth
+    assert (shallow.depth_mm, shallow.images, deep.depth_mm, deep.images) == (2.4, 2, 4.8, 1)
+    assert shallow.angle.rmse == pytest.approx(1.0)
+    assert deep.angle.max == pytest.approx(0.1)
+
+
+def test_an_estimate_that_is_not_a_number_is_refused():
+    with pytest.raises(PalpateError, match="1 of 2 estimates"):
+        measure_errors(np.array([[0, 0, np.nan], [0, 0, 1.0]]), np.zeros((2, 3)))
+
+
+def test_no_image_is_refused():
+    with pytest.raises(PalpateError, match="no image"):
+        measure_errors(np.zeros((0, 3)), np.zeros((0, 3)))
+
+
+def test_metrics_survive_json():
+    rng = np.random.default_rng(0)
+    metrics = measure_errors(rng.normal(size=(6, 3)), np.repeat([[0, 0, 1.0], [1, 0, 2.0]], 3, axis=0))
+    assert Metrics.from_dict(metrics.as_dict()) == metrics
