@@ -1,0 +1,97 @@
+"""Limits of a design: what cannot be built, cannot be printed or is outside what the methods are made for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.design.dome import Dome, DomeShape
+from palpate.design.finding import Finding, Severity
+from palpate.design.markers import MarkerLayout
+
+
+def check_design(dome: Dome, markers: MarkerLayout) -> tuple[Finding, ...]:
+    """Report the limits that a dome and its markers meet.
+
+    Parameters
+    ----------
+    dome
+        The dome.
+    markers
+        Its markers.
+
+    Returns
+    -------
+    tuple of Finding
+        Errors first; empty where nothing is to be said.
+    """
+    findings = [*_check_wall(dome), *_check_markers(dome, markers)]
+    order = list(Severity)
+    return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
+
+
+def refuse_errors(findings: Iterable[Finding]) -> None:
+    """Stop where a finding is an error.
+
+    Raises
+    ------
+    PalpateError
+        With the sentence and the remedy of the first error.
+    """
+    for finding in findings:
+        if finding.severity is Severity.ERROR:
+            raise PalpateError(finding.message, finding.remedy)
+
+
+def _check_wall(dome: Dome) -> Iterator[Finding]:
+    if dome.thickness >= dome.radius:
+        yield Finding(
+            Severity.WARNING,
+            "wall-thicker-than-radius",
+            f"The wall is {dome.thickness:g} mm thick, its inner radius only {dome.radius:.4g} mm.",
+            f"Take less than {dome.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a "
+            "shell.",
+        )
+    if dome.shape is DomeShape.CAP:
+        yield Finding(
+            Severity.WARNING,
+            "undercut",
+            f"The dome bulges over its base: {2 * dome.radius:.4g} mm wide at z = {dome.center_z:.4g} mm, "
+            f"{2 * dome.base_radius:g} mm at the base.",
+            "A rigid core cannot be pulled: use a soft or split core, or a height up to "
+            f"{dome.base_radius:g} mm.",
+        )
+
+
+def _check_markers(dome: Dome, markers: MarkerLayout) -> Iterator[Finding]:
+    outside = ~markers.on_dome
+    if outside.any():
+        farthest = float(np.hypot(markers.positions[outside, 0], markers.positions[outside, 1]).max())
+        yield Finding(
+            Severity.ERROR,
+            "ring-outside-dome",
+            f"{int(outside.sum())} markers are up to {farthest:.4g} mm from the axis, outside the dome, "
+            f"which reaches {dome.widest_radius:.4g} mm.",
+            f"Keep ring diameters below {2 * dome.widest_radius:.4g} mm.",
+        )
+    pair = markers.closest_pair()
+    if pair is not None and pair[2] < markers.diameter:
+        yield Finding(
+            Severity.WARNING,
+            "dots-overlap",
+            f"Markers {pair[0]} and {pair[1]} are {pair[2]:.3g} mm apart, but a dot is {markers.diameter:g} "
+            "mm wide.",
+            f"Print dots below {pair[2]:.3g} mm, or spread the markers.",
+        )
+    room = dome.distance_to_rim(markers.positions[~outside])
+    near = room < markers.diameter / 2.0
+    if near.any():
+        yield Finding(
+            Severity.WARNING,
+            "marker-near-rim",
+            f"{int(near.sum())} markers are as near as {float(room.min()):.3g} mm to the rim, less than "
+            f"half a dot ({markers.diameter / 2.0:.3g} mm).",
+            "Move them towards the apex: a dot over the clamped rim is cut and hardly moves.",
+        )

@@ -1,0 +1,45 @@
+"""A layout of markers: where the dots of the undeformed inner surface are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class MarkerLayout:
+    """Markers on the undeformed inner surface.
+
+    Attributes
+    ----------
+    positions
+        (n, 3) centres of the dots, mm, in the dome's frame: the apex first, then ring by ring from azimuth 0,
+        or in the order of the file. z is NaN for a marker that lies outside the dome (`check_design` reports
+        it).
+    diameter
+        Diameter of a dot, mm.
+    """
+
+    positions: NDArray[np.float64]
+    diameter: float
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    @property
+    def on_dome(self) -> NDArray[np.bool_]:
+        """(n,) whether the marker lies on the dome."""
+        return np.isfinite(self.positions[:, 2])
+
+    def closest_pair(self) -> tuple[int, int, float] | None:
+        """Numbers of the two nearest markers on the dome and their distance, mm; `None` below two."""
+        index = np.flatnonzero(self.on_dome)
+        if len(index) < 2:
+            return None
+        points = self.positions[index]
+        distance = np.linalg.norm(points[:, None] - points[None, :], axis=-1)
+        np.fill_diagonal(distance, np.inf)
+        a, b = np.unravel_index(np.argmin(distance), distance.shape)
+        return int(index[a]), int(index[b]), float(distance[a, b])

@@ -1,0 +1,57 @@
+"""From a spec to markers on the inner surface of a dome."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.design.dome import Dome
+from palpate.design.layout_file import read_layout
+from palpate.design.markers import MarkerLayout
+from palpate.design.rings import ring_diameters
+from palpate.design.spec import MarkerSpec
+
+
+def place_markers(dome: Dome, spec: MarkerSpec) -> MarkerLayout:
+    """Place the markers of `spec` on the inner surface, carried there along the dome's axis.
+
+    Parameters
+    ----------
+    dome
+        The dome.
+    spec
+        Rings or a free layout. Every ring starts at azimuth 0.
+
+    Returns
+    -------
+    MarkerLayout
+        The apex and the rings, or the points of the file; a marker outside the dome has no height (NaN) and
+        is reported by `check_design`.
+
+    Raises
+    ------
+    PalpateError
+        If the file of a free layout cannot be read, does not lie on the dome, or has another number of
+        markers than the spec asks for.
+    """
+    if spec.file is None:
+        diameters = spec.ring_diameters or ring_diameters(spec.count, dome.base_radius)
+        return MarkerLayout(positions=_rings(dome, diameters), diameter=spec.diameter)
+    positions = read_layout(spec.file, dome)
+    if "count" in spec.model_fields_set and spec.count != len(positions):
+        raise PalpateError(
+            f"{spec.file} has {len(positions)} markers, but count is {spec.count}.",
+            "Leave count out: the file gives it.",
+        )
+    return MarkerLayout(positions=positions, diameter=spec.diameter)
+
+
+def _rings(dome: Dome, diameters: Sequence[float]) -> NDArray[np.float64]:
+    rings = [dome.inner_point([0.0], [0.0])]
+    for k, diameter in enumerate(diameters, start=1):
+        azimuth = 2.0 * np.pi * np.arange(6 * k) / (6 * k)
+        rings.append(dome.inner_point(diameter / 2.0, azimuth))
+    return np.concatenate(rings)

@@ -1,0 +1,107 @@
+"""What a person may choose about a dome and its markers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from palpate.core import Spec, parameter
+from palpate.design.rings import MAX_RINGS, markers_in_rings, ring_count
+
+PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
+
+
+class DomeSpec(Spec):
+    """A dome: sector of a sphere with a wall of even thickness, measured on its inner surface."""
+
+    height: float = parameter(
+        20.0, unit="mm", meaning="height of the inner surface's apex over the base", source=PAPER, ge=2, le=60
+    )
+    base_radius: float = parameter(
+        20.0, unit="mm", meaning="radius of the inner surface's rim", source=PAPER, ge=5, le=60
+    )
+    thickness: float = parameter(
+        2.0,
+        unit="mm",
+        meaning="thickness of the wall, outward from the inner surface",
+        source=PAPER,
+        ge=0.2,
+        le=15,
+    )
+
+
+class MarkerSpec(Spec):
+    """Dots printed on the inner surface: preset rings, rings of one's own, or a free layout."""
+
+    count: int = parameter(
+        169,
+        unit="1",
+        meaning="number of markers, 1 + 3 n (n + 1) for n rings about the apex",
+        source=PAPER,
+        ge=1,
+    )
+    ring_diameters: tuple[float, ...] | None = parameter(
+        None, unit="mm", meaning="diameters of the rings projected on the base plane; ring k has 6 k markers"
+    )
+    file: Path | None = parameter(
+        None, unit="", meaning="CSV of a free layout with the columns x_mm, y_mm and, if wished, z_mm"
+    )
+    diameter: float = parameter(
+        1.5,
+        unit="mm",
+        meaning="diameter of a printed dot",
+        source="measured in published images",
+        gt=0,
+        le=10,
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _count_follows_the_rings(cls, values: Any) -> Any:
+        rings = values.get("ring_diameters") if isinstance(values, dict) else None
+        if isinstance(rings, list | tuple) and "count" not in values:
+            return {**values, "count": markers_in_rings(len(rings))}
+        return values
+
+    @field_validator("ring_diameters")
+    @classmethod
+    def _rings_grow(cls, rings: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if rings is not None and not all(a < b for a, b in zip((0.0, *rings), rings, strict=False)):
+            raise PydanticCustomError(
+                "rings_not_growing",
+                "ring diameters {rings} mm do not grow from above zero; list them from the apex outward.",
+                {"rings": ", ".join(f"{ring:g}" for ring in rings)},
+            )
+        return rings
+
+    @model_validator(mode="after")
+    def _count_is_a_ring_number(self) -> MarkerSpec:
+        if self.file is not None:
+            if self.ring_diameters is not None:
+                raise PydanticCustomError(
+                    "two_layouts", "ring_diameters and file both give a layout; keep one of them.", {}
+                )
+            return self
+        rings = ring_count(self.count)
+        if rings is None:
+            below = max(n for n in range(MAX_RINGS + 1) if markers_in_rings(n) < self.count)
+            nearest = " or ".join(str(markers_in_rings(n)) for n in (below, below + 1) if n <= MAX_RINGS)
+            raise PydanticCustomError(
+                "not_a_ring_number",
+                "count {count} is not 1 + 3 n (n + 1) for up to {rings} rings; nearest valid: {nearest}.",
+                {"count": self.count, "rings": MAX_RINGS, "nearest": nearest},
+            )
+        if self.ring_diameters is not None and len(self.ring_diameters) != rings:
+            raise PydanticCustomError(
+                "rings_and_count_differ",
+                "{given} ring diameters make {made} markers, but count is {count}; leave count out.",
+                {
+                    "given": len(self.ring_diameters),
+                    "made": markers_in_rings(len(self.ring_diameters)),
+                    "count": self.count,
+                },
+            )
+        return self

@@ -1,0 +1,121 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from palpate.core import PalpateError
+from palpate.design import Dome, MarkerSpec, place_markers, ring_count, ring_diameters
+
+DOME = Dome(20.0, 20.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("count", "diameters"),
+    [
+        (7, (18,)),
+        (37, (10, 20, 30)),
+        (91, (6, 12, 18, 24, 30)),
+        (169, (5, 10, 15, 20, 25, 30, 35)),
+        (19, (17.5, 35.0)),
+    ],
+)
+def test_rings_have_the_published_diameters(count: int, diameters: tuple[float, ...]) -> None:
+    positions = place_markers(DOME, MarkerSpec(count=count)).positions
+    assert len(positions) == count
+    np.testing.assert_allclose(positions[0], [0, 0, 20], atol=1e-12)
+    rho = np.hypot(positions[:, 0], positions[:, 1])
+    expected = np.concatenate([[0.0], *(np.full(6 * k, d / 2) for k, d in enumerate(diameters, 1))])
+    np.testing.assert_allclose(rho, expected, atol=1e-12)
+    np.testing.assert_allclose(DOME.distance_to_inner(positions), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [7, 37, 91, 169, 127])
+def test_every_ring_starts_at_azimuth_zero_and_is_even(count: int) -> None:
+    positions = place_markers(DOME, MarkerSpec(count=count)).positions
+    start = 1
+    for k in range(1, (ring_count(count) or 0) + 1):
+        ring = positions[start : start + 6 * k]
+        azimuth = np.mod(np.arctan2(ring[:, 1], ring[:, 0]) + 1e-9, 2 * np.pi)
+        np.testing.assert_allclose(azimuth, 2 * np.pi * np.arange(6 * k) / (6 * k), atol=1e-8)
+        start += 6 * k
+
+
+def test_presets_scale_with_the_base() -> None:
+    assert ring_diameters(37, base_radius=10.0) == (5.0, 10.0, 15.0)
+
+
+def test_own_rings_give_the_count() -> None:
+    spec = MarkerSpec(ring_diameters=(8.0, 25.0))
+    assert spec.count == 19
+    assert len(place_markers(DOME, spec)) == 19
+
+
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        ({"count": 100}, "nearest valid: 91 or 127"),
+        ({"count": 0}, "greater than or equal to 1"),
+        ({"count": 5000}, "nearest valid: 1261"),
+        ({"ring_diameters": (10.0, 5.0)}, "do not grow"),
+        ({"ring_diameters": (10.0, 15.0), "count": 37}, "19 markers, but count is 37"),
+        ({"ring_diameters": (10.0,), "file": "dots.csv"}, "keep one"),
+    ],
+)
+def test_bad_layouts_are_refused_with_the_numbers(bad: dict[str, object], says: str) -> None:
+    with pytest.raises(ValidationError, match=says):
+        MarkerSpec(**bad)
+
+
+def test_a_marker_outside_has_no_height() -> None:
+    layout = place_markers(DOME, MarkerSpec(ring_diameters=(10.0, 41.0)))
+    assert layout.on_dome.sum() == 7
+    assert np.isnan(layout.positions[~layout.on_dome, 2]).all()
+
+
+def write(folder: Path, text: str) -> MarkerSpec:
+    path = folder / "dots.csv"
+    path.write_text(text)
+    return MarkerSpec(file=path)
+
+
+def test_a_free_layout_is_carried_to_the_surface(tmp_path: Path) -> None:
+    layout = place_markers(DOME, write(tmp_path, "y_mm, x_mm\n4,3\n\n0,-12\n"))
+    np.testing.assert_allclose(layout.positions, [[3, 4, np.sqrt(375)], [-12, 0, 16]], atol=1e-12)
+
+
+def test_a_free_layout_may_give_heights(tmp_path: Path) -> None:
+    layout = place_markers(DOME, write(tmp_path, "x_mm,y_mm,z_mm\n12,0,16\n"))
+    np.testing.assert_allclose(layout.positions, [[12, 0, 16]])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", r"columns \(none\)"),
+        ("x,y\n1,2\n", "must be x_mm,y_mm"),
+        ("x_mm,y_mm\n", "no points"),
+        ("x_mm,y_mm\n1,2\n3,four\n", r"dots.csv:3: 3,four is not 2 numbers"),
+        ("x_mm,y_mm\n1,2,3\n", "is not 2 numbers"),
+        ("x_mm,y_mm\n1,nan\n", "is not 2 numbers"),
+        ("x_mm,y_mm,z_mm\n12,0,15\n", "off the inner surface"),
+        ("x_mm,y_mm,z_mm\n12,0,-16\n", "below the base plane"),
+    ],
+)
+def test_a_bad_layout_file_is_an_error_with_its_place(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(PalpateError, match=says):
+        place_markers(DOME, write(tmp_path, text))
+
+
+def test_a_missing_or_binary_layout_file_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(PalpateError, match="No such file"):
+        place_markers(DOME, MarkerSpec(file=tmp_path / "none.csv"))
+    (tmp_path / "dots.csv").write_bytes(bytes(range(128, 256)))
+    with pytest.raises(PalpateError, match="no text table"):
+        place_markers(DOME, MarkerSpec(file=tmp_path / "dots.csv"))
+
+
+def test_count_and_file_must_agree(tmp_path: Path) -> None:
+    spec = write(tmp_path, "x_mm,y_mm\n1,2\n")
+    with pytest.raises(PalpateError, match="has 1 markers, but count is 7"):
+        place_markers(DOME, MarkerSpec(file=spec.file, count=7))
