@@ -1,0 +1,26 @@
+"""Datasets: from solved presses and a camera to images of markers with known poses."""
+
+from palpate.dataset.dataset import Dataset
+from palpate.dataset.field import MarkerField, build_field
+from palpate.dataset.generate_dataset import DATASET_VERSION, generate_dataset
+from palpate.dataset.io import read_dataset, write_dataset
+from palpate.dataset.normalise import Normalisation, draw_jitter
+from palpate.dataset.poses import sample_poses
+from palpate.dataset.spec import DatasetSpec
+from palpate.dataset.split import LeakageError, refuse_leakage
+
+__all__ = [
+    "DATASET_VERSION",
+    "Dataset",
+    "DatasetSpec",
+    "LeakageError",
+    "MarkerField",
+    "Normalisation",
+    "build_field",
+    "draw_jitter",
+    "generate_dataset",
+    "read_dataset",
+    "refuse_leakage",
+    "sample_poses",
+    "write_dataset",
+]

@@ -1,0 +1,98 @@
+"""Displacement along circles of a pressed dome, as Fourier series about the wall's azimuth.
+
+The undeformed dome is a body of revolution, so a wall turned to another azimuth turns the whole solution
+with it. In cylindrical components (radial, azimuthal, axial) the displacement of a point at azimuth φ
+depends on the wall's azimuth α only through their difference
+
+    u(φ; α) = Re Σ_k c_k exp(i k ψ),      ψ = φ − α − 90°
+
+and ψ = 0 is the direction of the wall's rotation vector turned by 90° (+y for azimuth 0), where the mirror
+plane of the problem cuts the circle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from palpate.fea import Press
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+SAMPLES = 96
+"""Points on a circle."""
+ORDERS = 40
+"""Orders 0 … 39 of the series are kept: wave lengths down to 9° of azimuth."""
+QUARTER_TURN = np.pi / 2
+
+
+@dataclass(frozen=True)
+class MarkerCircles:
+    """Markers sorted onto circles about the dome's axis.
+
+    Attributes
+    ----------
+    radius, height
+        (c,) mm, radius of each circle about the axis and its z.
+    circle
+        (m,) number of the circle on which each marker lies.
+    azimuth
+        (m,) rad, azimuth of each marker; 0 for one on the axis.
+    """
+
+    radius: Array
+    height: Array
+    circle: NDArray[np.intp]
+    azimuth: Array
+
+
+def sort_onto_circles(positions: Array) -> MarkerCircles:
+    """Find the distinct circles on which undeformed markers (m, 3) in mm lie, to within 10⁻⁶ mm."""
+    radius = np.hypot(positions[:, 0], positions[:, 1])
+    rounded = np.round(np.stack([radius, positions[:, 2]], axis=1), 6)
+    _, first, circle = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    azimuth = np.where(radius > 0, np.arctan2(positions[:, 1], positions[:, 0]), 0.0)
+    return MarkerCircles(radius[first], positions[first, 2], circle.reshape(-1), azimuth)
+
+
+def expand_press(press: Press, circles: MarkerCircles) -> tuple[ComplexArray, float]:
+    """Fourier series of one press on every circle.
+
+    Parameters
+    ----------
+    press
+        A solved press at any azimuth of the wall.
+    circles
+        Where the markers lie.
+
+    Returns
+    -------
+    tuple[ComplexArray, float]
+        Coefficients c_k in mm, (n images, c circles, 3 components, `ORDERS`), and the largest distance (mm)
+        between the sampled points and the series.
+    """
+    psi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    phi = psi + np.deg2rad(press.wall.azimuth_deg) + QUARTER_TURN
+    cosine, sine = np.cos(phi), np.sin(phi)
+    points = np.empty((len(circles.radius), SAMPLES, 3))
+    points[..., 0] = circles.radius[:, None] * cosine
+    points[..., 1] = circles.radius[:, None] * sine
+    points[..., 2] = circles.height[:, None]
+    moved = press.positions(points.reshape(-1, 3)).reshape(-1, *points.shape) - points
+    cylindrical = np.stack(
+        [
+            moved[..., 0] * cosine + moved[..., 1] * sine,
+            -moved[..., 0] * sine + moved[..., 1] * cosine,
+            moved[..., 2],
+        ],
+        axis=-2,
+    )
+    series = 2.0 * np.fft.rfft(cylindrical, axis=-1)[..., :ORDERS] / SAMPLES
+    series[..., 0] /= 2.0
+    wave = np.exp(1j * np.arange(ORDERS)[:, None] * psi)
+    return series, float(np.abs((series @ wave).real - cylindrical).max())

@@ -1,0 +1,110 @@
+"""The noun of the stage: clean images of markers with the poses that made them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.dataset.normalise import Normalisation
+from palpate.dataset.spec import DatasetSpec
+from palpate.dataset.split import refuse_leakage
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """Images of one design, without jitter: it is drawn anew whenever the images are used.
+
+    The order of the markers is that of the layout, in every image. An image in which a marker cannot be seen
+    is not in the dataset, since a network that reads every marker has no input for it; `dropped` counts it.
+
+    Attributes
+    ----------
+    spec
+        What was chosen.
+    images_px
+        (n, m, 2) u and v of each marker (px).
+    poses
+        (n, 3) rx and ry (degrees), depth (mm).
+    press
+        (n,) number of the virtual press: one pose with all its depths.
+    validation
+        (n,) whether the image is held out; all images of a press are on one side.
+    branch
+        (n,) ``"flat"`` or ``"inverted"``.
+    travel_mm
+        (n,) mean over the markers of their distance from rest in space (mm).
+    rest_px
+        (m, 2) markers of the undeformed dome (px).
+    image_size_px
+        Width and height of the image (px).
+    solved_presses
+        Solved presses behind the images.
+    dropped
+        Sampled images left out, by reason.
+    """
+
+    spec: DatasetSpec
+    images_px: Array
+    poses: Array
+    press: NDArray[np.int64]
+    validation: NDArray[np.bool_]
+    branch: NDArray[np.str_]
+    travel_mm: Array
+    rest_px: Array
+    image_size_px: tuple[int, int]
+    solved_presses: int
+    dropped: Mapping[str, int]
+
+    def __post_init__(self) -> None:
+        count = len(self.images_px)
+        columns = (self.poses, self.press, self.validation, self.branch, self.travel_mm)
+        lengths = {len(column) for column in columns}
+        if lengths != {count}:
+            raise PalpateError(f"A dataset of {count} images has columns of {sorted(lengths)} rows.")
+        if not np.isfinite(self.images_px).all():
+            raise PalpateError(
+                "A dataset has a marker whose position is not a number.", "Make the dataset again."
+            )
+        refuse_leakage(self.press, self.poses, self.validation)
+
+    @property
+    def normalisation(self) -> Normalisation:
+        """Map from pixels to the numbers a network reads."""
+        return Normalisation.of_image(self.spec.normalisation, *self.image_size_px)
+
+    @property
+    def virtual_presses(self) -> int:
+        """Number of sampled poses that gave at least one image."""
+        return len(np.unique(self.press))
+
+    def branch_counts(self) -> dict[str, int]:
+        """Number of images on each branch."""
+        names, counts = np.unique(self.branch, return_counts=True)
+        return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
+
+    def full_depth_travel_mm(self) -> float:
+        """Mean marker travel of the design: `travel_mm` averaged over the images at the greatest depth."""
+        deepest = self.poses[:, 2].max()
+        return float(self.travel_mm[np.isclose(self.poses[:, 2], deepest)].mean())
+
+    def part(self, *, validation: bool) -> Self:
+        """The held-out images, or those for training, as a dataset of their own."""
+        from dataclasses import replace
+
+        rows = self.validation == validation
+        return replace(
+            self,
+            images_px=self.images_px[rows],
+            poses=self.poses[rows],
+            press=self.press[rows],
+            validation=self.validation[rows],
+            branch=self.branch[rows],
+            travel_mm=self.travel_mm[rows],
+        )

@@ -1,0 +1,121 @@
+"""From solved presses to images: sample poses, interpolate the markers, project them, split by press."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.dataset.dataset import Dataset
+from palpate.dataset.field import MarkerField, build_field
+from palpate.dataset.poses import sample_poses
+from palpate.dataset.spec import DatasetSpec
+from palpate.dataset.split import hold_out, number_presses
+
+if TYPE_CHECKING:
+    from palpate.camera import Camera
+    from palpate.design import MarkerLayout
+    from palpate.fea import Press
+
+DATASET_VERSION = "1"
+"""Version of the code that decides what a dataset contains; part of an artefact's key."""
+
+UNSEEN = "a marker outside the image"
+
+Array = NDArray[np.float64]
+
+
+def generate_dataset(
+    presses: Sequence[Press],
+    markers: MarkerLayout,
+    camera: Camera,
+    spec: DatasetSpec = DatasetSpec(),  # noqa: B008  (a spec is frozen)
+) -> Dataset:
+    """Make the images of one design.
+
+    Parameters
+    ----------
+    presses
+        Solved presses of one dome, one a tilt.
+    markers
+        Layout on the dome's inner surface.
+    camera
+        Looks at the markers from below.
+    spec
+        Poses, images left out, jitter, normalisation and split.
+
+    Returns
+    -------
+    Dataset
+        Clean images, and the number of sampled images left out by reason.
+
+    Raises
+    ------
+    PalpateError
+        If a marker at rest lies outside the image, or no image is left.
+    """
+    field = build_field(presses, markers)
+    _refuse_unseen_at_rest(field.rest, camera)
+    rotations = sample_poses(spec)
+    number = number_presses(rotations)
+    dropped: Counter[str] = Counter()
+    columns = [
+        _images_at(field, image, rotations, camera, dropped)
+        for image in range(spec.dropped_images, len(field.depths_mm))
+    ]
+    if not columns or not sum(len(column["row"]) for column in columns):
+        raise PalpateError(
+            f"No image is left: {spec.dropped_images} images dropped, presses end at "
+            f"{field.depths_mm.max(initial=0.0):g} mm, {sum(dropped.values())} images out of reach.",
+            "Press deeper, or drop fewer images.",
+        )
+    joined = {name: np.concatenate([column[name] for column in columns]) for name in columns[0]}
+    press = number[joined["row"]]
+    return Dataset(
+        spec=spec,
+        images_px=joined["images_px"],
+        poses=np.column_stack([rotations[joined["row"]], joined["depth"]]),
+        press=press,
+        validation=hold_out(press, spec.validation_fraction, spec.seed),
+        branch=joined["branch"],
+        travel_mm=joined["travel_mm"],
+        rest_px=camera.project(field.rest),
+        image_size_px=(camera.width_px, camera.height_px),
+        solved_presses=len(presses),
+        dropped=dict(dropped),
+    )
+
+
+def _images_at(
+    field: MarkerField, image: int, rotations: Array, camera: Camera, dropped: Counter[str]
+) -> dict[str, NDArray[np.generic]]:
+    """Columns of the images at one depth; `dropped` counts the others."""
+    branch, reason = field.labels(np.hypot(rotations[:, 0], rotations[:, 1]), image)
+    dropped.update(str(text) for text in reason[reason != ""])
+    row = np.flatnonzero(branch != "")
+    points = field.positions(rotations[row, 0], rotations[row, 1], image)
+    seen = camera.visible(points).all(axis=1)
+    if not seen.all():
+        dropped[UNSEEN] += int((~seen).sum())
+    row, points = row[seen], points[seen]
+    return {
+        "row": row,
+        "images_px": camera.project(points),
+        "depth": np.full(len(row), field.depths_mm[image]),
+        "branch": branch[row],
+        "travel_mm": np.linalg.norm(points - field.rest, axis=-1).mean(axis=-1),
+    }
+
+
+def _refuse_unseen_at_rest(rest: Array, camera: Camera) -> None:
+    unseen = np.flatnonzero(~camera.visible(rest))
+    if len(unseen):
+        shown = ", ".join(str(number) for number in unseen[:5])
+        raise PalpateError(
+            f"{len(unseen)} of {len(rest)} markers lie outside the image at rest (numbers {shown}).",
+            "Move the camera farther away, or use smaller rings.",
+        )
