@@ -1,0 +1,127 @@
+"""The camera: a pinhole with lens distortion, posed in the dome's frame.
+
+    points_camera = camera_from_dome · (points_dome - origin)
+    (u, v) = (cx + fx x_d, cy + fy y_d),   (x_d, y_d) = distort(x/z, y/z)
+
+Nominally the camera's axes are the dome's: columns run along x, rows along y, and it looks up the axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from palpate.camera.distortion import Distortion
+from palpate.camera.spec import CameraSpec
+from palpate.design import Dome
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A camera below the dome.
+
+    Attributes
+    ----------
+    spec
+        What it was built from.
+    distortion
+        Its lens.
+    camera_from_dome
+        (3, 3) rotation from the dome's frame to the camera's.
+    origin
+        (3,) the pinhole in the dome's frame, mm.
+    """
+
+    spec: CameraSpec
+    distortion: Distortion
+    camera_from_dome: NDArray[np.float64]
+    origin: NDArray[np.float64]
+
+    def project(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Pixels of points.
+
+        Parameters
+        ----------
+        points
+            (..., 3) in the dome's frame, mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 2) column and row, px; NaN for points behind the camera.
+        """
+        plane = self._on_unit_plane(points)
+        scale, middle = self._intrinsics()
+        pixels: NDArray[np.float64] = self.distortion.distort(plane) * scale + middle
+        return pixels
+
+    def visible(self, points: ArrayLike, dome: Dome | None = None) -> NDArray[np.bool_]:
+        """Whether points can be seen.
+
+        A point is seen if it is in front of the camera, where the lens does not fold, and inside the image.
+        With a dome, the line of sight must also pass the opening of its base (radius B in the plane z = 0):
+        the clamped rim hides what bulges beyond it. Folds of the wall itself are not looked for.
+
+        Parameters
+        ----------
+        points
+            (..., 3) in the dome's frame, mm.
+        dome
+            The dome that the points belong to.
+
+        Returns
+        -------
+        ndarray of bool
+            (...)
+        """
+        points = np.asarray(points, float)
+        pixels = self.project(points)
+        size = np.array([self.spec.width_px, self.spec.height_px])
+        # pixel (0, 0) reaches from -0.5 to 0.5, as in OpenCV; NaN compares as not inside
+        seen = np.all((pixels >= -0.5) & (pixels <= size - 0.5), axis=-1)
+        seen &= np.linalg.norm(self._on_unit_plane(points), axis=-1) <= self.distortion.limit
+        if dome is not None:
+            seen &= self._passes_opening(points, dome.base_radius)
+        return np.asarray(seen)
+
+    def back_project(self, pixels: ArrayLike) -> NDArray[np.float64]:
+        """Directions in which pixels look.
+
+        Parameters
+        ----------
+        pixels
+            (..., 2) column and row, px.
+
+        Returns
+        -------
+        ndarray
+            (..., 3) unit vectors in the dome's frame, from `origin`.
+
+        Raises
+        ------
+        PalpateError
+            If the lens distortion folds before it reaches a pixel.
+        """
+        scale, middle = self._intrinsics()
+        plane = self.distortion.undistort((np.asarray(pixels, float) - middle) / scale)
+        rays = np.concatenate([plane, np.ones((*plane.shape[:-1], 1))], axis=-1)
+        directions = rays @ self.camera_from_dome
+        return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
+
+    def _intrinsics(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        spec = self.spec
+        return np.array([spec.fx_px, spec.fy_px]), np.array([spec.cx_px, spec.cy_px])
+
+    def _on_unit_plane(self, points: ArrayLike) -> NDArray[np.float64]:
+        camera = (np.asarray(points, float) - self.origin) @ self.camera_from_dome.T
+        depth = camera[..., 2:]
+        plane: NDArray[np.float64] = camera[..., :2] / np.where(depth > 0.0, depth, np.nan)
+        return plane
+
+    def _passes_opening(self, points: NDArray[np.float64], radius: float) -> NDArray[np.bool_]:
+        ray = points - self.origin
+        rise = np.where(ray[..., 2] > 0.0, ray[..., 2], np.nan)
+        crossing = self.origin[:2] - (self.origin[2] / rise)[..., None] * ray[..., :2]
+        return np.asarray(np.linalg.norm(crossing, axis=-1) <= radius)

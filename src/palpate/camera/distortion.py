@@ -1,0 +1,124 @@
+"""Lens distortion: the polynomial of Brown (1971), with the coefficients of OpenCV.
+
+On the plane at unit distance, with r² = x² + y²,
+
+    x_d = x (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 x y + p2 (r² + 2 x²)
+    y_d = y (1 + k1 r² + k2 r⁴ + k3 r⁶) + p1 (r² + 2 y²) + 2 p2 x y
+
+The radial part grows only up to the first zero of 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶; beyond it the image folds
+back and two directions share a pixel, so nothing there can be seen or inverted.
+
+D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37 (1971) 855-866.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+
+_ITERATIONS = 50
+_TOLERANCE = 1e-10
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """Five coefficients of lens distortion.
+
+    Attributes
+    ----------
+    k1, k2, p1, p2, k3
+        Radial (k) and tangential (p) coefficients, in OpenCV's order; all zero for an ideal lens.
+    """
+
+    k1: float = 0.0
+    k2: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    k3: float = 0.0
+
+    @cached_property
+    def limit(self) -> float:
+        """Greatest radius on the unit plane up to which the radial part grows; infinite for most lenses."""
+        # in 1/r² the leading coefficient is 1, so vanishing k's do no harm
+        roots = np.roots(np.array([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3]))
+        inverse = max((root.real for root in roots if abs(root.imag) < 1e-12), default=0.0)
+        return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
+
+    def distort(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Where ideal points appear.
+
+        Parameters
+        ----------
+        points
+            (..., 2) on the plane at unit distance.
+
+        Returns
+        -------
+        ndarray
+            (..., 2) on the same plane.
+        """
+        x, y = points[..., 0], points[..., 1]
+        square = x * x + y * y
+        radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
+        return np.stack(
+            [
+                x * radial + 2.0 * self.p1 * x * y + self.p2 * (square + 2.0 * x * x),
+                y * radial + self.p1 * (square + 2.0 * y * y) + 2.0 * self.p2 * x * y,
+            ],
+            axis=-1,
+        )
+
+    def undistort(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Ideal points of observed ones, by Newton's iteration.
+
+        Parameters
+        ----------
+        points
+            (..., 2) observed, on the plane at unit distance.
+
+        Returns
+        -------
+        ndarray
+            (..., 2) on the same plane; `distort` gives `points` back to 1e-10.
+
+        Raises
+        ------
+        PalpateError
+            If a point is not seen by this lens: the distortion folds before it reaches there.
+        """
+        ideal = np.array(points, dtype=float)
+        for _ in range(_ITERATIONS):
+            miss = self.distort(ideal) - points
+            if not np.any(np.abs(miss) > _TOLERANCE):
+                break
+            ideal -= np.linalg.solve(self._slope(ideal), miss[..., None])[..., 0]
+        worst = float(np.max(np.abs(self.distort(ideal) - points), initial=0.0))
+        radius = float(np.max(np.linalg.norm(ideal, axis=-1), initial=0.0))
+        if not worst <= _TOLERANCE * 10.0 or radius > self.limit:
+            raise PalpateError(
+                f"The lens distortion folds at radius {self.limit:.3g}, so a pixel cannot be traced back.",
+                "Use points nearer the middle of the image, or coefficients fitted over the whole image.",
+            )
+        return ideal
+
+    def _slope(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., 2, 2) derivative of `distort`; where it is singular, the identity."""
+        x, y = points[..., 0], points[..., 1]
+        square = x * x + y * y
+        radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
+        slope = 2.0 * (self.k1 + square * (2.0 * self.k2 + square * 3.0 * self.k3))
+        cross = x * y * slope + 2.0 * (self.p1 * x + self.p2 * y)
+        matrix = np.stack(
+            [
+                np.stack([radial + x * x * slope + 2.0 * self.p1 * y + 6.0 * self.p2 * x, cross], axis=-1),
+                np.stack([cross, radial + y * y * slope + 6.0 * self.p1 * y + 2.0 * self.p2 * x], axis=-1),
+            ],
+            axis=-2,
+        )
+        singular = np.abs(np.linalg.det(matrix)) < 1e-9
+        return np.where(singular[..., None, None], np.eye(2), matrix)
