@@ -39,6 +39,16 @@ class Camera:
     camera_from_dome: NDArray[np.float64]
     origin: NDArray[np.float64]
 
+    @property
+    def width_px(self) -> int:
+        """Width of the image, px."""
+        return self.spec.width_px
+
+    @property
+    def height_px(self) -> int:
+        """Height of the image, px."""
+        return self.spec.height_px
+
     def project(self, points: ArrayLike) -> NDArray[np.float64]:
         """Pixels of points.
 
