@@ -1,0 +1,318 @@
+"""Contact of the outer surface with a rigid plane, integrated on the quadrature points of the outer faces.
+
+With the penetration ``delta = n·(x - x_w)`` of a point (positive inside the wall) and its place in the plane
+``s = (I - n n^T)(x - x_w)``, the contact energy per undeformed area is
+
+    phi(delta) + psi(s - s0),    p = phi'(delta)
+
+* ``phi`` is a penalty of stiffness ``eps`` that starts quadratically in force over the width ``w``:
+  ``p = eps delta² / 2w`` up to ``delta = w`` and ``eps (delta - w/2)`` beyond, so that the tangent is continuous;
+* ``psi`` is a spring ``eps_t`` from the place ``s0`` on the wall where the point touched it, limited to the
+  traction ``mu p`` (a Huber potential; no slip is mu = infinity, frictionless mu = 0). Which points stick, and
+  the limit ``mu p``, are held during a solve and corrected between solves, so every solve minimises a smooth
+  energy and its tangent is symmetric (Wriggers, *Computational Contact Mechanics*, 2006, chapter 5). A point
+  that is about to touch gets its ``s0`` where its predicted path crosses the wall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import kernel
+from palpate.fea.arrays import FloatArray, IntArray
+from palpate.fea.element import DOFS
+from palpate.mesh import gauss_points, shape_quadrilateral
+
+OUTER_FIRST = 18
+"""First node of the outer face in a cell."""
+
+FREE, STICK, SLIP = 0, 1, 2
+"""State of a contact point."""
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Numbers of the contact energy.
+
+    Attributes
+    ----------
+    stiffness
+        Normal penalty eps, MPa/mm.
+    width
+        Width w of its smooth start, mm.
+    tangential_stiffness
+        Spring eps_t, MPa/mm.
+    friction
+        Coefficient of friction mu: 0 frictionless, infinity no slip.
+    """
+
+    stiffness: float
+    width: float
+    tangential_stiffness: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A rigid plane.
+
+    Attributes
+    ----------
+    normal
+        (3,) unit normal, away from the body.
+    point
+        (3,) mm, a point that moves with the plane.
+    """
+
+    normal: FloatArray
+    point: FloatArray
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Where the contact points stick, and how hard.
+
+    Attributes
+    ----------
+    place
+        (n_points, 3) mm: the place on the wall that each point sticks to.
+    limit
+        (n_points,) MPa greatest tangential traction; 0 for points that do not stick, infinite for no slip.
+    """
+
+    place: FloatArray
+    limit: FloatArray
+
+
+class OuterSurface:
+    """Quadrature points of the outer faces of a solid.
+
+    Parameters
+    ----------
+    nodes
+        (n, 3) mm.
+    faces
+        (n_faces, 9) node numbers of the outer faces.
+    cell_of_face
+        (n_faces,) cell whose face zeta = +1 each one is.
+    points_per_side
+        Gauss points along each side of a face.
+    """
+
+    def __init__(
+        self, nodes: FloatArray, faces: IntArray, cell_of_face: IntArray, points_per_side: int = 4
+    ) -> None:
+        points, weights = gauss_points((points_per_side, points_per_side))
+        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self.cell_of_face = np.ascontiguousarray(cell_of_face, dtype=np.int64)
+        self.shape, self.slope = shape_quadrilateral(points)
+        self.quadrature = weights
+        self.weight = self._areas(nodes)
+        self.points = self.interpolate(nodes)
+
+    def _areas(self, nodes: FloatArray) -> FloatArray:
+        tangents = np.einsum("fai,qaj->fqji", nodes[self.faces], self.slope)
+        area: FloatArray = np.linalg.norm(np.cross(tangents[..., 0, :], tangents[..., 1, :]), axis=-1)
+        return np.ascontiguousarray(area * self.quadrature)
+
+    def interpolate(self, field: FloatArray) -> FloatArray:
+        """Nodal field (n, 3) at the quadrature points: (n_faces * n_q, 3)."""
+        return np.einsum("qa,fai->fqi", self.shape, field[self.faces]).reshape(-1, 3)
+
+    def current_area(self, nodes: FloatArray, u: FloatArray, touching: np.ndarray) -> float:
+        """Deformed area in mm² of the points that are marked in `touching` (n_points,) bool."""
+        return float(self._areas(nodes + u).ravel()[touching].sum())
+
+    def foresee(
+        self, law: ContactLaw, touch: Touch, before: tuple[FloatArray, Plane], after: tuple[FloatArray, Plane]
+    ) -> Touch:
+        """Let points that are about to touch stick where their predicted path crosses the wall.
+
+        `before` is the last equilibrium, `after` the prediction: points (n_points, 3) mm and wall of each.
+        """
+        reach0, place0 = _in_plane(*before)
+        reach1, place1 = _in_plane(*after)
+        fresh = (touch.limit == 0) & (reach1 > 0)
+        share = np.clip(np.divide(-reach0, reach1 - reach0, out=np.zeros_like(reach0), where=fresh), 0.0, 1.0)
+        crossing = place0 + share[:, None] * (place1 - place0)
+        limit = np.where(fresh, np.inf, touch.limit) if np.isinf(law.friction) else touch.limit
+        return Touch(place=np.where(fresh[:, None], crossing, touch.place), limit=limit)
+
+    def correct(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> Touch:
+        """Limits that belong to the equilibrium x (n_points, 3) mm; no slip only lets points go."""
+        reach, _ = _in_plane(x, plane)
+        limit = (
+            np.where(reach > 0, touch.limit, 0.0)
+            if np.isinf(law.friction)
+            else law.friction * penalty_pressure(law, reach)
+        )
+        return Touch(place=touch.place, limit=limit)
+
+    def settle(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> Touch:
+        """What the points keep of the equilibrium x (n_points, 3) mm: where they stick, after any slip."""
+        reach, place = _in_plane(x, plane)
+        spring = np.where(touch.limit[:, None] > 0, place - touch.place, 0.0)
+        length = law.tangential_stiffness * np.linalg.norm(spring, axis=1)
+        kept = np.divide(touch.limit, length, out=np.ones_like(length), where=length > touch.limit)
+        limit = np.where(
+            reach > 0, np.inf if np.isinf(law.friction) else law.friction * penalty_pressure(law, reach), 0.0
+        )
+        return Touch(place=place - kept[:, None] * spring, limit=limit)
+
+    def states(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> IntArray:
+        """State of every point at x (n_points, 3) mm: `FREE`, `STICK` or `SLIP` (frictionless contact slips)."""
+        reach, place = _in_plane(x, plane)
+        trial = law.tangential_stiffness * np.linalg.norm(place - touch.place, axis=1)
+        return np.where(reach <= 0, FREE, np.where(trial < touch.limit, STICK, SLIP)).astype(np.int64)
+
+
+def untouched(points: int) -> Touch:
+    """Nothing has touched yet."""
+    return Touch(place=np.zeros((points, 3)), limit=np.zeros(points))
+
+
+def _in_plane(x: FloatArray, plane: Plane) -> tuple[FloatArray, FloatArray]:
+    """Penetration (n,) and place in the plane (n, 3) of points x (n, 3), mm."""
+    reach = (x - plane.point) @ plane.normal
+    return reach, x - plane.point - reach[:, None] * plane.normal
+
+
+def penalty_pressure(law: ContactLaw, reach: FloatArray) -> FloatArray:
+    """Contact pressure in MPa at penetrations (n,) mm."""
+    inside = np.maximum(reach, 0.0)
+    return np.where(
+        inside < law.width,
+        law.stiffness * inside**2 / (2 * law.width),
+        law.stiffness * (inside - law.width / 2),
+    )
+
+
+@kernel
+def assemble_contact(
+    faces: IntArray,
+    cell_of_face: IntArray,
+    shape: FloatArray,
+    weight: FloatArray,
+    position: FloatArray,
+    normal: FloatArray,
+    point: FloatArray,
+    law: FloatArray,
+    stick_place: FloatArray,
+    stick_limit: FloatArray,
+    place: IntArray,
+    data: FloatArray,
+    residual: FloatArray,
+    force: FloatArray,
+) -> float:
+    """Add contact to tangent and residual.
+
+    Parameters
+    ----------
+    faces, cell_of_face, shape, weight
+        Of the `OuterSurface`.
+    position
+        (n, 3) mm deformed nodes.
+    normal, point
+        (3,) of the `Plane`.
+    law
+        (3,) stiffness, width, tangential stiffness of the `ContactLaw`.
+    stick_place, stick_limit
+        Of `Touch`.
+    place, data, residual
+        As in `palpate.fea.element.assemble_cells`.
+    force
+        (3,) N, receives the force on the wall.
+
+    Returns
+    -------
+    float
+        Contact energy, mJ.
+    """
+    eps, width, eps_t = law
+    force[:] = 0.0
+    energy = 0.0
+    x, s, t = np.empty(3), np.empty(3), np.empty(3)
+    H = np.empty((3, 3))
+    count = shape.shape[0]
+    for f in range(len(faces)):
+        block = place[cell_of_face[f]]
+        for q in range(count):
+            x[:] = 0.0
+            for a in range(9):
+                for i in range(3):
+                    x[i] += shape[q, a] * position[faces[f, a], i]
+            delta = 0.0
+            for i in range(3):
+                x[i] -= point[i]
+                delta += normal[i] * x[i]
+            at = f * count + q
+            if delta <= 0.0 and stick_limit[at] == 0.0:
+                continue
+            w = weight[f, q]
+            inside = max(delta, 0.0)
+            if inside < width:
+                p, stiffness = eps * inside * inside / (2.0 * width), eps * inside / width
+                energy += w * eps * inside**3 / (6.0 * width)
+            else:
+                p, stiffness = eps * (inside - 0.5 * width), eps
+                energy += w * eps * (0.5 * inside * inside - 0.5 * width * inside + width * width / 6.0)
+            for i in range(3):
+                for j in range(3):
+                    H[i, j] = stiffness * normal[i] * normal[j]
+                t[i] = p * normal[i]
+            if stick_limit[at] > 0.0:
+                for i in range(3):
+                    s[i] = x[i] - delta * normal[i] - stick_place[at, i]
+                energy += w * _add_friction(s, normal, stick_limit[at], eps_t, t, H)
+            for i in range(3):
+                force[i] += w * t[i]
+            _add_point(faces[f], shape[q], w, t, H, block, data, residual)
+    return energy
+
+
+@kernel
+def _add_friction(
+    s: FloatArray, normal: FloatArray, limit: float, k: float, t: FloatArray, H: FloatArray
+) -> float:
+    """Add traction and stiffness of the spring s (3,) mm from the sticking place; return its energy, mJ/mm²."""
+    length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    if k * length <= limit:
+        for i in range(3):
+            t[i] += k * s[i]
+            for j in range(3):
+                H[i, j] += k * ((1.0 if i == j else 0.0) - normal[i] * normal[j])
+        return 0.5 * k * length * length
+    for i in range(3):
+        si = s[i] / length
+        t[i] += limit * si
+        for j in range(3):
+            H[i, j] += (
+                limit / length * ((1.0 if i == j else 0.0) - normal[i] * normal[j] - si * s[j] / length)
+            )
+    return limit * (length - 0.5 * limit / k)
+
+
+@kernel
+def _add_point(
+    nodes: IntArray,
+    shape: FloatArray,
+    w: float,
+    t: FloatArray,
+    H: FloatArray,
+    block: IntArray,
+    data: FloatArray,
+    residual: FloatArray,
+) -> None:
+    for a in range(9):
+        wa = w * shape[a]
+        for i in range(3):
+            residual[3 * nodes[a] + i] += wa * t[i]
+            row = 3 * (OUTER_FIRST + a) + i
+            start = row * DOFS - row * (row - 1) // 2 - row
+            for b in range(a, 9):
+                for j in range(i if a == b else 0, 3):
+                    target = block[start + 3 * (OUTER_FIRST + b) + j]
+                    if target >= 0:
+                        data[target] += wa * shape[b] * H[i, j]

@@ -1,0 +1,85 @@
+"""Write and read a press: one HDF5 file, every array with its unit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, build_dome
+from palpate.fea.press import FEA_VERSION, Ended, Press
+from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.material import material_from_data
+from palpate.mesh import MeshSpec, mesh_dome
+
+_ARRAYS = {
+    "depth": "mm",
+    "displacement": "mm",
+    "force": "N",
+    "energy": "mJ",
+    "work": "mJ",
+    "peak_stress": "MPa",
+    "contact_area": "mm2",
+    "apex_gap": "mm",
+}
+_NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
+
+
+def write_press(path: Path, press: Press) -> None:
+    """Write a press. The mesh is not stored: it is built again from its spec, which takes milliseconds."""
+    with h5py.File(path, "w") as file:
+        file.attrs["kind"] = "palpate press"
+        file.attrs["version"] = FEA_VERSION
+        dome = press.mesh.dome
+        file.attrs["dome"] = json.dumps(
+            {"height": dome.height, "base_radius": dome.base_radius, "thickness": dome.thickness}
+        )
+        file.attrs["mesh"] = press.mesh.spec.model_dump_json()
+        file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
+        file.attrs["wall"] = press.wall.model_dump_json()
+        file.attrs["solver"] = press.solver.model_dump_json()
+        file.attrs["ended"] = str(press.ended)
+        file.attrs["message"] = press.message
+        for name in _NUMBERS:
+            file.attrs[name] = getattr(press, name)
+        for name, unit in _ARRAYS.items():
+            values = getattr(press, name)
+            data = file.create_dataset(
+                name, data=values.astype(np.float32) if name == "displacement" else values
+            )
+            data.attrs["units"] = unit
+        file.create_dataset(
+            "branch", data=[str(branch) for branch in press.branch], dtype=h5py.string_dtype()
+        )
+
+
+def read_press(path: Path) -> Press:
+    """Read a press.
+
+    Raises
+    ------
+    PalpateError
+        If the file is no press, or one of another version.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != FEA_VERSION:
+                raise PalpateError(f"{path} is no press of version {FEA_VERSION}.", "Solve it again.")
+            dome = build_dome(DomeSpec(**json.loads(file.attrs["dome"])))
+            numbers = {name: file.attrs[name].item() for name in _NUMBERS}
+            return Press(
+                mesh=mesh_dome(dome, MeshSpec.model_validate_json(file.attrs["mesh"])),
+                material=material_from_data(json.loads(file.attrs["material"])),
+                wall=WallSpec.model_validate_json(file.attrs["wall"]),
+                solver=SolverSpec.model_validate_json(file.attrs["solver"]),
+                **{name: file[name][()].astype(float) for name in _ARRAYS},
+                branch=np.array(file["branch"].asstr()[()], dtype=np.str_),
+                ended=Ended(file.attrs["ended"]),
+                message=str(file.attrs["message"]),
+                **numbers,
+            )
+    except (OSError, KeyError, ValueError) as error:
+        raise PalpateError(f"{path} cannot be read as a press: {error}.", "Solve it again.") from None

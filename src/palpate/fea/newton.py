@@ -1,0 +1,264 @@
+"""Equilibrium by Newton's method: one increment, from a predicted state to a converged one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from palpate.fea.arrays import FloatArray
+from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, assemble_contact
+from palpate.fea.linear import LinearSolver, SingularMatrixError
+from palpate.fea.solid import Solid, State
+
+_TRIALS = 5
+_SLOPE_FALL = 0.5
+_FIRST_SHIFT, _SHIFTS = 1e-3, 8
+
+
+class Outcome(StrEnum):
+    """How an increment ended."""
+
+    CONVERGED = "converged"
+    TOO_MANY_ITERATIONS = "too many iterations"
+    DIVERGED = "residual grew"
+    INVERTED_CELL = "a cell turned inside out"
+    SINGULAR = "singular matrix"
+
+
+@dataclass(frozen=True)
+class Damping:
+    """Viscous term of a pseudo-time step, ``c/2 |u - u0|²`` weighted by nodal volume.
+
+    Attributes
+    ----------
+    coefficient
+        c, MPa/mm² (zero: none).
+    origin
+        (n, 3) mm, u0.
+    """
+
+    coefficient: float
+    origin: FloatArray
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """Result of an increment.
+
+    Attributes
+    ----------
+    outcome
+        Reason of the end.
+    state
+        The last state; an equilibrium only where `outcome` is converged.
+    energy
+        Stored elastic energy, mJ, of the modelled part.
+    force
+        (3,) N on the wall, modelled part.
+    residual
+        Greatest out-of-balance force of a degree of freedom, N.
+    iterations
+        Newton iterations spent.
+    negative_pivots
+        Inertia of the last tangent; 0 on a stable branch, -1 unknown.
+    history
+        Residual of every iteration, N.
+    """
+
+    outcome: Outcome
+    state: State
+    energy: float
+    force: FloatArray
+    residual: float
+    iterations: int
+    negative_pivots: int
+    history: tuple[float, ...] = ()
+
+    @property
+    def converged(self) -> bool:
+        """Whether the state is an equilibrium."""
+        return self.outcome is Outcome.CONVERGED
+
+
+class ContactProblem:
+    """A solid pressed by a plane: assembles and solves one increment at a time.
+
+    Parameters
+    ----------
+    solid
+        The body.
+    surface
+        Its outer surface.
+    law
+        Contact law.
+    linear
+        Sparse solver; analysed here once.
+    tolerance
+        Greatest out-of-balance force in N at convergence.
+    """
+
+    def __init__(
+        self,
+        solid: Solid,
+        surface: OuterSurface,
+        law: ContactLaw,
+        linear: LinearSolver,
+        tolerance: float,
+        thickness: float,
+    ) -> None:
+        self.solid, self.surface, self.law, self.linear, self.tolerance = (
+            solid,
+            surface,
+            law,
+            linear,
+            tolerance,
+        )
+        linear.analyze(solid.pattern)
+        self._data = np.empty(len(solid.pattern.column))
+        self._residual = np.empty(solid.nodes.size)
+        self._law = np.array([law.stiffness, law.width, law.tangential_stiffness])
+        self._volume = np.zeros(len(solid.nodes))
+        np.add.at(self._volume, solid.cells, np.einsum("eg,ga->ea", solid.weight, solid.shape**2))
+        self._diagonal = solid.pattern.start[:-1]
+        self._thickness = thickness
+
+    def assemble(self, state: State, plane: Plane, touch: Touch) -> tuple[float, FloatArray]:
+        """Assemble tangent and residual of solid and contact; stored energy (mJ) and force on the wall (3,) N."""
+        self._data[:] = 0.0
+        self._residual[:] = 0.0
+        energy = self.solid.assemble(state, self._data, self._residual)
+        force = np.zeros(3)
+        if np.isfinite(energy):
+            surface = self.surface
+            assemble_contact(
+                surface.faces,
+                surface.cell_of_face,
+                surface.shape,
+                surface.weight,
+                self.solid.nodes + state.u,
+                plane.normal,
+                plane.point,
+                self._law,
+                touch.place,
+                touch.limit,
+                self.solid.place,
+                self._data,
+                self._residual,
+                force,
+            )
+        return energy, force
+
+    def _add_damping(self, state: State, damping: Damping) -> None:
+        viscous = damping.coefficient * np.repeat(self._volume, 3)
+        self._residual += viscous * (state.u - damping.origin).ravel()
+        self._data[self._diagonal] += viscous[self.solid.free]
+
+    def solve(
+        self, start: State, plane: Plane, touch: Touch, iterations: int, damping: Damping | None = None
+    ) -> Equilibrium:
+        """Find the equilibrium near `start` with the wall at `plane`.
+
+        Parameters
+        ----------
+        start
+            Predicted state.
+        plane
+            The wall.
+        touch
+            What the contact points remember.
+        iterations
+            Most Newton iterations.
+        damping
+            Viscous term of a pseudo-time step.
+
+        Returns
+        -------
+        Equilibrium
+            With the reason where it did not converge.
+        """
+        state, history, pivots = start, [], -1
+        energy, force = self._assemble_all(state, plane, touch, damping)
+        for iteration in range(iterations + 1):
+            if not np.isfinite(energy):
+                return self._end(Outcome.INVERTED_CELL, state, energy, force, history, pivots)
+            residual = self._residual[self.solid.free]
+            history.append(float(np.abs(residual).max(initial=0.0)))
+            if not np.isfinite(history[-1]):
+                return self._end(Outcome.DIVERGED, state, energy, force, history, pivots)
+            if history[-1] <= self.tolerance and iteration > 0:
+                return self._end(Outcome.CONVERGED, state, energy, force, history, pivots)
+            if iteration == iterations:
+                break
+            try:
+                pivots, step = self._descend(residual)
+            except SingularMatrixError:
+                return self._end(Outcome.SINGULAR, state, energy, force, history, pivots)
+            state, energy, force = self._search(state, step, float(residual @ step), plane, touch, damping)
+        return self._end(Outcome.TOO_MANY_ITERATIONS, state, energy, force, history, pivots)
+
+    def _assemble_all(
+        self, state: State, plane: Plane, touch: Touch, damping: Damping | None
+    ) -> tuple[float, FloatArray]:
+        energy, force = self.assemble(state, plane, touch)
+        if damping is not None and np.isfinite(energy):
+            self._add_damping(state, damping)
+        return energy, force
+
+    def _descend(self, residual: FloatArray) -> tuple[int, FloatArray]:
+        """Newton step, and the negative pivots of the tangent; an indefinite tangent is shifted until it descends."""
+        pivots = negative = self.linear.refactor(self._data)
+        if negative > 0:
+            viscous = np.repeat(self._volume, 3)[self.solid.free]
+            shift = _FIRST_SHIFT * self.solid.material.law.shear_modulus / self._thickness**2
+            for _ in range(_SHIFTS):
+                self._data[self._diagonal] += shift * viscous
+                negative = self.linear.refactor(self._data)
+                if negative <= 0:
+                    break
+                shift *= 9.0
+        return pivots, self.linear.solve(-residual)
+
+    def _search(
+        self,
+        state: State,
+        step: FloatArray,
+        slope: float,
+        plane: Plane,
+        touch: Touch,
+        damping: Damping | None,
+    ) -> tuple[State, float, FloatArray]:
+        """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
+        du = np.zeros(self.solid.nodes.size)
+        du[self.solid.free] = step
+        du = du.reshape(-1, 3)
+        dp = self.solid.recover_pressure(du)
+        factor = min(1.0, self._thickness / max(float(np.abs(du).max()), 1e-300))
+        low, low_slope = 0.0, slope
+        for trial in range(_TRIALS):
+            moved = state.moved(du, dp, factor)
+            energy, force = self._assemble_all(moved, plane, touch, damping)
+            if not np.isfinite(energy):
+                factor *= 0.5
+                continue
+            here = float(self._residual[self.solid.free] @ step)
+            if slope >= 0 or here <= _SLOPE_FALL * abs(slope) or trial == _TRIALS - 1:
+                break
+            factor = max(low + (factor - low) * low_slope / (low_slope - here), 0.1 * factor)
+        return moved, energy, force
+
+    @staticmethod
+    def _end(
+        outcome: Outcome, state: State, energy: float, force: FloatArray, history: list[float], pivots: int
+    ) -> Equilibrium:
+        return Equilibrium(
+            outcome=outcome,
+            state=state,
+            energy=energy,
+            force=force,
+            residual=history[-1] if history else np.inf,
+            iterations=max(len(history) - 1, 0),
+            negative_pivots=pivots,
+            history=tuple(history),
+        )

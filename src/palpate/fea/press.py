@@ -1,0 +1,122 @@
+"""A press: one simulated contact from first touch to full depth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.fea.arrays import FloatArray
+from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.material import Material
+from palpate.mesh import Mesh, locate_inner
+
+FEA_VERSION = "1"
+"""Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
+
+
+class Ended(StrEnum):
+    """Why a press ended."""
+
+    DEPTH_REACHED = "depth reached"
+    WALL_AT_CLAMP = "wall reached the clamped rim"
+    NOT_CONVERGED = "not converged"
+
+
+class Branch(StrEnum):
+    """Which of the two stable states an image shows."""
+
+    FLAT = "flat"
+    INVERTED = "inverted"
+
+
+@dataclass(frozen=True)
+class Press:
+    """What a press left: one *image* at rest, one every image step, and the last state where it ended early.
+
+    Attributes
+    ----------
+    mesh, material, wall, solver
+        What made it.
+    depth
+        (n,) mm travel of the wall since first touch.
+    displacement
+        (n, n_nodes, 3) mm, in the frame whose y-z plane is the tilt plane (azimuth 0).
+    force
+        (n, 3) N of the whole dome on the wall, dome's frame.
+    energy, work
+        (n,) mJ stored in the whole dome, and done by the wall.
+    branch
+        (n,) `Branch` values.
+    peak_stress
+        (n,) MPa greatest von Mises Cauchy stress at a Gauss point.
+    contact_area
+        (n,) mm² deformed area that touches the wall, whole dome.
+    apex_gap
+        (n,) mm distance between the wall and the point that it touched first.
+    ended, ended_depth
+        Reason of the end and the depth in mm at which it came.
+    jump_depth
+        Depth in mm at which the branch changed by a jump; nan where none did.
+    cpu_s, unknowns, newton_iterations
+        Cost.
+    message
+        One sentence with numbers where the end was not the full depth.
+    """
+
+    mesh: Mesh
+    material: Material
+    wall: WallSpec
+    solver: SolverSpec
+    depth: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    energy: FloatArray
+    work: FloatArray
+    branch: NDArray[np.str_]
+    peak_stress: FloatArray
+    contact_area: FloatArray
+    apex_gap: FloatArray
+    ended: Ended
+    ended_depth: float
+    jump_depth: float
+    cpu_s: float
+    unknowns: int
+    newton_iterations: int
+    message: str = ""
+
+    def positions(self, points: FloatArray) -> FloatArray:
+        """Follow points of the undeformed inner surface through every image.
+
+        Parameters
+        ----------
+        points
+            (m, 3) mm, dome's frame.
+
+        Returns
+        -------
+        (n, m, 3) mm
+            Deformed positions, dome's frame.
+        """
+        turn = azimuth_rotation(self.wall.azimuth_deg)
+        points = np.asarray(points, float)
+        local = points @ turn
+        side = np.ones(3)
+        mirrored = np.zeros(len(points), bool)
+        if not self.mesh.spec.whole:
+            mirrored = local[:, 0] < 0
+            side = np.array([-1.0, 1.0, 1.0])
+        seen = np.where(mirrored[:, None], local * side, local)
+        moved = locate_inner(self.mesh, seen).interpolate(self.displacement)
+        moved = np.where(mirrored[:, None], moved * side, moved)
+        result: FloatArray = points + moved @ turn.T
+        return result
+
+
+def azimuth_rotation(azimuth_deg: float) -> FloatArray:
+    """Rotation (3, 3) about the dome's axis, ``dome_from_tilt``: columns are the tilt frame's axes."""
+    angle = np.radians(azimuth_deg)
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,139 @@
+"""A solid body: cells, material and degrees of freedom, ready to give energy, residual and tangent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.fea.arrays import FloatArray, IntArray
+from palpate.fea.element import DOFS, PRESSURES, assemble_cells, recover_pressure
+from palpate.fea.linear import Pattern
+from palpate.material import Material
+from palpate.mesh import gauss_points, shape_hexahedron
+
+GAUSS = (3, 3, 3)
+
+
+@dataclass(frozen=True)
+class State:
+    """Displacement and pressure of a solid.
+
+    Attributes
+    ----------
+    u
+        (n, 3) mm nodal displacement.
+    p
+        (n_cells, 4) MPa pressure coefficients of 1, xi, eta, zeta in each cell (positive in tension).
+    """
+
+    u: FloatArray
+    p: FloatArray
+
+    def moved(self, du: FloatArray, dp: FloatArray, factor: float = 1.0) -> State:
+        """Return the state moved by increments (n, 3) mm and (n_cells, 4) MPa."""
+        return State(self.u + factor * du, self.p + factor * dp)
+
+
+class Solid:
+    """A body of 27-node hexahedra with prescribed degrees of freedom.
+
+    Parameters
+    ----------
+    nodes
+        (n, 3) mm.
+    cells
+        (n_cells, 27) node numbers.
+    material
+        The material.
+    fixed
+        (n, 3) bool, True where the displacement is prescribed (its value stands in the state).
+    """
+
+    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: np.ndarray) -> None:
+        self.nodes, self.material = nodes, material
+        self.cells = np.ascontiguousarray(cells, dtype=np.int64)
+        self.fixed = fixed
+        points, weights = gauss_points(GAUSS)
+        shape, local = shape_hexahedron(points)
+        jacobian = np.einsum("eai,gaj->egij", nodes[self.cells], local)
+        determinant = np.linalg.det(jacobian)
+        self.shape = shape
+        self.gradient = np.ascontiguousarray(np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian)))
+        self.weight = np.ascontiguousarray(determinant * weights)
+        self.basis = np.ascontiguousarray(np.column_stack([np.ones(len(points)), points]))
+        mass = np.einsum("eg,gk,gm->ekm", self.weight, self.basis, self.basis)
+        self.inverse_mass = np.linalg.inv(mass)
+        self.equation = np.full(nodes.size, -1, np.int64)
+        free = np.flatnonzero(~fixed.ravel())
+        self.equation[free] = np.arange(len(free))
+        self.free = free
+        self.pattern, self.place = _find_pattern(self.cells, self.equation, len(free))
+        self._coupling = np.empty((len(cells), PRESSURES, DOFS))
+        self._volume_residual = np.empty((len(cells), PRESSURES))
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free displacement components."""
+        return len(self.free)
+
+    def rest(self) -> State:
+        """State at rest."""
+        return State(np.zeros_like(self.nodes), np.zeros((len(self.cells), PRESSURES)))
+
+    def assemble(self, state: State, data: FloatArray, residual: FloatArray) -> float:
+        """Add condensed tangent and residual to `data` (nnz,) N/mm and `residual` (3 n,) N.
+
+        Returns
+        -------
+        float
+            Stored energy, mJ; infinite where a cell is inverted.
+        """
+        law = self.material.law
+        energy: float = assemble_cells(
+            self.cells,
+            self.gradient,
+            self.weight,
+            self.basis,
+            self.inverse_mass,
+            law.code,
+            law.parameters,
+            self.material.bulk_modulus,
+            state.u,
+            state.p,
+            self.place,
+            self.equation,
+            data,
+            residual,
+            self._coupling,
+            self._volume_residual,
+        )
+        return energy
+
+    def recover_pressure(self, du: FloatArray) -> FloatArray:
+        """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
+        dp = np.empty((len(self.cells), PRESSURES))
+        recover_pressure(
+            self.cells,
+            self.material.bulk_modulus,
+            self.inverse_mass,
+            self._coupling,
+            self._volume_residual,
+            du,
+            dp,
+        )
+        return dp
+
+
+def _find_pattern(cells: IntArray, equation: IntArray, size: int) -> tuple[Pattern, IntArray]:
+    """Sparse upper triangle of all cells, and the place in it of every entry of a cell's upper triangle."""
+    dofs = equation[(3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), DOFS)]
+    i, j = np.triu_indices(DOFS)
+    row, column = np.minimum(dofs[:, i], dofs[:, j]), np.maximum(dofs[:, i], dofs[:, j])
+    key = np.where(row >= 0, row * size + column, -1)
+    unique, inverse = np.unique(key, return_inverse=True)
+    place = inverse.reshape(key.shape)
+    if len(unique) and unique[0] < 0:
+        unique, place = unique[1:], place - 1
+    start = np.searchsorted(unique // max(size, 1), np.arange(size + 1))
+    return Pattern(start=start, column=unique % max(size, 1)), np.ascontiguousarray(place, dtype=np.int32)

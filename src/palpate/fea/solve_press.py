@@ -1,0 +1,201 @@
+"""Press a dome by a rigid flat wall."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from palpate.core import PalpateError
+from palpate.fea.arrays import FloatArray
+from palpate.fea.contact import ContactLaw, OuterSurface, untouched
+from palpate.fea.linear import make_linear_solver
+from palpate.fea.newton import ContactProblem
+from palpate.fea.path import Path, Point
+from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
+from palpate.fea.solid import Solid
+from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.fea.stress import cauchy_stress, von_mises
+from palpate.fea.wall import clamp_depth, touch_point, wall_at, wall_normal
+from palpate.material import Material
+from palpate.mesh import Mesh, rim_angle
+
+_INVERTED_GAP = 0.1
+"""Distance between the wall and the first-touched point, over the thickness, from which the apex counts as inverted."""
+
+
+def solve_press(
+    mesh: Mesh, material: Material, wall: WallSpec | None = None, solver: SolverSpec | None = None
+) -> Press:
+    """Solve one press from first touch to full depth.
+
+    Parameters
+    ----------
+    mesh
+        Half or whole dome. A half model is solved in the tilt plane and turned to the azimuth of the wall; a whole
+        one is solved with the wall where it is.
+    material
+        The elastomer.
+    wall
+        Tilt, azimuth, depth, image step and contact law.
+    solver
+        How to solve.
+
+    Returns
+    -------
+    Press
+        Images at rest, at every image step, and at the end where it came early, with its reason.
+
+    Raises
+    ------
+    PalpateError
+        If the wall would touch the clamped rim before the dome.
+    """
+    wall, solver = wall or WallSpec(), solver or SolverSpec()
+    started = time.process_time()
+    normal = _normal(mesh, wall)
+    problem = make_problem(mesh, material, wall.friction, solver)
+    path = start_path(problem, mesh, normal, solver)
+    reachable = clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)
+    goals = image_depths(wall, min(wall.depth, reachable))
+    images = [0]
+    for goal in goals:
+        if not path.advance(goal):
+            if path.points[-1].depth > path.points[images[-1]].depth:
+                images.append(len(path.points) - 1)
+            break
+        images.append(len(path.points) - 1)
+    ended, message = Ended.DEPTH_REACHED, ""
+    if path.failure:
+        ended, message = Ended.NOT_CONVERGED, f"The press ended {path.failure}."
+    elif reachable < wall.depth:
+        ended = Ended.WALL_AT_CLAMP
+        message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
+    fields = _fields(path, images, mesh, normal)
+    jumps = [point.depth for point in path.points if point.jumped]
+    return Press(
+        mesh=mesh,
+        material=material,
+        wall=wall,
+        solver=solver,
+        **fields,
+        ended=ended,
+        ended_depth=path.points[-1].depth,
+        jump_depth=jumps[0] if jumps else float("nan"),
+        cpu_s=time.process_time() - started,
+        unknowns=problem.solid.unknowns,
+        newton_iterations=path.iterations,
+        message=message,
+    )
+
+
+def image_depths(wall: WallSpec, deepest: float) -> list[float]:
+    """Depths in mm of the images after rest: every image step, and the deepest."""
+    count = int(np.floor(deepest / wall.image_step + 1e-9))
+    depths = [wall.image_step * (k + 1) for k in range(count)]
+    if not depths or deepest - depths[-1] > 1e-6:
+        depths.append(deepest)
+    return depths
+
+
+def make_problem(mesh: Mesh, material: Material, friction: float, solver: SolverSpec) -> ContactProblem:
+    """Set up the solid of a mesh with its fixed base, its outer surface and the contact law."""
+    fixed = np.zeros((len(mesh.nodes), 3), bool)
+    fixed[mesh.base] = True
+    fixed[mesh.mirror, 0] = True
+    solid = Solid(mesh.nodes, mesh.cells, material, fixed)
+    first = len(mesh.cells) - len(mesh.outer_faces)
+    surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
+    thickness = mesh.dome.thickness
+    stiffness = solver.penalty_ratio * material.young_modulus / thickness
+    law = ContactLaw(
+        stiffness=stiffness,
+        width=solver.smoothing_ratio * thickness,
+        tangential_stiffness=solver.tangential_ratio * stiffness,
+        friction=friction,
+    )
+    tolerance = solver.tolerance * material.law.shear_modulus * thickness**2
+    return ContactProblem(solid, surface, law, make_linear_solver(solver.backend), tolerance, thickness)
+
+
+def start_path(problem: ContactProblem, mesh: Mesh, normal: FloatArray, solver: SolverSpec) -> Path:
+    """Start the flat branch: the dome at rest, the wall at first touch."""
+
+    def plane(depth: float):
+        return wall_at(mesh.dome, normal, depth)
+
+    rest = problem.solid.rest()
+    touch = untouched(len(problem.surface.points))
+    return Path(problem, plane, solver, [Point(0.0, rest, 0.0, np.zeros(3), touch)])
+
+
+def _normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
+    tilt = np.radians(wall.tilt_deg)
+    outer_rim = rim_angle(mesh.dome, mesh.dome.outer_radius, mesh.spec.rim)
+    if tilt >= outer_rim:
+        raise PalpateError(
+            f"A wall tilted by {wall.tilt_deg:g}° touches the clamped rim (at {np.degrees(outer_rim):.1f}° from the "
+            "axis) before the dome.",
+            "Tilt it less, or make the dome higher.",
+        )
+    azimuth = np.radians(wall.azimuth_deg) if mesh.spec.whole else 0.0
+    return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
+
+
+def _fields(path: Path, images: list[int], mesh: Mesh, normal: FloatArray) -> dict[str, FloatArray]:
+    """Arrays of the `Press` at the images."""
+    problem = path.problem
+    points = [path.points[k] for k in images]
+    parts = 1.0 if mesh.spec.whole else 2.0
+    side = np.ones(3) if mesh.spec.whole else np.array([0.0, 1.0, 1.0])
+    nearest = int(np.argmin(np.linalg.norm(problem.surface.points - touch_point(mesh.dome, normal), axis=1)))
+    gap, area, peak = [], [], []
+    for point in points:
+        plane = path.wall(point.depth)
+        reach = (problem.surface.interpolate(mesh.nodes + point.state.u) - plane.point) @ plane.normal
+        gap.append(-reach[nearest])
+        area.append(parts * problem.surface.current_area(mesh.nodes, point.state.u, reach > 0))
+        peak.append(von_mises(cauchy_stress(problem.solid, point.state)).max())
+    inverted = np.array(gap) > _INVERTED_GAP * mesh.dome.thickness
+    force = np.array([parts * side * point.force for point in points])
+    return {
+        "depth": np.array([point.depth for point in points]),
+        "displacement": np.array([point.state.u for point in points]),
+        "force": force,
+        "energy": np.array([parts * point.energy for point in points]),
+        "work": parts * _work(path.points)[images],
+        "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
+        "peak_stress": np.array(peak),
+        "contact_area": np.array(area),
+        "apex_gap": np.array(gap),
+    }
+
+
+def _work(points: list[Point]) -> FloatArray:
+    """Work (n,) mJ of the wall at every equilibrium: the axial force integrated by cubic splines between jumps."""
+    depth = np.array([point.depth for point in points])
+    force = np.array([point.force[2] for point in points])
+    cuts = [0, *[k for k, point in enumerate(points) if point.jumped], len(points)]
+    work = np.zeros(len(points))
+    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+        if first > 0:
+            work[first] = work[first - 1] + 0.5 * (force[first] + force[first - 1]) * (
+                depth[first] - depth[first - 1]
+            )
+        if last - first > 1:
+            piece = slice(first, last)
+            spline = CubicSpline(depth[piece], force[piece]) if last - first > 3 else None
+            if spline is not None:
+                work[piece] = (
+                    work[first]
+                    + spline.antiderivative()(depth[piece])
+                    - spline.antiderivative()(depth[first])
+                )
+            else:
+                steps = 0.5 * (force[first + 1 : last] + force[first : last - 1]) * np.diff(depth[piece])
+                work[first + 1 : last] = work[first] + np.cumsum(steps)
+    return work
+
+
+__all__ = ["azimuth_rotation", "image_depths", "make_problem", "solve_press", "start_path"]

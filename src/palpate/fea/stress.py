@@ -1,0 +1,55 @@
+"""Cauchy stress at the Gauss points of a solid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.core import kernel
+from palpate.fea.arrays import FloatArray, IntArray
+from palpate.fea.element import NODES, PRESSURES, add_volumetric, deformation
+from palpate.fea.solid import Solid, State
+from palpate.material import isochoric
+
+
+def cauchy_stress(solid: Solid, state: State) -> FloatArray:
+    """Cauchy stress (n_cells, n_points, 6) MPa at the Gauss points, Voigt order xx, yy, zz, xy, yz, zx."""
+    stress = np.empty((len(solid.cells), len(solid.basis), 6))
+    law = solid.material.law
+    _cauchy(solid.cells, solid.gradient, solid.basis, law.code, law.parameters, state.u, state.p, stress)
+    return stress
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """Von Mises stress (...) of stresses (..., 6) in Voigt order."""
+    xx, yy, zz, xy, yz, zx = np.moveaxis(stress, -1, 0)
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    result: FloatArray = np.sqrt(0.5 * normal + 3 * (xy**2 + yz**2 + zx**2))
+    return result
+
+
+@kernel
+def _cauchy(
+    cells: IntArray,
+    gradient: FloatArray,
+    basis: FloatArray,
+    code: int,
+    parameters: FloatArray,
+    u: FloatArray,
+    p: FloatArray,
+    stress: FloatArray,
+) -> None:
+    F, g, ue = np.empty((3, 3)), np.empty((NODES, 3)), np.empty((NODES, 3))
+    tau, c = np.empty(6), np.empty((6, 6))
+    for e in range(len(cells)):
+        for a in range(NODES):
+            for i in range(3):
+                ue[a, i] = u[cells[e, a], i]
+        for q in range(len(basis)):
+            J = deformation(gradient[e, q], ue, F, g)
+            isochoric(code, parameters, F, tau, c)
+            pressure = 0.0
+            for k in range(PRESSURES):
+                pressure += basis[q, k] * p[e, k]
+            add_volumetric(pressure * J, tau, c)
+            for i in range(6):
+                stress[e, q, i] = tau[i] / J

@@ -1,0 +1,95 @@
+"""A material: an isochoric law, the volumetric part, and where the numbers come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.material.law import FloatArray, Law
+from palpate.material.stress import isochoric
+
+DEFAULT_BULK_RATIO = 2000.0
+"""K / mu of a silicone in this package: nearly incompressible (Poisson's ratio 0.49975)."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Nearly incompressible hyperelastic material, ``W = W_iso(F_bar) + K/2 (J - 1)²``.
+
+    Attributes
+    ----------
+    name
+        Name in the library, or the text it was made from.
+    law
+        Isochoric part.
+    bulk_ratio
+        Bulk over initial shear modulus, K / mu, at least 2.
+    source
+        Reference of the numbers.
+    stretch_range
+        Uniaxial stretches within which the numbers were measured.
+    """
+
+    name: str
+    law: Law
+    bulk_ratio: float = DEFAULT_BULK_RATIO
+    source: str = ""
+    stretch_range: tuple[float, float] = (0.0, np.inf)
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.law.shear_modulus) and self.law.shear_modulus > 0):
+            raise PalpateError(
+                f"Material {self.name} has the initial shear modulus {self.law.shear_modulus:.4g} MPa.",
+                "It must be positive: check sign and unit (MPa) of the coefficients.",
+            )
+        if not 2 <= self.bulk_ratio <= 1e7:
+            raise PalpateError(
+                f"The bulk ratio K/mu is {self.bulk_ratio:.4g}.", "Choose one between 2 and 1e7."
+            )
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K, MPa."""
+        return self.bulk_ratio * self.law.shear_modulus
+
+    @property
+    def poisson_ratio(self) -> float:
+        """Poisson's ratio at rest, ``(3K - 2mu) / (6K + 2mu)``."""
+        return (3 * self.bulk_ratio - 2) / (6 * self.bulk_ratio + 2)
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus at rest, MPa."""
+        return 2 * self.law.shear_modulus * (1 + self.poisson_ratio)
+
+    def with_bulk_ratio(self, bulk_ratio: float) -> Material:
+        """Return the same material with another K / mu."""
+        return replace(self, bulk_ratio=bulk_ratio)
+
+    def key_data(self) -> dict[str, Any]:
+        """Return the identity as plain values: law, constants (MPa) and bulk ratio; the name does not matter."""
+        return {"law": self.law.name, "constants": self.law.constants, "bulk_ratio": self.bulk_ratio}
+
+    def evaluate(self, F: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Evaluate the isochoric part at many deformation gradients.
+
+        Parameters
+        ----------
+        F
+            (n, 3, 3) deformation gradients.
+
+        Returns
+        -------
+        energy, tau, c
+            (n,), (n, 6), (n, 6, 6) MPa: energy, isochoric Kirchhoff stress and spatial tangent (Voigt).
+        """
+        n = len(F)
+        energy, tau, c = np.empty(n), np.empty((n, 6)), np.empty((n, 6, 6))
+        for i in range(n):
+            energy[i] = isochoric(
+                self.law.code, self.law.parameters, np.ascontiguousarray(F[i]), tau[i], c[i]
+            )
+        return energy, tau, c

@@ -1,0 +1,23 @@
+"""Mesh: from a dome to quadratic hexahedra with named sets, and from any surface point to its cell."""
+
+from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
+from palpate.mesh.locate import SurfacePoints, locate_inner
+from palpate.mesh.mesh import Mesh
+from palpate.mesh.mesh_dome import mesh_dome, rim_angle
+from palpate.mesh.quality import MeshQuality, measure_quality
+from palpate.mesh.spec import MeshSpec, Rim
+
+__all__ = [
+    "Mesh",
+    "MeshQuality",
+    "MeshSpec",
+    "Rim",
+    "SurfacePoints",
+    "gauss_points",
+    "locate_inner",
+    "measure_quality",
+    "mesh_dome",
+    "rim_angle",
+    "shape_hexahedron",
+    "shape_quadrilateral",
+]

@@ -1,0 +1,106 @@
+"""Find where a point of the inner surface lies in the mesh, so that markers are never nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from palpate.core import PalpateError
+from palpate.mesh.hexahedron import FloatArray, shape_quadrilateral
+from palpate.mesh.mesh import IntArray, Mesh
+from palpate.mesh.mesh_dome import rim_angle
+
+_OFF_SURFACE_MM = 0.05
+_CANDIDATES = 6
+
+
+@dataclass(frozen=True)
+class SurfacePoints:
+    """Points of the inner surface as weights on nodes.
+
+    Attributes
+    ----------
+    nodes
+        (m, 9) node numbers of the face that holds each point.
+    weights
+        (m, 9) shape functions there; they sum to one.
+    """
+
+    nodes: IntArray
+    weights: FloatArray
+
+    def interpolate(self, field: FloatArray) -> FloatArray:
+        """Interpolate a nodal field (..., n, k) to the points: (..., m, k)."""
+        result: FloatArray = np.einsum("ma,...mak->...mk", self.weights, field[..., self.nodes, :])
+        return result
+
+
+def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
+    """Locate points of the undeformed inner surface.
+
+    Parameters
+    ----------
+    mesh
+        Mesh of a dome; for a half one the points must have x >= 0.
+    points
+        (m, 3) mm, within 0.05 mm of the inner surface.
+
+    Raises
+    ------
+    PalpateError
+        If a point lies off the inner surface or beyond its rim.
+    """
+    place = _on_disc(mesh, np.asarray(points, float))
+    faces = mesh.inner_faces
+    corners = mesh.inner_disc[faces]
+    _, near = cKDTree(corners[:, 4]).query(place, k=min(_CANDIDATES, len(faces)))
+    near = near.reshape(len(place), -1)
+    local = _invert(corners[near], place)
+    outside = np.abs(local).max(axis=-1)
+    best = np.argmin(outside, axis=1)
+    row = np.arange(len(place))
+    weights, _ = shape_quadrilateral(np.clip(local[row, best], -1, 1))
+    return SurfacePoints(nodes=faces[near[row, best]], weights=weights)
+
+
+def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
+    dome = mesh.dome
+    arm = points - [0.0, 0.0, dome.center_z]
+    off = np.abs(np.linalg.norm(arm, axis=1) - dome.radius)
+    if off.max(initial=0.0) > _OFF_SURFACE_MM:
+        worst = int(np.argmax(off))
+        raise PalpateError(
+            f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the inner "
+            f"surface (sphere of radius {dome.radius:.4g} mm about z = {dome.center_z:.4g} mm).",
+            f"Give points within {_OFF_SURFACE_MM} mm of it.",
+        )
+    rho = np.hypot(arm[:, 0], arm[:, 1])
+    s = np.arctan2(rho, arm[:, 2]) / rim_angle(dome, dome.radius, mesh.spec.rim)
+    if s.max(initial=0.0) > 1 + 1e-6:
+        worst = int(np.argmax(s))
+        raise PalpateError(
+            f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies below the base plane z = 0.",
+            "Give points of the dome itself.",
+        )
+    direction = np.divide(arm[:, :2], rho[:, None], out=np.zeros((len(points), 2)), where=rho[:, None] > 0)
+    return np.minimum(s, 1.0)[:, None] * direction
+
+
+def _invert(corners: FloatArray, place: FloatArray) -> FloatArray:
+    """Local coordinates (m, k, 2) of places (m, 2) in candidate faces (m, k, 9, 2), by Newton's method."""
+    m, k = corners.shape[:2]
+    local = np.zeros((m * k, 2))
+    flat = corners.reshape(m * k, 9, 2)
+    target = np.repeat(place, k, axis=0)
+    for _ in range(12):
+        value, gradient = shape_quadrilateral(local)
+        gap = target - np.einsum("na,nai->ni", value, flat)
+        jacobian = np.einsum("nai,naj->nij", flat, gradient)
+        determinant = np.linalg.det(jacobian)
+        safe = np.abs(determinant) > 1e-14
+        step = np.zeros_like(local)
+        step[safe] = np.linalg.solve(jacobian[safe], gap[safe][..., None])[..., 0]
+        local = np.clip(local + step, -3, 3)
+    return local.reshape(m, k, 2)

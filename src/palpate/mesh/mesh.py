@@ -1,0 +1,56 @@
+"""The mesh of a dome: quadratic hexahedra, named sets, and the way from a surface point to its cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.design import Dome
+from palpate.mesh.hexahedron import FloatArray
+from palpate.mesh.spec import MeshSpec
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """27-node hexahedra of half a dome (x >= 0) or a whole one.
+
+    Attributes
+    ----------
+    dome, spec
+        What was meshed, and how.
+    nodes
+        (n, 3) mm, dome's frame.
+    cells
+        (n_cells, 27) node numbers, lexicographic; the third local axis runs from inner to outer surface.
+    inner_faces, outer_faces
+        (n_faces, 9) node numbers of the 9-node faces of the two surfaces.
+    inner_disc
+        (n, 2) place of every node on the unit disc (polar angle over that of the rim, azimuth).
+    base
+        Nodes of the base annulus, fixed in x, y and z.
+    mirror
+        Nodes of the mirror plane x = 0 (empty for a whole dome).
+    apex_inner, apex_outer
+        Node at the apex of each surface.
+    """
+
+    dome: Dome
+    spec: MeshSpec
+    nodes: FloatArray
+    cells: IntArray
+    inner_faces: IntArray
+    outer_faces: IntArray
+    inner_disc: FloatArray
+    base: IntArray
+    mirror: IntArray
+    apex_inner: int
+    apex_outer: int
+
+    @property
+    def cells_to_rim(self) -> int:
+        """Cells along a meridian from pole to rim."""
+        return self.spec.cells or 0
