@@ -13,12 +13,8 @@ class CameraSpec(Spec):
     The pose is nominal (on the axis, image axes along the dome's x and y) unless moved or turned.
     """
 
-    width_px: int = parameter(
-        346, unit="px", meaning="width of the image", source="DAVIS 346", ge=8, le=16384
-    )
-    height_px: int = parameter(
-        260, unit="px", meaning="height of the image", source="DAVIS 346", ge=8, le=16384
-    )
+    width_px: int = parameter(346, unit="px", meaning="width of the image", source="DAVIS 346", ge=8, le=16384)
+    height_px: int = parameter(260, unit="px", meaning="height of the image", source="DAVIS 346", ge=8, le=16384)
     fx_px: float = parameter(297.38, unit="px", meaning="focal length across", source=CALIBRATION, gt=0)
     fy_px: float = parameter(297.60, unit="px", meaning="focal length down", source=CALIBRATION, gt=0)
     cx_px: float = parameter(174.91, unit="px", meaning="principal point, column", source=CALIBRATION)
@@ -34,12 +30,6 @@ class CameraSpec(Spec):
     )
     offset_x: float = parameter(0.0, unit="mm", meaning="offset from the dome's axis along x", ge=-50, le=50)
     offset_y: float = parameter(0.0, unit="mm", meaning="offset from the dome's axis along y", ge=-50, le=50)
-    tilt_x_deg: float = parameter(
-        0.0, unit="deg", meaning="turn of the camera about the dome's x", ge=-45, le=45
-    )
-    tilt_y_deg: float = parameter(
-        0.0, unit="deg", meaning="turn of the camera about the dome's y", ge=-45, le=45
-    )
-    roll_deg: float = parameter(
-        0.0, unit="deg", meaning="turn of the camera about its optical axis", ge=-180, le=180
-    )
+    tilt_x_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about the dome's x", ge=-45, le=45)
+    tilt_y_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about the dome's y", ge=-45, le=45)
+    roll_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about its optical axis", ge=-180, le=180)

@@ -15,7 +15,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)\s*$")
@@ -56,12 +56,10 @@ class Spec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    @model_validator(mode="before")
+    @field_validator("*", mode="before")
     @classmethod
-    def _strip_units(cls, values: Any) -> Any:
-        if not isinstance(values, dict):
-            return values
-        return {name: _without_unit(cls, name, value) for name, value in values.items()}
+    def _strip_unit(cls, value: Any, info: ValidationInfo) -> Any:
+        return _without_unit(cls, info.field_name or "", value)
 
 
 @dataclass(frozen=True)

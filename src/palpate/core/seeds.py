@@ -23,7 +23,7 @@ def child_seed(seed: int, *labels: str | float) -> int:
     Returns
     -------
     int
-        A seed in 0 … 2⁶³ − 1, the same on every machine and Python version.
+        A seed in 0 … 2³² − 1, the same on every machine and Python version.
 
     Examples
     --------
@@ -33,7 +33,7 @@ def child_seed(seed: int, *labels: str | float) -> int:
     False
     """
     text = json.dumps([seed, *labels])
-    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big") >> 1
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
 
 
 def generator(seed: int, *labels: str | float) -> np.random.Generator:

@@ -6,6 +6,7 @@ from palpate.design.dome import Dome, DomeShape
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import MarkerLayout
 from palpate.design.place_markers import place_markers
+from palpate.design.points_file import read_points
 from palpate.design.rings import ring_count, ring_diameters
 from palpate.design.spec import DomeSpec, MarkerSpec
 
@@ -20,6 +21,7 @@ __all__ = [
     "build_dome",
     "check_design",
     "place_markers",
+    "read_points",
     "refuse_errors",
     "ring_count",
     "ring_diameters",

@@ -51,8 +51,7 @@ def _check_wall(dome: Dome) -> Iterator[Finding]:
             Severity.WARNING,
             "wall-thicker-than-radius",
             f"The wall is {dome.thickness:g} mm thick, its inner radius only {dome.radius:.4g} mm.",
-            f"Take less than {dome.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a "
-            "shell.",
+            f"Take less than {dome.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a shell.",
         )
     if dome.shape is DomeShape.CAP:
         yield Finding(
@@ -60,8 +59,7 @@ def _check_wall(dome: Dome) -> Iterator[Finding]:
             "undercut",
             f"The dome bulges over its base: {2 * dome.radius:.4g} mm wide at z = {dome.center_z:.4g} mm, "
             f"{2 * dome.base_radius:g} mm at the base.",
-            "A rigid core cannot be pulled: use a soft or split core, or a height up to "
-            f"{dome.base_radius:g} mm.",
+            f"A rigid core cannot be pulled: use a soft or split core, or a height up to {dome.base_radius:g} mm.",
         )
 
 
@@ -81,8 +79,7 @@ def _check_markers(dome: Dome, markers: MarkerLayout) -> Iterator[Finding]:
         yield Finding(
             Severity.WARNING,
             "dots-overlap",
-            f"Markers {pair[0]} and {pair[1]} are {pair[2]:.3g} mm apart, but a dot is {markers.diameter:g} "
-            "mm wide.",
+            f"Markers {pair[0]} and {pair[1]} are {pair[2]:.3g} mm apart, but a dot is {markers.diameter:g} mm wide.",
             f"Print dots below {pair[2]:.3g} mm, or spread the markers.",
         )
     room = dome.distance_to_rim(markers.positions[~outside])

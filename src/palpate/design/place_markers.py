@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from palpate.core import PalpateError
 from palpate.design.dome import Dome
-from palpate.design.layout_file import read_layout
 from palpate.design.markers import MarkerLayout
+from palpate.design.points_file import read_points
 from palpate.design.rings import ring_diameters
 from palpate.design.spec import MarkerSpec
 
@@ -40,7 +40,7 @@ def place_markers(dome: Dome, spec: MarkerSpec) -> MarkerLayout:
     if spec.file is None:
         diameters = spec.ring_diameters or ring_diameters(spec.count, dome.base_radius)
         return MarkerLayout(positions=_rings(dome, diameters), diameter=spec.diameter)
-    positions = read_layout(spec.file, dome)
+    positions = read_points(spec.file, dome)
     if "count" in spec.model_fields_set and spec.count != len(positions):
         raise PalpateError(
             f"{spec.file} has {len(positions)} markers, but count is {spec.count}.",

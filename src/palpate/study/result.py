@@ -1,4 +1,4 @@
-"""What a study leaves behind: one record a design, and the tally of what was computed or found in the store."""
+"""What a study leaves behind: one record a design, and a tally of what was computed or found."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class PressSummary:
     ended, ended_depth_mm
         Reason of the end, and the wall's depth at that moment (mm).
     force_n, peak_stress_mpa
-        Norm of the wall's force (N) and greatest von Mises Cauchy stress (MPa) in the deepest image.
+        Norm of the wall's force in the deepest image (N), and greatest von Mises Cauchy stress in any (MPa).
     branch
         ``"flat"`` or ``"inverted"`` in the deepest image.
     """
@@ -67,7 +67,8 @@ class DesignResult:
     shape
         The shape's name as in the paper.
     clean, jittered
-        Errors on the held-out presses without and with pixel jitter; `None` where the chain broke (`failure`).
+        Errors on the held-out presses without and with pixel jitter; `None` where the chain broke
+        (`failure`).
     travel_mm
         Mean distance of the markers from rest in the deepest image, over the presses (mm).
     force_n

@@ -10,9 +10,7 @@ from palpate.core import PalpateError
 from palpate.design import Dome, MarkerSpec, place_markers
 
 BARREL = (-0.26509039, -0.046742201, 0.0018330155, -0.00031469161, 0.25231221)
-POSED = CameraSpec(
-    distortion=BARREL, offset_x=1.5, offset_y=-2.0, tilt_x_deg=3.0, tilt_y_deg=-4.0, roll_deg=30.0
-)
+POSED = CameraSpec(distortion=BARREL, offset_x=1.5, offset_y=-2.0, tilt_x_deg=3.0, tilt_y_deg=-4.0, roll_deg=30.0)
 DOME = Dome(20.0, 20.0, 2.0)
 
 
@@ -43,9 +41,7 @@ def test_projection_agrees_with_opencv(spec: CameraSpec) -> None:
     p2=st.floats(-0.01, 0.01),
     k3=st.floats(-0.05, 0.05),
 )
-def test_any_lens_agrees_with_opencv_and_goes_back(
-    k1: float, k2: float, p1: float, p2: float, k3: float
-) -> None:
+def test_any_lens_agrees_with_opencv_and_goes_back(k1: float, k2: float, p1: float, p2: float, k3: float) -> None:
     camera = build_camera(CameraSpec(distortion=(k1, k2, p1, p2, k3)))
     points = markers()
     pixels = camera.project(points)

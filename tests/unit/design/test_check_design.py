@@ -14,9 +14,7 @@ def check(dome: Dome = DOME, **markers: object) -> dict[str, Finding]:
 @pytest.mark.parametrize("thickness", [1.0, 2.0, 3.0, 4.0])
 @pytest.mark.parametrize("height", [10.0, 20.0])
 @pytest.mark.parametrize("count", [7, 37, 91, 169])
-def test_the_papers_designs_without_undercut_have_no_findings(
-    height: float, thickness: float, count: int
-) -> None:
+def test_the_papers_designs_without_undercut_have_no_findings(height: float, thickness: float, count: int) -> None:
     assert check(Dome(height, 20.0, thickness), count=count) == {}
 
 

@@ -13,9 +13,7 @@ from palpate.design import Dome, DomeShape, DomeSpec, build_dome
         (30.0, 65.0 / 3.0, 25.0 / 3.0, DomeShape.CAP),
     ],
 )
-def test_the_papers_domes_follow_equation_1(
-    height: float, radius: float, center_z: float, shape: DomeShape
-) -> None:
+def test_the_papers_domes_follow_equation_1(height: float, radius: float, center_z: float, shape: DomeShape) -> None:
     dome = build_dome(DomeSpec(height=height, thickness=3))
     assert dome.radius == pytest.approx(radius)
     assert dome.outer_radius == pytest.approx(radius + 3.0)

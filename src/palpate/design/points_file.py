@@ -15,7 +15,7 @@ ON_SURFACE = 0.05
 """A point given with its height must lie this near the inner surface, mm."""
 
 
-def read_layout(path: Path, dome: Dome) -> NDArray[np.float64]:
+def read_points(path: Path, dome: Dome) -> NDArray[np.float64]:
     """Read points of the inner surface from a CSV file with a header.
 
     Parameters
@@ -76,7 +76,5 @@ def _numbers(path: Path, line: int, row: list[str], order: list[int]) -> list[fl
     except (ValueError, IndexError):
         numbers = []
     if len(row) != len(order) or not np.all(np.isfinite(numbers)) or not numbers:
-        raise PalpateError(
-            f"{path}:{line}: {','.join(row)} is not {len(order)} numbers.", "Write them in mm."
-        )
+        raise PalpateError(f"{path}:{line}: {','.join(row)} is not {len(order)} numbers.", "Write them in mm.")
     return numbers

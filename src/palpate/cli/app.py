@@ -1,0 +1,38 @@
+"""The command `palpate`: its subcommands, loaded only when called, and its exit codes.
+
+0 done · 1 a fault of the program, with a log · 2 bad input, with a remedy · 130 interrupted
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from cyclopts import App
+
+from palpate import __version__
+from palpate.cli.border import guarded
+
+app = App(
+    name="palpate",
+    version=__version__,
+    help="From an idea to a trusted vision-based tactile sensor: design, press, camera, learning, grid.",
+    version_flags=["--version"],
+)
+app.command("palpate.cli.run:run", name="run", help="Run a study: every design through the whole chain.")
+app.command("palpate.cli.press:press", name="press", help="Press one dome by a flat wall.")
+app.command("palpate.cli.design:design", name="design", help="Radius, shape, markers and limits of a design.")
+app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
+app.command("palpate.cli.doctor:doctor", name="doctor", help="Say what is installed and what is missing.")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and leave with its exit code.
+
+    Parameters
+    ----------
+    arguments
+        Words after `palpate`; without them, those of the process.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    sys.exit(guarded(lambda: app(words, exit_on_error=False, print_error=False, result_action="return_value")))

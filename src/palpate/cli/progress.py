@@ -1,0 +1,84 @@
+"""How a study goes, on standard error: bars with remaining time on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from palpate.study import Observer
+
+
+class Lines(Observer):
+    """One plain line for every task that ends."""
+
+    def __init__(self) -> None:
+        self._tasks = 0
+        self._done = 0
+
+    def planned(self, tasks: int, reused: int, cost: float) -> None:
+        """Say how much is to be done."""
+        self._tasks = tasks
+        _say(f"{tasks} artefacts to make, {reused} found")
+
+    def started(self, task: str) -> None:
+        """Say nothing: lines are for what has ended."""
+
+    def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
+        """Say how a task ended."""
+        self._done += 1
+        _say(f"[{self._done}/{self._tasks}] {task}: {reason or f'done in {seconds:.1f} s'}")
+
+
+class Bars(Observer):
+    """One bar over all tasks, the names of those at work, and the remaining time."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._working: Counter[str] = Counter()
+        self._bar = progress.add_task("study", total=None, working="", left="")
+        self._costs = [0.0, 0.0]
+
+    def planned(self, tasks: int, reused: int, cost: float) -> None:
+        """Set the length of the bar."""
+        self._costs = [0.0, cost]
+        self._progress.update(self._bar, total=tasks)
+        self._progress.console.print(f"{tasks} artefacts to make, {reused} found")
+
+    def started(self, task: str) -> None:
+        """Name the task beside the bar."""
+        self._working[task] += 1
+        self._show()
+
+    def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
+        """Move the bar; keep the line of a failure."""
+        self._working.pop(task, None)
+        self._costs[0] += cost
+        self._progress.advance(self._bar)
+        if reason:
+            self._progress.console.print(f"{task}: {reason}", style="red")
+        self._show()
+
+    def _show(self) -> None:
+        done, total = self._costs
+        elapsed = self._progress.tasks[0].elapsed or 0.0
+        left = f"about {elapsed * (total - done) / done:.0f} s left" if done else ""
+        self._progress.update(self._bar, working=", ".join(self._working), left=left)
+
+
+def make_progress() -> Progress:
+    """A bar on standard error; nothing is drawn before it is started."""
+    return Progress(
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
+        TextColumn("{task.fields[working]}"),
+        console=Console(stderr=True),
+    )
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

@@ -1,0 +1,76 @@
+"""`palpate run`: a study from its file to its specification grid."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from palpate.cli.border import INTERRUPTED
+from palpate.cli.flag import JsonFlag
+from palpate.cli.grid import print_grid
+from palpate.cli.output import print_json
+from palpate.cli.progress import Bars, Lines, make_progress
+from palpate.core import PalpateError
+from palpate.grid import evaluate_grid, write_grid
+from palpate.study import Study, StudyResult, available_cores, read_study, run_study
+
+RESULTS = Path("results")
+"""Folder of the result folders, where --out does not choose one."""
+
+
+def run(
+    study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper.")],
+    *,
+    out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
+    workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None,
+    json: JsonFlag = False,
+) -> int:
+    """Run a study: every design through the whole chain, on real finite-element solutions.
+
+    What an earlier run left in the result folder is used: an interrupted study goes on where it was.
+    """
+    chosen = read_study(study)
+    if workers is not None and not 1 <= workers <= 1024:
+        raise PalpateError(f"--workers is {workers}.", f"Give 1 to 1024; this machine has {available_cores()} cores.")
+    folder = out or RESULTS / chosen.name
+    try:
+        result = _run_watched(chosen, folder, workers, quiet=json)
+    except KeyboardInterrupt:
+        print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
+        return INTERRUPTED
+    grid = evaluate_grid(result.designs)
+    write_grid(folder, grid)
+    if json:
+        print_json({"out": str(folder), **_tally(result), "designs": grid.rows})
+    else:
+        print_grid(chosen.name, grid.rows)
+        print(f"{_sentence(result)} Results: {folder}")
+    for failure in result.failures:
+        print(f"{failure.task}: {failure.reason}", file=sys.stderr)
+    return 1 if result.failures else 0
+
+
+def _run_watched(study: Study, folder: Path, workers: int | None, *, quiet: bool) -> StudyResult:
+    if quiet or not sys.stderr.isatty():
+        return run_study(study, folder, workers, Lines())
+    with make_progress() as progress:
+        return run_study(study, folder, workers, Bars(progress))
+
+
+def _tally(result: StudyResult) -> dict[str, Any]:
+    return {
+        "study": result.name,
+        "computed": dict(result.computed),
+        "reused": dict(result.reused),
+        "wall_s": result.wall_s,
+        "failures": [{"task": failure.task, "reason": failure.reason} for failure in result.failures],
+    }
+
+
+def _sentence(result: StudyResult) -> str:
+    made = ", ".join(f"{count} {kind}" for kind, count in result.computed.items()) or "nothing"
+    found = ", ".join(f"{count} {kind}" for kind, count in result.reused.items()) or "nothing"
+    return f"Made {made}; found {found}; {result.wall_s:.1f} s."

@@ -1,0 +1,89 @@
+"""From a study to its tasks: which press serves which designs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_dome, check_design, place_markers, refuse_errors
+from palpate.study.study import Study
+from palpate.study.task import DatasetTask, LearningTask, PressTask, Task, dome_name
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The tasks of a study, in the order of its designs.
+
+    Attributes
+    ----------
+    designs
+        The last task of each design; the others hang on it.
+    """
+
+    designs: tuple[LearningTask, ...]
+
+    def tasks(self) -> tuple[Task, ...]:
+        """Every task once, each after those it needs."""
+        unique: dict[str, Task] = {}
+        for design in self.designs:
+            for task in _needs_first(design):
+                unique.setdefault(task.recipe.key, task)
+        return tuple(unique.values())
+
+
+def plan_study(study: Study) -> Plan:
+    """Plan the tasks of `study`.
+
+    Returns
+    -------
+    Plan
+        One press a dome and tilt; one dataset and one learning a design.
+
+    Raises
+    ------
+    PalpateError
+        If a design cannot be built: the sentence names it.
+    """
+    study = study.seeded()
+    designs = []
+    for dome in study.designs.domes():
+        presses = tuple(_plan_presses(study, dome))
+        for markers in study.designs.markers:
+            dataset = DatasetTask(
+                presses=presses,
+                dome=dome,
+                markers=_checked(dome, markers),
+                camera=study.camera,
+                spec=study.dataset,
+            )
+            designs.append(LearningTask(dataset=dataset, spec=study.learning))
+    return Plan(designs=tuple(designs))
+
+
+def _plan_presses(study: Study, dome: DomeSpec) -> Iterator[PressTask]:
+    for tilt_deg in study.tilts_deg:
+        yield PressTask(
+            dome=dome,
+            mesh=study.mesh,
+            material=study.material.material(),
+            wall=study.wall.model_copy(update={"tilt_deg": tilt_deg}),
+            solver=study.solver,
+        )
+
+
+def _checked(dome_spec: DomeSpec, markers: MarkerSpec) -> MarkerSpec:
+    """The layout with its number of markers counted, after the design was found buildable."""
+    dome = build_dome(dome_spec)
+    layout = place_markers(dome, markers)
+    try:
+        refuse_errors(check_design(dome, layout))
+    except PalpateError as error:
+        raise PalpateError(f"Design {dome_name(dome_spec)}: {error.what}", error.remedy) from None
+    return markers.model_copy(update={"count": len(layout)})
+
+
+def _needs_first(task: Task) -> Iterator[Task]:
+    for need in task.needs:
+        yield from _needs_first(need)
+    yield task

@@ -1,0 +1,155 @@
+"""The study: everything a person chooses about a run of the whole chain, in one YAML file."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+from pydantic import BaseModel, Field, ValidationError, field_validator
+from pydantic_core import PydanticCustomError
+
+from palpate.camera import CameraSpec
+from palpate.core import PalpateError, Spec, child_seed, parameter
+from palpate.dataset import DatasetSpec
+from palpate.design import DomeSpec, MarkerSpec
+from palpate.fea import SolverSpec, WallSpec
+from palpate.learn import SearchSpec
+from palpate.material import Material, get_material
+from palpate.mesh import MeshSpec
+
+PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
+
+
+class DesignsSpec(Spec):
+    """The designs of a study: every height with every thickness and every marker layout."""
+
+    heights: tuple[float, ...] = parameter((20.0,), unit="mm", meaning="heights of the domes", source=PAPER)
+    thicknesses: tuple[float, ...] = parameter((2.0,), unit="mm", meaning="thicknesses of the walls", source=PAPER)
+    base_radius: float = parameter(20.0, unit="mm", meaning="base radius of every dome", source=PAPER)
+    markers: tuple[MarkerSpec, ...] = parameter(
+        (MarkerSpec(),), unit="1", meaning="marker layouts: a count, or a mapping with rings or a file"
+    )
+
+    @field_validator("markers", mode="before")
+    @classmethod
+    def _counts_are_layouts(cls, layouts: Any) -> Any:
+        if not isinstance(layouts, list | tuple):
+            return layouts
+        return [layout if isinstance(layout, dict | MarkerSpec) else {"count": layout} for layout in layouts]
+
+    @field_validator("heights")
+    @classmethod
+    def _heights_in_bounds(cls, heights: tuple[float, ...]) -> tuple[float, ...]:
+        return _each_in_bounds(DomeSpec, "height", heights)
+
+    @field_validator("thicknesses")
+    @classmethod
+    def _thicknesses_in_bounds(cls, thicknesses: tuple[float, ...]) -> tuple[float, ...]:
+        return _each_in_bounds(DomeSpec, "thickness", thicknesses)
+
+    @field_validator("base_radius")
+    @classmethod
+    def _base_radius_in_bounds(cls, base_radius: float) -> float:
+        return _each_in_bounds(DomeSpec, "base_radius", (base_radius,))[0]
+
+    def domes(self) -> tuple[DomeSpec, ...]:
+        """Every dome, thicknesses within heights."""
+        return tuple(
+            DomeSpec(height=height, base_radius=self.base_radius, thickness=thickness)
+            for height in self.heights
+            for thickness in self.thicknesses
+        )
+
+
+class MaterialSpec(Spec):
+    """The elastomer of every dome."""
+
+    name: str = parameter(
+        "zaid_2024_ecoflex_00_30",
+        unit="",
+        meaning="name in the library, or a law with its constants in MPa: yeoh:C10,C20,C30",
+        source=PAPER,
+    )
+    bulk_ratio: float | None = parameter(
+        None,
+        unit="1",
+        meaning="bulk over initial shear modulus K/mu; empty: the material's own",
+        ge=2,
+        le=1e7,
+    )
+
+    @field_validator("name")
+    @classmethod
+    def _is_known(cls, name: str) -> str:
+        try:
+            get_material(name)
+        except PalpateError as error:
+            raise PydanticCustomError("unknown_material", "{says}", {"says": str(error)}) from None
+        return name
+
+    def material(self) -> Material:
+        """The material that this spec names."""
+        material = get_material(self.name)
+        return material if self.bulk_ratio is None else material.with_bulk_ratio(self.bulk_ratio)
+
+
+class Study(Spec):
+    """One project file: designs, presses, camera, dataset and learning."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", description="name of the study and its folder")
+    seed: int = parameter(0, unit="1", meaning="seed of everything drawn at random", ge=0)
+    designs: DesignsSpec = DesignsSpec()
+    material: MaterialSpec = MaterialSpec()
+    mesh: MeshSpec = MeshSpec()
+    tilts_deg: tuple[float, ...] = parameter(
+        (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), unit="deg", meaning="tilts that are pressed", source=PAPER
+    )
+    wall: WallSpec = WallSpec()
+    solver: SolverSpec = SolverSpec()
+    camera: CameraSpec = CameraSpec()
+    dataset: DatasetSpec = DatasetSpec()
+    learning: SearchSpec = SearchSpec()
+
+    @field_validator("tilts_deg")
+    @classmethod
+    def _tilts_in_bounds(cls, tilts: tuple[float, ...]) -> tuple[float, ...]:
+        if not all(a < b for a, b in pairwise(tilts)):
+            raise PydanticCustomError("tilts_not_growing", "tilts must grow; write each once, in order.", {})
+        return _each_in_bounds(WallSpec, "tilt_deg", tilts)
+
+    @field_validator("wall")
+    @classmethod
+    def _tilts_belong_to_the_study(cls, wall: WallSpec) -> WallSpec:
+        for name in {"tilt_deg", "azimuth_deg"} & wall.model_fields_set:
+            raise PydanticCustomError(
+                "tilt_in_wall",
+                "{name} is not chosen here: the study presses every one of tilts_deg, and one press serves "
+                "every azimuth.",
+                {"name": name},
+            )
+        return wall
+
+    def seeded(self) -> Study:
+        """The same study with the seeds of dataset and learning drawn from its own where none is given."""
+        return self.model_copy(
+            update={
+                name: spec
+                if "seed" in spec.model_fields_set
+                else spec.model_copy(update={"seed": child_seed(self.seed, name)})
+                for name, spec in (("dataset", self.dataset), ("learning", self.learning))
+            }
+        )
+
+
+def _each_in_bounds(spec: type[BaseModel], name: str, values: tuple[float, ...]) -> tuple[float, ...]:
+    """Hold every value against the bounds that `spec` declares for one."""
+    if not values:
+        raise PydanticCustomError("empty_list", "the list is empty; give at least one value.", {})
+    for value in values:
+        try:
+            spec.model_validate({name: value})
+        except ValidationError as error:
+            raise PydanticCustomError(
+                "out_of_bounds", "{value}: {says}", {"value": f"{value:g}", "says": error.errors()[0]["msg"]}
+            ) from None
+    return values

@@ -1,0 +1,206 @@
+"""The tasks of a study: press, dataset, learning. Each is a pure function of its inputs, kept under a key."""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import ArtefactStore, PalpateError, Recipe
+from palpate.dataset import DATASET_VERSION, DatasetSpec, generate_dataset, read_dataset, write_dataset
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.fea import FEA_VERSION, SolverSpec, WallSpec, read_press, solve_press, write_press
+from palpate.learn import LEARN_VERSION, SearchSpec
+from palpate.material import Material
+from palpate.mesh import MeshSpec, mesh_dome
+
+TASK_VERSION = "1"
+"""Version of what the tasks themselves add to an artefact: the tally of a learning."""
+
+
+class Task(ABC):
+    """One artefact to be made."""
+
+    suffix: str = ".h5"
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """What a person reads, e.g. ``"press H20 T2 tilt 4°"``."""
+
+    @property
+    @abstractmethod
+    def recipe(self) -> Recipe:
+        """Everything that decides what the artefact contains."""
+
+    @property
+    @abstractmethod
+    def needs(self) -> tuple[Task, ...]:
+        """Tasks whose artefacts this one reads."""
+
+    @property
+    @abstractmethod
+    def cost(self) -> float:
+        """Expected time on one core, s; only its order of magnitude matters."""
+
+    @abstractmethod
+    def make(self, store: ArtefactStore) -> None:
+        """Make the artefact and put it into the store."""
+
+
+@dataclass(frozen=True)
+class PressTask(Task):
+    """Solve one dome under one tilt."""
+
+    dome: DomeSpec
+    mesh: MeshSpec
+    material: Material
+    wall: WallSpec
+    solver: SolverSpec
+
+    @property
+    def name(self) -> str:
+        return f"press {dome_name(self.dome)} tilt {self.wall.tilt_deg:g}°"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        spec = {
+            "dome": self.dome.model_dump(mode="json"),
+            "mesh": self.mesh.model_dump(mode="json"),
+            "material": self.material.key_data(),
+            "wall": self.wall.model_dump(mode="json"),
+            "solver": self.solver.model_dump(mode="json"),
+        }
+        return Recipe(kind="press", spec=spec, version=FEA_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return ()
+
+    @property
+    def cost(self) -> float:
+        return 10.0 * self.wall.depth / 8.0
+
+    def make(self, store: ArtefactStore) -> None:
+        mesh = mesh_dome(build_dome(self.dome), self.mesh)
+        press = solve_press(mesh, self.material, self.wall, self.solver)
+        store.write(self.recipe, lambda path: write_press(path, press))
+
+
+@dataclass(frozen=True)
+class DatasetTask(Task):
+    """Make the images of one design from the presses of its dome."""
+
+    presses: tuple[PressTask, ...]
+    dome: DomeSpec
+    markers: MarkerSpec
+    camera: CameraSpec
+    spec: DatasetSpec
+
+    @property
+    def name(self) -> str:
+        return f"dataset {dome_name(self.dome)} {self.markers.count} markers"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        layout = place_markers(build_dome(self.dome), self.markers)
+        spec = {
+            "markers_mm": layout.positions.tolist(),
+            "camera": self.camera.model_dump(mode="json"),
+            "dataset": self.spec.model_dump(mode="json"),
+        }
+        inputs = tuple(press.recipe.key for press in self.presses)
+        return Recipe(kind="dataset", spec=spec, inputs=inputs, version=DATASET_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return self.presses
+
+    @property
+    def cost(self) -> float:
+        return 1.0 + 0.02 * self.markers.count
+
+    def make(self, store: ArtefactStore) -> None:
+        presses = [read_press(find_made(store, task)) for task in self.presses]
+        layout = place_markers(build_dome(self.dome), self.markers)
+        dataset = generate_dataset(presses, layout, build_camera(self.camera), self.spec)
+        store.write(self.recipe, lambda path: write_dataset(path, dataset))
+
+
+@dataclass(frozen=True)
+class LearningTask(Task):
+    """Learn one design's pose from its images, and measure the errors on the held-out presses."""
+
+    dataset: DatasetTask
+    spec: SearchSpec
+
+    suffix = ".json"
+
+    @property
+    def name(self) -> str:
+        return f"learning {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        return Recipe(
+            kind="learning",
+            spec=self.spec.model_dump(mode="json"),
+            inputs=(self.dataset.recipe.key,),
+            version=f"{LEARN_VERSION}/{TASK_VERSION}",
+        )
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.dataset,)
+
+    @property
+    def cost(self) -> float:
+        return 100.0
+
+    def make(self, store: ArtefactStore) -> None:
+        from palpate.learn import evaluate, search  # here, so that a study already learned needs no torch
+
+        dataset = read_dataset(find_made(store, self.dataset))
+        journal = store.path(self.recipe, ".journal")
+        journal.parent.mkdir(parents=True, exist_ok=True)
+        estimator = search(dataset, self.spec, journal)
+        tally = {
+            "clean": evaluate(estimator, dataset, None).as_dict(),
+            "jittered": evaluate(estimator, dataset, self.spec.seed).as_dict(),
+            "travel_mm": dataset.full_depth_travel_mm(),
+            "counts": {
+                "presses": dataset.solved_presses,
+                "virtual_presses": dataset.virtual_presses,
+                "samples": len(dataset.poses),
+                "validation_samples": int(dataset.validation.sum()),
+                "dropped": dict(dataset.dropped),
+            },
+        }
+        store.write(self.recipe, lambda path: _write_json(path, tally), self.suffix)
+
+
+def find_made(store: ArtefactStore, task: Task) -> Path:
+    """Path of the artefact of a task that was done before.
+
+    Raises
+    ------
+    PalpateError
+        If it is not there.
+    """
+    path = store.find(task.recipe, task.suffix)
+    if path is None:
+        raise PalpateError(f"The artefact of '{task.name}' is missing or broken.", "Run the study again.")
+    return path
+
+
+def dome_name(dome: DomeSpec) -> str:
+    """Short name of a dome, e.g. ``"H20 T2"`` (mm)."""
+    return f"H{dome.height:g} T{dome.thickness:g}"
+
+
+def _write_json(path: Path, content: Any) -> None:
+    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")
