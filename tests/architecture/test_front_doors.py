@@ -1,0 +1,52 @@
+"""Public names of each stage. Taking one away breaks somebody's program: do it on purpose, here as well."""
+
+import importlib
+
+import pytest
+
+FRONT_DOORS = {
+    "core": {
+        "ArtefactStore",
+        "MissingExtraError",
+        "PalpateError",
+        "ParameterNote",
+        "Recipe",
+        "Spec",
+        "child_seed",
+        "generator",
+        "kernel",
+        "parameter",
+        "parameters",
+        "provenance",
+    },
+    "design": {
+        "Dome",
+        "DomeShape",
+        "DomeSpec",
+        "Finding",
+        "MarkerLayout",
+        "MarkerSpec",
+        "build_dome",
+        "check_design",
+        "place_markers",
+        "read_points",
+        "ring_diameters",
+    },
+    "material": {"Material", "get_material", "list_materials"},
+    "mesh": {"Mesh", "MeshSpec", "Rim", "mesh_dome"},
+    "camera": {"Camera", "CameraSpec", "build_camera", "preset"},
+    "fea": {"FEA_VERSION", "Press", "SolverSpec", "WallSpec", "read_press", "solve_press", "write_press"},
+    "dataset": {"DATASET_VERSION", "Dataset", "DatasetSpec", "generate_dataset", "read_dataset", "write_dataset"},
+    "learn": {"LEARN_VERSION", "Metrics", "SearchSpec", "evaluate", "search"},
+    "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
+    "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},
+    "cli": {"main"},
+}
+
+
+@pytest.mark.parametrize("stage", FRONT_DOORS)
+def test_public_names_stay(stage: str) -> None:
+    door = importlib.import_module(f"palpate.{stage}")
+    assert FRONT_DOORS[stage] <= set(door.__all__)
+    assert all(hasattr(door, name) for name in door.__all__)
+    assert len(door.__all__) <= 40, "a front door fits one screen"

@@ -1,0 +1,63 @@
+"""Imports point one way, go through front doors, and are fast."""
+
+import ast
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from importlinter.application.use_cases import read_user_options
+from importlinter.cli import lint_imports
+
+ROOT = Path(__file__).parents[2]
+SOURCE = ROOT / "src" / "palpate"
+FILES = sorted(SOURCE.rglob("*.py"))
+STAGES = {path.name for path in SOURCE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+
+
+def test_stages_import_in_one_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    monkeypatch.syspath_prepend(str(ROOT / "src"))
+    assert read_user_options(None).contracts_options
+    assert lint_imports(no_cache=True) == 0
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_other_stages_are_imported_through_their_front_door(path: Path) -> None:
+    own = path.relative_to(SOURCE).parts[0]
+    inner = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("palpate."):
+            parts = (node.module or "").split(".")
+            if parts[1] in STAGES and parts[1] != own and len(parts) > 2:
+                inner.append(node.module)
+    assert inner == []
+
+
+def seconds_to_run(code: str) -> float:
+    """Best of three runs in fresh interpreters, less the time of an empty one."""
+
+    def run(text: str) -> float:
+        started = time.perf_counter()
+        subprocess.run([sys.executable, "-c", text], check=True, cwd=ROOT / "src", capture_output=True)
+        return time.perf_counter() - started
+
+    return min(run(code) for _ in range(3)) - min(run("pass") for _ in range(3))
+
+
+@pytest.mark.parametrize("code", ["import palpate.core", "import palpate.design", "from palpate.cli import main"])
+def test_the_front_of_the_house_opens_within_a_second(code: str) -> None:
+    assert seconds_to_run(code) < 1.0
+
+
+def test_the_command_line_opens_without_heavy_libraries() -> None:
+    code = "import sys, palpate.cli; print([n for n in ('torch', 'numba', 'scipy', 'cv2') if n in sys.modules])"
+    shown = subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT / "src", capture_output=True, text=True)
+    assert shown.stdout.strip() == "[]"
+
+
+def test_reading_a_study_does_not_load_torch() -> None:
+    code = "import sys, palpate.study; print('torch' in sys.modules)"
+    shown = subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT / "src", capture_output=True, text=True)
+    assert shown.stdout.strip() == "False"
