@@ -1,0 +1,72 @@
+from pathlib import Path
+
+import pytest
+
+from palpate.core import PalpateError
+from palpate.study import Study, read_study
+from palpate.study.plan import plan_study
+
+
+def plan_of(**choices: object) -> dict[str, str]:
+    """Key of every task by its name."""
+    study = Study.model_validate({"name": "a", "tilts_deg": [0, 2], **choices})
+    return {task.name: task.recipe.key for task in plan_study(study).tasks()}
+
+
+def kinds_changed(**choices: object) -> set[str]:
+    before, after = plan_of(), plan_of(**choices)
+    return {name.split()[0] for name in before if before[name] != after[name]}
+
+
+def test_first_shares_its_presses_between_layouts() -> None:
+    kinds = [task.recipe.kind for task in plan_study(read_study("first")).tasks()]
+    assert (kinds.count("press"), kinds.count("dataset"), kinds.count("learning")) == (14, 8, 8)
+
+
+def test_paper_needs_84_presses_for_48_designs() -> None:
+    kinds = [task.recipe.kind for task in plan_study(read_study("paper")).tasks()]
+    assert (kinds.count("press"), kinds.count("learning")) == (84, 48)
+
+
+def test_every_task_comes_after_those_it_needs() -> None:
+    seen: set[str] = set()
+    for task in plan_study(read_study("first")).tasks():
+        assert {need.recipe.key for need in task.needs} <= seen
+        seen.add(task.recipe.key)
+
+
+def test_the_same_study_has_the_same_keys() -> None:
+    assert plan_of() == plan_of()
+
+
+@pytest.mark.parametrize(
+    ("choices", "changed"),
+    [
+        ({"wall": {"depth": 7.0}}, {"press", "dataset", "learning"}),
+        ({"material": {"bulk_ratio": 20}}, {"press", "dataset", "learning"}),
+        ({"camera": {"distance": 50}}, {"dataset", "learning"}),
+        ({"dataset": {"jitter_px": 1.0}}, {"dataset", "learning"}),
+        ({"seed": 1}, {"dataset", "learning"}),
+        ({"learning": {"seed": 1}}, {"learning"}),
+        ({"name": "b"}, set()),
+    ],
+)
+def test_a_choice_changes_only_what_hangs_on_it(choices: dict[str, object], changed: set[str]) -> None:
+    assert kinds_changed(**choices) == changed
+
+
+def test_the_content_of_a_layout_file_changes_the_dataset(tmp_path: Path) -> None:
+    dots = tmp_path / "dots.csv"
+    keys = []
+    for x in (1, 2):
+        dots.write_text(f"x_mm,y_mm\n{x},0\n5,5\n")
+        keys.append(plan_of(designs={"markers": [{"file": str(dots)}]}))
+    assert [name for name in keys[0] if keys[0][name] != keys[1][name]] == [
+        "dataset H20 T2 2 markers",
+        "learning H20 T2 2 markers",
+    ]
+
+
+def test_a_design_that_cannot_be_built_is_named() -> None:
+    with pytest.raises(PalpateError, match=r"Design H20 T2: 12 markers are up to 25 mm"):
+        plan_of(designs={"markers": [{"ring_diameters": [10, 50]}]})

@@ -1,0 +1,117 @@
+from pathlib import Path
+
+import pytest
+
+from palpate.core import PalpateError
+from palpate.study import Study, list_presets, read_study
+
+ROOT = Path(__file__).parents[3]
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "mine.yaml"
+    path.write_text(text)
+    return path
+
+
+def refusal(folder: Path, text: str) -> str:
+    with pytest.raises(PalpateError) as caught:
+        read_study(write(folder, text))
+    return str(caught.value).replace(str(folder) + "/", "")
+
+
+def test_presets_are_first_and_paper() -> None:
+    assert list_presets() == ("first", "paper")
+
+
+@pytest.mark.parametrize("name", ["first", "paper"])
+def test_the_studies_at_the_root_are_the_presets(name: str) -> None:
+    assert read_study(ROOT / "studies" / f"{name}.yaml") == read_study(name)
+    inside = ROOT / "src" / "palpate" / "study" / "presets" / f"{name}.yaml"
+    assert (ROOT / "studies" / f"{name}.yaml").read_text() == inside.read_text()
+
+
+def test_first_is_eight_designs_of_fourteen_presses() -> None:
+    study = read_study("first")
+    assert [(dome.height, dome.thickness) for dome in study.designs.domes()] == [(20, 2), (20, 3)]
+    assert [layout.count for layout in study.designs.markers] == [7, 37, 91, 169]
+    assert study.tilts_deg == (0, 2, 4, 6, 8, 10, 12)
+    assert (study.wall.contact, study.wall.depth, study.wall.image_step) == ("no-slip", 8, 0.8)
+
+
+def test_paper_is_its_whole_grid() -> None:
+    designs = read_study("paper").designs
+    assert len(designs.domes()) * len(designs.markers) == 48
+
+
+def test_a_number_may_carry_its_unit(tmp_path: Path) -> None:
+    study = read_study(write(tmp_path, "name: a\ndesigns:\n  heights: [10 mm, 20]\nwall: {depth: 4 mm}\n"))
+    assert study.designs.heights == (10, 20)
+    assert study.wall.depth == 4
+
+
+def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
+    study = read_study(write(tmp_path, "name: a\ndesigns: {markers: [7, {file: dots.csv}]}\n"))
+    assert study.designs.markers[1].file == tmp_path / "dots.csv"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            "name: a\ndesigns:\n  hights: [20]\n",
+            "mine.yaml:3: designs.hights: there is no such key; did you mean heights?",
+        ),
+        ("name: a\nwal: 3\n", "mine.yaml:2: wal: there is no such key; did you mean wall?"),
+        ("name: a\nxyzzy: 3\n", "mine.yaml:2: xyzzy: there is no such key; valid keys: name, seed,"),
+        ("name: a\nwall: {depth: 4 cm}\n", "mine.yaml:2: wall.depth: depth is given in cm, but its unit is mm"),
+        ("name: a\n\nwall:\n  depth: 100\n", "mine.yaml:4: wall.depth: Input should be less than or equal to 60 mm"),
+        (
+            "name: a\ndesigns:\n  heights:\n    - 70\n",
+            "mine.yaml:3: designs.heights: 70: Input should be less than or",
+        ),
+        ("name: a\ndesigns:\n  markers: [7, 8]\n", "mine.yaml:3: designs.markers.1: count 8 is not 1 + 3 n (n + 1)"),
+        ("name: a\ntilts_deg: [0, 40]\n", "mine.yaml:2: tilts_deg: 40: Input should be less than or equal to 30"),
+        ("name: a\ntilts_deg: [4, 2]\n", "mine.yaml:2: tilts_deg: tilts must grow"),
+        ("name: a\ntilts_deg: []\n", "mine.yaml:2: tilts_deg: the list is empty"),
+        ("name: a\nwall: {tilt_deg: 3}\n", "mine.yaml:2: wall: tilt_deg is not chosen here"),
+        ("name: a\nmaterial: {name: ecoflex}\n", "mine.yaml:2: material.name: There is no material 'ecoflex'"),
+        ("seed: 1\n", "name is missing"),
+        ("name: a\nseed: [1\n", "this is not YAML"),
+        ("name: a\nname: b\n", "this is not YAML"),
+        ("- a\n", "mine.yaml:1: a study is a mapping"),
+        ("", "mine.yaml:1: a study is a mapping"),
+        ("name: ../up\n", "mine.yaml:1: name: String should match"),
+    ],
+)
+def test_a_bad_study_is_an_error_with_its_place(tmp_path: Path, text: str, says: str) -> None:
+    assert says in refusal(tmp_path, text)
+
+
+def test_several_errors_come_together_in_the_order_of_the_file(tmp_path: Path) -> None:
+    lines = refusal(tmp_path, "name: a\nseed: -1\nwal: 3\ntilts_deg: [99]\n").splitlines()
+    assert [line.split(":")[1] for line in lines] == ["2", "3", "4"]
+
+
+def test_more_errors_than_a_screen_holds_are_counted(tmp_path: Path) -> None:
+    keys = "".join(f"key{i}: 1\n" for i in range(12))
+    assert refusal(tmp_path, "name: a\n" + keys).endswith("… and 4 more")
+
+
+def test_an_unknown_name_lists_the_presets() -> None:
+    with pytest.raises(PalpateError, match="first, paper"):
+        read_study("second")
+
+
+def test_a_file_that_is_no_text_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_bytes(b"\xff\xfe\x00\x80")
+    with pytest.raises(PalpateError, match="not a text file"):
+        read_study(tmp_path / "mine.yaml")
+
+
+def test_seeds_come_from_the_study_unless_given() -> None:
+    drawn = Study(name="a", seed=5).seeded()
+    assert drawn.dataset.seed != drawn.learning.seed
+    assert drawn == Study(name="a", seed=5).seeded() != Study(name="a", seed=6).seeded()
+    given = Study.model_validate({"name": "a", "seed": 5, "dataset": {"seed": 3}}).seeded()
+    assert given.dataset.seed == 3
