@@ -1,0 +1,76 @@
+"""What every spec of every stage must satisfy, whoever wrote it."""
+
+import importlib
+import inspect
+import pickle
+
+import pytest
+from pydantic import ValidationError
+
+from palpate.core import Spec, parameters
+
+STAGES = ("design", "mesh", "camera", "fea", "dataset", "learn", "study")
+REQUIRED = {"Study": {"name": "any"}}
+
+
+def front_door_specs() -> list[type[Spec]]:
+    found = []
+    for stage in STAGES:
+        door = importlib.import_module(f"palpate.{stage}")
+        things = [getattr(door, name) for name in door.__all__]
+        found += [thing for thing in things if inspect.isclass(thing) and issubclass(thing, Spec)]
+    return found
+
+
+SPECS = front_door_specs()
+
+
+def make(spec: type[Spec]) -> Spec:
+    return spec.model_validate(REQUIRED.get(spec.__name__, {}))
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_defaults_are_within_their_own_bounds(spec: type[Spec]) -> None:
+    defaults = {note.name: note.default for note in parameters(spec) if note.default is not None}
+    for name, default in defaults.items():
+        spec.model_validate({**REQUIRED.get(spec.__name__, {}), name: default})
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_a_spec_cannot_be_changed(spec: type[Spec]) -> None:
+    name = next(iter(spec.model_fields))
+    with pytest.raises(ValidationError, match="frozen"):
+        setattr(make(spec), name, getattr(make(spec), name))
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_an_unknown_key_is_refused(spec: type[Spec]) -> None:
+    with pytest.raises(ValidationError, match="Extra inputs are not permitted"):
+        spec.model_validate({**REQUIRED.get(spec.__name__, {}), "no_such_key": 1})
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_a_spec_survives_json_and_pickle(spec: type[Spec]) -> None:
+    made = make(spec)
+    assert spec.model_validate_json(made.model_dump_json(exclude_unset=True)) == made
+    assert pickle.loads(pickle.dumps(made)) == made
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_every_number_declares_unit_and_meaning(spec: type[Spec]) -> None:
+    notes = {note.name: note for note in parameters(spec)}
+    numbers = [
+        name
+        for name, field in spec.model_fields.items()
+        if any(kind in str(field.annotation) for kind in ("float", "int"))
+    ]
+    assert [name for name in numbers if not (notes[name].unit and notes[name].meaning)] == []
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_degrees_and_pixels_stand_in_the_name(spec: type[Spec]) -> None:
+    marks = {"deg": "_deg", "px": "_px"}
+    wrong = [
+        note.name for note in parameters(spec) if note.unit in marks and not note.name.endswith(marks[note.unit])
+    ]
+    assert wrong == []

@@ -1,0 +1,121 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from palpate.cli import main
+from palpate.cli.border import guarded
+
+
+def call(*words: str) -> int:
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+def test_design_gives_radius_shape_markers_and_findings(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("design", "--height", "30", "--thickness", "2", "--markers", "37", "--json") == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["radius_mm"] == pytest.approx(65 / 3)
+    assert shown["shape"] == "spherical cap"
+    assert shown["markers"] == len(shown["positions_mm"]) == 37
+    assert [finding["code"] for finding in shown["findings"]] == ["undercut"]
+
+
+def test_design_takes_rings(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("design", "--rings", "10", "25", "45", "--json") == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["markers"] == 37
+    assert shown["positions_mm"][-1][2] is None
+    assert shown["findings"][0]["code"] == "ring-outside-dome"
+
+
+def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("design", "--markers", "7") == 0
+    shown = capsys.readouterr().out
+    assert "hemisphere: height 20 mm" in shown
+    assert "17.861" in shown
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("design", "--height", "70"), "--height: Input should be less than or equal to 60 (given 70.0)"),
+        (("design", "--height", "tall"), "--height"),
+        (("design", "--markers", "8"), "nearest valid: 7 or 19"),
+        (("design", "--heigth", "3"), "Did you mean --height"),
+        (("design", "--layout", "nowhere.csv"), "nowhere.csv cannot be read"),
+        (("dezign",), "dezign"),
+        (("press", "--tilt", "50"), "--tilt: Input should be less than or equal to 30"),
+        (("press", "--contact", "sticky"), "contact law 'sticky'"),
+        (("press", "--material", "cheese"), "--material: There is no material 'cheese'"),
+        (("press", "--material", "yeoh:1,2"), "yeoh takes C10,C20,C30"),
+        (("press", "--bulk-ratio", "1"), "--bulk-ratio"),
+        (("press", "--rim", "round"), "--rim"),
+        (("press", "--points", "nowhere.csv"), "nowhere.csv cannot be read"),
+        (("run", "second"), "first, paper"),
+        (("run", "first", "--workers", "0"), "--workers is 0"),
+        (("run",), "study"),
+        (("grid", "show", "nowhere"), "nowhere"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(
+    words: tuple[str, ...], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(*words) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert says.lower() in shown.err.lower()
+    assert "Traceback" not in shown.err
+    assert len(shown.err.splitlines()) <= 12
+
+
+def test_a_point_outside_the_dome_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "points.csv").write_text("x_mm,y_mm\n0,0\n25,0\n")
+    assert call("press", "--points", str(tmp_path / "points.csv")) == 2
+    assert "point 2 (25, 0) mm is outside the dome" in capsys.readouterr().err
+
+
+def test_an_output_that_cannot_be_written_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("mine")
+    assert call("run", "first", "--out", str(tmp_path / "file")) == 2
+    assert "Choose another with --out" in capsys.readouterr().err
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_an_unforeseen_error_is_one_line_with_a_log(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+
+    def fail() -> None:
+        raise ZeroDivisionError
+
+    assert guarded(fail) == 1
+    shown = capsys.readouterr().err
+    assert shown.startswith("palpate failed: ZeroDivisionError. Details: ")
+    assert len(shown.splitlines()) == 1
+    assert "Traceback" in Path(shown.split("Details: ")[1].strip()).read_text()
+
+
+def test_interruption_has_its_exit_code() -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    assert guarded(interrupt) == 130
+
+
+def test_doctor_names_the_solver_in_use(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("doctor", "--json") == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["healthy"]
+    assert shown["solver"] in [check["name"] for check in shown["solvers"]]
+    assert shown["versions"]["palpate"]
+
+
+def test_help_names_units_defaults_and_bounds(capsys: pytest.CaptureFixture[str]) -> None:
+    call("press", "--help")
+    shown = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "(mm; >= 2, <= 60). [default: 20.0]" in shown
+    assert "(deg; >= 0, <= 30). [default: 0.0]" in shown
