@@ -1,0 +1,28 @@
+"""The command line as a process of its own, as a person starts it."""
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+ENTRY = "from palpate.cli import main; main()"
+
+
+def start(words: Sequence[str | Path]) -> "subprocess.Popen[str]":
+    """Start the command line in a process group of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-c", ENTRY, *map(str, words)],
+        cwd=ROOT / "src",
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def finish(words: Sequence[str | Path]) -> "subprocess.CompletedProcess[str]":
+    """Run the command line to its end."""
+    process = start(words)
+    out, err = process.communicate(timeout=600)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, err)

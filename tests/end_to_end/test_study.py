@@ -1,0 +1,141 @@
+"""One study file in, a grid out; interrupted in every way and run again."""
+
+import csv
+import json
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from command_line import finish, start
+
+COLUMNS = [
+    "height_mm",
+    "thickness_mm",
+    "markers",
+    "rmse_deg",
+    "max_error_deg",
+    "rmse_jitter_deg",
+    "max_error_jitter_deg",
+    "travel_mm",
+    "peak_stress_mpa",
+    "force_n",
+    "presses",
+    "samples",
+    "seed",
+]
+
+
+@pytest.fixture(scope="module")
+def finished(tiny_study: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("finished")
+    done = finish(["run", tiny_study, "--out", out, "--workers", "2"])
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+def artefacts(out: Path) -> dict[str, float]:
+    """Artefacts of a result folder by the time they were written."""
+    return {path.name: path.stat().st_mtime for path in (out / "store").rglob("*.manifest.json")}
+
+
+def numbers(out: Path) -> list[dict[str, str]]:
+    with (out / "grid.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def wait_for(out: Path, count: int) -> None:
+    """Wait until a running study has `count` artefacts."""
+    limit = time.monotonic() + 120
+    while len(artefacts(out)) < count:
+        assert time.monotonic() < limit, "no artefact came"
+        time.sleep(0.05)
+
+
+def test_a_study_leaves_table_and_pictures(finished: Path) -> None:
+    rows = numbers(finished)
+    assert [row["markers"] for row in rows] == ["7", "19"]
+    assert set(COLUMNS) <= set(rows[0])
+    assert all(float(row[name]) >= 0 for row in rows for name in COLUMNS)
+    assert json.loads((finished / "grid.json").read_text())
+    assert list(finished.glob("*.png"))
+    assert list(finished.glob("*.svg"))
+
+
+def test_a_second_run_makes_nothing_and_gives_the_same_grid(tiny_study: Path, finished: Path) -> None:
+    before, rows = artefacts(finished), numbers(finished)
+    started = time.monotonic()
+    done = finish(["run", tiny_study, "--out", finished, "--json"])
+    assert done.returncode == 0, done.stderr
+    assert time.monotonic() - started < 15
+    shown = json.loads(done.stdout)
+    assert shown["computed"] == {}
+    assert shown["reused"] == {"press": 3, "dataset": 2, "learning": 2}
+    assert artefacts(finished) == before
+    assert numbers(finished) == rows
+
+
+def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished: Path, tmp_path: Path) -> None:
+    process = start(["run", tiny_study, "--out", tmp_path, "--workers", "2"])
+    wait_for(tmp_path, 1)
+    process.kill()
+    process.communicate()
+    time.sleep(3)  # its workers look for their parent once a second
+    kept = artefacts(tmp_path)
+    assert 1 <= len(kept) < 7
+    done = finish(["run", tiny_study, "--out", tmp_path, "--workers", "2", "--json"])
+    assert done.returncode == 0, done.stderr
+    assert sum(json.loads(done.stdout)["reused"].values()) == len(kept)
+    assert kept.items() <= artefacts(tmp_path).items()
+    assert numbers(tmp_path) == numbers(finished)
+
+
+def test_interrupted_it_says_how_to_go_on(tiny_study: Path, tmp_path: Path) -> None:
+    process = start(["run", tiny_study, "--out", tmp_path, "--workers", "2"])
+    wait_for(tmp_path, 1)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert out == ""
+    assert "Run the same command to go on." in err
+    assert "Traceback" not in err
+
+
+def test_a_broken_artefact_is_made_again(tiny_study: Path, finished: Path) -> None:
+    rows = numbers(finished)
+    press = next((finished / "store" / "press").rglob("*.h5"))
+    press.write_bytes(press.read_bytes()[:-100])
+    done = finish(["run", tiny_study, "--out", finished, "--json"])
+    assert json.loads(done.stdout)["computed"] == {"press": 1}
+    assert press.with_name(press.name + ".broken").exists()
+    assert numbers(finished) == rows
+
+
+def test_the_grid_can_be_asked(finished: Path) -> None:
+    done = finish(["grid", "show", finished, "--where", "markers >= 10", "--sort", "-rmse_deg", "--json"])
+    assert done.returncode == 0, done.stderr
+    assert [row["markers"] for row in json.loads(done.stdout)] == [19]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--where", "markers >"], ["--where", "colour == 3"], ["--sort", "colour"], ["--where", "__import__('os')"]],
+)
+def test_a_bad_question_is_bad_input(finished: Path, words: list[str]) -> None:
+    done = finish(["grid", "show", finished, *words])
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+
+
+def test_a_failed_task_is_reported_and_the_rest_goes_on(tiny_study: Path, tmp_path: Path) -> None:
+    study = tmp_path / "narrow.yaml"
+    camera = "camera: {fx_px: 900, fy_px: 900}\n"  # sees the inner dots only
+    study.write_text(tiny_study.read_text() + camera)
+    done = finish(["run", study, "--out", tmp_path / "out", "--json"])
+    assert done.returncode == 1
+    shown = json.loads(done.stdout)
+    assert shown["computed"]["press"] == 3
+    assert {failure["task"] for failure in shown["failures"]} >= {"learning H20 T2 19 markers"}
+    assert "Traceback" not in done.stderr
