@@ -16,13 +16,14 @@ With the penetration ``delta = n·(x - x_w)`` of a point (positive inside the wa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.core import kernel
 from palpate.fea.arrays import FloatArray, IntArray
-from palpate.fea.element import DOFS
+from palpate.fea.element import DOFS, System
 from palpate.mesh import gauss_points, shape_quadrilateral
 
 OUTER_FIRST = 18
@@ -32,8 +33,7 @@ FREE, STICK, SLIP = 0, 1, 2
 """State of a contact point."""
 
 
-@dataclass(frozen=True)
-class ContactLaw:
+class ContactLaw(NamedTuple):
     """Numbers of the contact energy.
 
     Attributes
@@ -54,8 +54,7 @@ class ContactLaw:
     friction: float
 
 
-@dataclass(frozen=True)
-class Plane:
+class Plane(NamedTuple):
     """A rigid plane.
 
     Attributes
@@ -70,8 +69,7 @@ class Plane:
     point: FloatArray
 
 
-@dataclass(frozen=True)
-class Touch:
+class Touch(NamedTuple):
     """Where the contact points stick, and how hard.
 
     Attributes
@@ -80,10 +78,34 @@ class Touch:
         (n_points, 3) mm: the place on the wall that each point sticks to.
     limit
         (n_points,) MPa greatest tangential traction; 0 for points that do not stick, infinite for no slip.
+    hold
+        (n_points,) MPa/mm spring that pulls a lifting point back to the wall (see `palpate.fea.hold`).
     """
 
     place: FloatArray
     limit: FloatArray
+    hold: FloatArray
+
+
+class ContactFaces(NamedTuple):
+    """Tables of the outer faces in the kernels.
+
+    Attributes
+    ----------
+    nodes
+        (n_faces, 9) node numbers.
+    cell
+        (n_faces,) cell whose face zeta = +1 each one is.
+    shape
+        (n_q, 9) shape functions at the quadrature points.
+    weight
+        (n_faces, n_q) mm² undeformed area of each point.
+    """
+
+    nodes: IntArray
+    cell: IntArray
+    shape: FloatArray
+    weight: FloatArray
 
 
 class OuterSurface:
@@ -101,29 +123,31 @@ class OuterSurface:
         Gauss points along each side of a face.
     """
 
-    def __init__(
-        self, nodes: FloatArray, faces: IntArray, cell_of_face: IntArray, points_per_side: int = 4
-    ) -> None:
-        points, weights = gauss_points((points_per_side, points_per_side))
-        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
-        self.cell_of_face = np.ascontiguousarray(cell_of_face, dtype=np.int64)
-        self.shape, self.slope = shape_quadrilateral(points)
-        self.quadrature = weights
-        self.weight = self._areas(nodes)
+    def __init__(self, nodes: FloatArray, faces: IntArray, cell_of_face: IntArray, points_per_side: int = 4) -> None:
+        points, self._quadrature = gauss_points((points_per_side, points_per_side))
+        shape, self._slope = shape_quadrilateral(points)
+        faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self.faces = ContactFaces(faces, cell_of_face, shape, self._areas(nodes[faces]))
         self.points = self.interpolate(nodes)
 
-    def _areas(self, nodes: FloatArray) -> FloatArray:
-        tangents = np.einsum("fai,qaj->fqji", nodes[self.faces], self.slope)
+    def _areas(self, corners: FloatArray) -> FloatArray:
+        tangents = np.einsum("fai,qaj->fqji", corners, self._slope)
         area: FloatArray = np.linalg.norm(np.cross(tangents[..., 0, :], tangents[..., 1, :]), axis=-1)
-        return np.ascontiguousarray(area * self.quadrature)
+        return np.ascontiguousarray(area * self._quadrature)
+
+    @property
+    def area(self) -> float:
+        """Undeformed area, mm²."""
+        return float(self.faces.weight.sum())
 
     def interpolate(self, field: FloatArray) -> FloatArray:
-        """Nodal field (n, 3) at the quadrature points: (n_faces * n_q, 3)."""
-        return np.einsum("qa,fai->fqi", self.shape, field[self.faces]).reshape(-1, 3)
+        """Nodal field (n, 3) at the quadrature points: (n_points, 3)."""
+        values: FloatArray = np.einsum("qa,fai->fqi", self.faces.shape, field[self.faces.nodes])
+        return values.reshape(-1, 3)
 
-    def current_area(self, nodes: FloatArray, u: FloatArray, touching: np.ndarray) -> float:
-        """Deformed area in mm² of the points that are marked in `touching` (n_points,) bool."""
-        return float(self._areas(nodes + u).ravel()[touching].sum())
+    def current_area(self, nodes: FloatArray, touching: NDArray[np.bool_]) -> float:
+        """Deformed area in mm² of the points marked in `touching` (n_points,), nodes (n, 3) deformed."""
+        return float(self._areas(nodes[self.faces.nodes]).ravel()[touching].sum())
 
     def foresee(
         self, law: ContactLaw, touch: Touch, before: tuple[FloatArray, Plane], after: tuple[FloatArray, Plane]
@@ -138,7 +162,7 @@ class OuterSurface:
         share = np.clip(np.divide(-reach0, reach1 - reach0, out=np.zeros_like(reach0), where=fresh), 0.0, 1.0)
         crossing = place0 + share[:, None] * (place1 - place0)
         limit = np.where(fresh, np.inf, touch.limit) if np.isinf(law.friction) else touch.limit
-        return Touch(place=np.where(fresh[:, None], crossing, touch.place), limit=limit)
+        return Touch(np.where(fresh[:, None], crossing, touch.place), limit, touch.hold)
 
     def correct(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> Touch:
         """Limits that belong to the equilibrium x (n_points, 3) mm; no slip only lets points go."""
@@ -148,7 +172,7 @@ class OuterSurface:
             if np.isinf(law.friction)
             else law.friction * penalty_pressure(law, reach)
         )
-        return Touch(place=touch.place, limit=limit)
+        return Touch(touch.place, limit, touch.hold)
 
     def settle(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> Touch:
         """What the points keep of the equilibrium x (n_points, 3) mm: where they stick, after any slip."""
@@ -159,7 +183,7 @@ class OuterSurface:
         limit = np.where(
             reach > 0, np.inf if np.isinf(law.friction) else law.friction * penalty_pressure(law, reach), 0.0
         )
-        return Touch(place=place - kept[:, None] * spring, limit=limit)
+        return Touch(place - kept[:, None] * spring, limit, touch.hold)
 
     def states(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> IntArray:
         """State of every point at x (n_points, 3) mm: `FREE`, `STICK` or `SLIP` (frictionless contact slips)."""
@@ -170,7 +194,7 @@ class OuterSurface:
 
 def untouched(points: int) -> Touch:
     """Nothing has touched yet."""
-    return Touch(place=np.zeros((points, 3)), limit=np.zeros(points))
+    return Touch(np.zeros((points, 3)), np.zeros(points), np.zeros(points))
 
 
 def _in_plane(x: FloatArray, plane: Plane) -> tuple[FloatArray, FloatArray]:
@@ -191,91 +215,80 @@ def penalty_pressure(law: ContactLaw, reach: FloatArray) -> FloatArray:
 
 @kernel
 def assemble_contact(
-    faces: IntArray,
-    cell_of_face: IntArray,
-    shape: FloatArray,
-    weight: FloatArray,
-    position: FloatArray,
-    normal: FloatArray,
-    point: FloatArray,
-    law: FloatArray,
-    stick_place: FloatArray,
-    stick_limit: FloatArray,
+    faces: ContactFaces,
     place: IntArray,
-    data: FloatArray,
-    residual: FloatArray,
-    force: FloatArray,
-) -> float:
+    position: FloatArray,
+    obstacle: tuple[Plane, ContactLaw, Touch],
+    system: System,
+) -> tuple[float, FloatArray]:
     """Add contact to tangent and residual.
 
     Parameters
     ----------
-    faces, cell_of_face, shape, weight
-        Of the `OuterSurface`.
+    faces, place
+        Of the `OuterSurface` and of `palpate.fea.element.Cells`.
     position
         (n, 3) mm deformed nodes.
-    normal, point
-        (3,) of the `Plane`.
-    law
-        (3,) stiffness, width, tangential stiffness of the `ContactLaw`.
-    stick_place, stick_limit
-        Of `Touch`.
-    place, data, residual
-        As in `palpate.fea.element.assemble_cells`.
-    force
-        (3,) N, receives the force on the wall.
+    obstacle
+        The wall, its contact law, and what the points remember of it.
+    system
+        Added to.
 
     Returns
     -------
-    float
-        Contact energy, mJ.
+    energy, force
+        Contact energy, mJ, and force (3,) N on the wall.
     """
-    eps, width, eps_t = law
-    force[:] = 0.0
-    energy = 0.0
+    plane, law, touch = obstacle
+    normal = plane.normal
+    force, energy = np.zeros(3), 0.0
     x, s, t = np.empty(3), np.empty(3), np.empty(3)
     H = np.empty((3, 3))
-    count = shape.shape[0]
-    for f in range(len(faces)):
-        block = place[cell_of_face[f]]
-        for q in range(count):
+    for f in range(len(faces.nodes)):
+        nodes = faces.nodes[f]
+        for q in range(len(faces.shape)):
+            at = f * len(faces.shape) + q
             x[:] = 0.0
             for a in range(9):
                 for i in range(3):
-                    x[i] += shape[q, a] * position[faces[f, a], i]
+                    x[i] += faces.shape[q, a] * position[nodes[a], i]
             delta = 0.0
             for i in range(3):
-                x[i] -= point[i]
+                x[i] -= plane.point[i]
                 delta += normal[i] * x[i]
-            at = f * count + q
-            if delta <= 0.0 and stick_limit[at] == 0.0:
+            if delta <= 0.0 and touch.limit[at] == 0.0 and touch.hold[at] == 0.0:
                 continue
-            w = weight[f, q]
-            inside = max(delta, 0.0)
-            if inside < width:
-                p, stiffness = eps * inside * inside / (2.0 * width), eps * inside / width
-                energy += w * eps * inside**3 / (6.0 * width)
-            else:
-                p, stiffness = eps * (inside - 0.5 * width), eps
-                energy += w * eps * (0.5 * inside * inside - 0.5 * width * inside + width * width / 6.0)
+            w = faces.weight[f, q]
+            density, p, stiffness = _normal_contact(delta, law, touch.hold[at])
             for i in range(3):
                 for j in range(3):
                     H[i, j] = stiffness * normal[i] * normal[j]
                 t[i] = p * normal[i]
-            if stick_limit[at] > 0.0:
+            if touch.limit[at] > 0.0:
                 for i in range(3):
-                    s[i] = x[i] - delta * normal[i] - stick_place[at, i]
-                energy += w * _add_friction(s, normal, stick_limit[at], eps_t, t, H)
+                    s[i] = x[i] - delta * normal[i] - touch.place[at, i]
+                density += _add_friction(s, normal, touch.limit[at], law.tangential_stiffness, t, H)
+            energy += w * density
             for i in range(3):
                 force[i] += w * t[i]
-            _add_point(faces[f], shape[q], w, t, H, block, data, residual)
-    return energy
+            _add_point(nodes, w, faces.shape[q], (t, H), place[faces.cell[f]], system)
+    return energy, force
 
 
 @kernel
-def _add_friction(
-    s: FloatArray, normal: FloatArray, limit: float, k: float, t: FloatArray, H: FloatArray
-) -> float:
+def _normal_contact(delta: float, law: ContactLaw, hold: float) -> tuple[float, float, float]:
+    """Energy (mJ/mm²), pressure (MPa) and stiffness (MPa/mm) at a penetration in mm."""
+    if delta < 0.0:
+        return 0.5 * hold * delta * delta, hold * delta, hold
+    eps, width = law.stiffness, law.width
+    if delta < width:
+        return eps * delta**3 / (6.0 * width), eps * delta * delta / (2.0 * width), eps * delta / width
+    energy = eps * (0.5 * delta * delta - 0.5 * width * delta + width * width / 6.0)
+    return energy, eps * (delta - 0.5 * width), eps
+
+
+@kernel
+def _add_friction(s: FloatArray, normal: FloatArray, limit: float, k: float, t: FloatArray, H: FloatArray) -> float:
     """Add traction and stiffness of the spring s (3,) mm from the sticking place; return its energy, mJ/mm²."""
     length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
     if k * length <= limit:
@@ -288,31 +301,29 @@ def _add_friction(
         si = s[i] / length
         t[i] += limit * si
         for j in range(3):
-            H[i, j] += (
-                limit / length * ((1.0 if i == j else 0.0) - normal[i] * normal[j] - si * s[j] / length)
-            )
+            H[i, j] += limit / length * ((1.0 if i == j else 0.0) - normal[i] * normal[j] - si * s[j] / length)
     return limit * (length - 0.5 * limit / k)
 
 
 @kernel
 def _add_point(
     nodes: IntArray,
-    shape: FloatArray,
     w: float,
-    t: FloatArray,
-    H: FloatArray,
-    block: IntArray,
-    data: FloatArray,
-    residual: FloatArray,
+    shape: FloatArray,
+    traction: tuple[FloatArray, FloatArray],
+    place: IntArray,
+    system: System,
 ) -> None:
+    """Add the traction t (3,) and its stiffness H (3, 3) of one point to the system."""
+    t, H = traction
     for a in range(9):
         wa = w * shape[a]
         for i in range(3):
-            residual[3 * nodes[a] + i] += wa * t[i]
+            system.residual[3 * nodes[a] + i] += wa * t[i]
             row = 3 * (OUTER_FIRST + a) + i
             start = row * DOFS - row * (row - 1) // 2 - row
             for b in range(a, 9):
                 for j in range(i if a == b else 0, 3):
-                    target = block[start + 3 * (OUTER_FIRST + b) + j]
+                    target = place[start + 3 * (OUTER_FIRST + b) + j]
                     if target >= 0:
-                        data[target] += wa * shape[b] * H[i, j]
+                        system.data[target] += wa * shape[b] * H[i, j]

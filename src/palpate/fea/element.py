@@ -16,6 +16,8 @@ pressure, and the iterations do not grow with the bulk modulus.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from palpate.core import kernel
@@ -25,6 +27,66 @@ from palpate.material import isochoric
 NODES = 27
 DOFS = 81
 PRESSURES = 4
+
+
+class Cells(NamedTuple):
+    """Tables of all cells that do not change.
+
+    Attributes
+    ----------
+    nodes
+        (n_cells, 27) node numbers.
+    gradient
+        (n_cells, n_points, 27, 3) referential shape gradients at the Gauss points, 1/mm.
+    weight
+        (n_cells, n_points) mm³.
+    basis
+        (n_points, 4) pressure basis.
+    inverse_mass
+        (n_cells, 4, 4) inverse of the pressure mass matrix, 1/mm³.
+    place
+        (n_cells, 3321) place among the values of the sparse matrix of every entry of a cell's upper triangle,
+        -1 for none.
+    """
+
+    nodes: IntArray
+    gradient: FloatArray
+    weight: FloatArray
+    basis: FloatArray
+    inverse_mass: FloatArray
+    place: IntArray
+
+
+class Constitution(NamedTuple):
+    """Material in the kernels: code and parameters of its law, and the bulk modulus in MPa."""
+
+    code: int
+    parameters: FloatArray
+    bulk: float
+
+
+class System(NamedTuple):
+    """Linear system under assembly: values (nnz,) N/mm of the sparse upper triangle, residual (3 n,) N."""
+
+    data: FloatArray
+    residual: FloatArray
+
+
+class Condensed(NamedTuple):
+    """What `recover_pressure` needs: C (n_cells, 4, 81) mm² and r_p (n_cells, 4) mm³."""
+
+    coupling: FloatArray
+    volume_residual: FloatArray
+
+
+class _Cell(NamedTuple):
+    """Work arrays of one cell: stiffness K (81, 81), geometric part S (27, 27), residual r (81,), C, r_p."""
+
+    K: FloatArray
+    S: FloatArray
+    r: FloatArray
+    C: FloatArray
+    rp: FloatArray
 
 
 @kernel
@@ -121,46 +183,20 @@ def add_volumetric(pressure_J: float, tau: FloatArray, c: FloatArray) -> None:
 
 @kernel
 def assemble_cells(
-    cells: IntArray,
-    gradient: FloatArray,
-    weight: FloatArray,
-    basis: FloatArray,
-    inverse_mass: FloatArray,
-    code: int,
-    parameters: FloatArray,
-    bulk: float,
-    u: FloatArray,
-    p: FloatArray,
-    place: IntArray,
-    equation: IntArray,
-    data: FloatArray,
-    residual: FloatArray,
-    coupling: FloatArray,
-    volume_residual: FloatArray,
+    cells: Cells, law: Constitution, u: FloatArray, p: FloatArray, system: System, condensed: Condensed
 ) -> float:
     """Assemble the condensed tangent and residual of all cells.
 
     Parameters
     ----------
-    cells
-        (n_cells, 27) node numbers.
-    gradient, weight, basis
-        (n_cells, n_points, 27, 3) 1/mm, (n_cells, n_points) mm³ and (n_points, 4): shape gradients, weights and
-        pressure basis at the Gauss points.
-    inverse_mass
-        (n_cells, 4, 4) inverse of the pressure mass matrix, 1/mm³.
-    code, parameters, bulk
-        Material law and bulk modulus, MPa.
+    cells, law
+        Tables and material.
     u, p
         (n, 3) mm displacement and (n_cells, 4) MPa pressure.
-    place
-        (n_cells, 3321) place in `data` of every entry of the cell's upper triangle, -1 for none.
-    equation
-        (3 n,) equation of every degree of freedom, -1 where it is prescribed.
-    data, residual
-        Values of the sparse upper triangle (N/mm) and (3 n,) residual (N); both are added to.
-    coupling, volume_residual
-        (n_cells, 4, 81) mm² and (n_cells, 4) mm³: receive C and r_p, for `recover_pressure`.
+    system
+        Added to.
+    condensed
+        Overwritten.
 
     Returns
     -------
@@ -172,118 +208,94 @@ def assemble_cells(
     DB, K, S = np.empty((6, DOFS)), np.empty((DOFS, DOFS)), np.empty((NODES, NODES))
     r, ue = np.empty(DOFS), np.empty((NODES, 3))
     energy = 0.0
-    for e in range(len(cells)):
+    for e in range(len(cells.nodes)):
+        cell = _Cell(K, S, r, condensed.coupling[e], condensed.volume_residual[e])
         for a in range(NODES):
             for i in range(3):
-                ue[a, i] = u[cells[e, a], i]
+                ue[a, i] = u[cells.nodes[e, a], i]
         K[:, :] = 0.0
         S[:, :] = 0.0
         r[:] = 0.0
-        C, rp = coupling[e], volume_residual[e]
-        C[:, :] = 0.0
-        rp[:] = 0.0
-        for q in range(len(basis)):
-            w = weight[e, q]
-            J = deformation(gradient[e, q], ue, F, g)
+        cell.C[:, :] = 0.0
+        cell.rp[:] = 0.0
+        for q in range(len(cells.basis)):
+            w = cells.weight[e, q]
+            J = deformation(cells.gradient[e, q], ue, F, g)
             if not J > 0.0:
                 return np.inf
-            energy += w * isochoric(code, parameters, F, tau, c)
+            energy += w * isochoric(law.code, law.parameters, F, tau, c)
             pressure = 0.0
             for k in range(PRESSURES):
-                pressure += basis[q, k] * p[e, k]
-            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * bulk))
+                pressure += cells.basis[q, k] * p[e, k]
+            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * law.bulk))
             add_volumetric(pressure * J, tau, c)
             _add_stress_divergence(w, g, tau, r, S)
             _add_material_stiffness(w, g, c, DB, K)
             for k in range(PRESSURES):
-                wb = w * basis[q, k]
-                rp[k] += wb * (J - 1.0 - pressure / bulk)
+                wb = w * cells.basis[q, k]
+                cell.rp[k] += wb * (J - 1.0 - pressure / law.bulk)
                 for a in range(NODES):
                     for i in range(3):
-                        C[k, 3 * a + i] += wb * J * g[a, i]
-        _condense(bulk, inverse_mass[e], C, rp, S, K, r)
-        _scatter(cells[e], K, r, place[e], equation, data, residual)
+                        cell.C[k, 3 * a + i] += wb * J * g[a, i]
+        _condense(law.bulk, cells.inverse_mass[e], cell)
+        _scatter(cells.nodes[e], cell, cells.place[e], system)
     return energy
 
 
 @kernel
-def _condense(
-    bulk: float,
-    inverse_mass: FloatArray,
-    C: FloatArray,
-    rp: FloatArray,
-    S: FloatArray,
-    K: FloatArray,
-    r: FloatArray,
-) -> None:
+def _condense(bulk: float, inverse_mass: FloatArray, cell: _Cell) -> None:
     for a in range(NODES):
         for b in range(a, NODES):
             for i in range(3):
-                K[3 * a + i, 3 * b + i] += S[a, b]
+                cell.K[3 * a + i, 3 * b + i] += cell.S[a, b]
     MC = np.zeros((PRESSURES, DOFS))
     for k in range(PRESSURES):
         for m in range(PRESSURES):
             factor = bulk * inverse_mass[k, m]
             for j in range(DOFS):
-                MC[k, j] += factor * C[m, j]
+                MC[k, j] += factor * cell.C[m, j]
     for k in range(PRESSURES):
         for i in range(DOFS):
-            cki = C[k, i]
-            r[i] += MC[k, i] * rp[k]
+            cki = cell.C[k, i]
+            cell.r[i] += MC[k, i] * cell.rp[k]
             for j in range(i, DOFS):
-                K[i, j] += cki * MC[k, j]
+                cell.K[i, j] += cki * MC[k, j]
 
 
 @kernel
-def _scatter(
-    nodes: IntArray,
-    K: FloatArray,
-    r: FloatArray,
-    place: IntArray,
-    equation: IntArray,
-    data: FloatArray,
-    residual: FloatArray,
-) -> None:
+def _scatter(nodes: IntArray, cell: _Cell, place: IntArray, system: System) -> None:
     at = 0
     for i in range(DOFS):
-        residual[3 * nodes[i // 3] + i % 3] += r[i]
+        system.residual[3 * nodes[i // 3] + i % 3] += cell.r[i]
         for j in range(i, DOFS):
             target = place[at]
             at += 1
             if target >= 0:
-                data[target] += K[i, j]
+                system.data[target] += cell.K[i, j]
 
 
 @kernel
-def recover_pressure(
-    cells: IntArray,
-    bulk: float,
-    inverse_mass: FloatArray,
-    coupling: FloatArray,
-    volume_residual: FloatArray,
-    du: FloatArray,
-    dp: FloatArray,
-) -> None:
+def recover_pressure(cells: Cells, bulk: float, condensed: Condensed, du: FloatArray, dp: FloatArray) -> None:
     """Write the pressure increments ``dp = K M^-1 (C du + r_p)``.
 
     Parameters
     ----------
-    cells, bulk, inverse_mass, coupling, volume_residual
-        As in `assemble_cells`, which wrote the last two.
+    cells, bulk, condensed
+        As in `assemble_cells`, which wrote the last.
     du
         (n, 3) mm increment of displacement.
     dp
         (n_cells, 4) MPa, receives the increments.
     """
     rhs = np.empty(PRESSURES)
-    for e in range(len(cells)):
+    for e in range(len(cells.nodes)):
         for k in range(PRESSURES):
-            rhs[k] = volume_residual[e, k]
+            rhs[k] = condensed.volume_residual[e, k]
             for a in range(NODES):
                 for i in range(3):
-                    rhs[k] += coupling[e, k, 3 * a + i] * du[cells[e, a], i]
+                    rhs[k] += condensed.coupling[e, k, 3 * a + i] * du[cells.nodes[e, a], i]
         for k in range(PRESSURES):
             total = 0.0
             for m in range(PRESSURES):
-                total += inverse_mass[e, k, m] * rhs[m]
+                total += cells.inverse_mass[e, k, m] * rhs[m]
             dp[e, k] = bulk * total

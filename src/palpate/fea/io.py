@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -24,6 +25,8 @@ _ARRAYS = {
     "peak_stress": "MPa",
     "contact_area": "mm2",
     "apex_gap": "mm",
+    "hold_tension": "MPa",
+    "negative_pivots": "1",
 }
 _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
 
@@ -47,13 +50,9 @@ def write_press(path: Path, press: Press) -> None:
             file.attrs[name] = getattr(press, name)
         for name, unit in _ARRAYS.items():
             values = getattr(press, name)
-            data = file.create_dataset(
-                name, data=values.astype(np.float32) if name == "displacement" else values
-            )
+            data = file.create_dataset(name, data=values.astype(np.float32) if name == "displacement" else values)
             data.attrs["units"] = unit
-        file.create_dataset(
-            "branch", data=[str(branch) for branch in press.branch], dtype=h5py.string_dtype()
-        )
+        file.create_dataset("branch", data=[str(branch) for branch in press.branch], dtype=h5py.string_dtype())
 
 
 def read_press(path: Path) -> Press:
@@ -75,7 +74,7 @@ def read_press(path: Path) -> Press:
                 material=material_from_data(json.loads(file.attrs["material"])),
                 wall=WallSpec.model_validate_json(file.attrs["wall"]),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),
-                **{name: file[name][()].astype(float) for name in _ARRAYS},
+                **_read_arrays(file),
                 branch=np.array(file["branch"].asstr()[()], dtype=np.str_),
                 ended=Ended(file.attrs["ended"]),
                 message=str(file.attrs["message"]),
@@ -83,3 +82,9 @@ def read_press(path: Path) -> Press:
             )
     except (OSError, KeyError, ValueError) as error:
         raise PalpateError(f"{path} cannot be read as a press: {error}.", "Solve it again.") from None
+
+
+def _read_arrays(file: h5py.File) -> dict[str, Any]:
+    arrays = {name: file[name][()] for name in _ARRAYS}
+    arrays["displacement"] = arrays["displacement"].astype(float)
+    return arrays

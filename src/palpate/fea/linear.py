@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.util
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -77,13 +78,9 @@ class SingularMatrixError(ArithmeticError):
 class PardisoSolver(LinearSolver):
     """Intel MKL Pardiso, one thread: LDLᵀ with Bunch–Kaufman pivots, nested dissection."""
 
-    def __init__(self) -> None:
-        self._pattern: Pattern | None = None
-        self._solver: object | None = None
-
     def analyze(self, pattern: Pattern) -> None:
         self._pattern = pattern
-        self._solver = None
+        self._solver: Any = None
 
     def refactor(self, data: FloatArray) -> int:
         import pymklpardiso
@@ -92,21 +89,20 @@ class PardisoSolver(LinearSolver):
             raise SingularMatrixError("the matrix holds values that are not finite")
         try:
             if self._solver is None:
-                assert self._pattern is not None, "analyze comes first"
                 self._solver = pymklpardiso.PardisoSolver(
                     self._pattern.matrix(data),
                     pymklpardiso.MTYPE_REAL_SYM_INDEF,
                     iparms={1: 2, 10: 0, 12: 0, 20: 1},
                 )
             else:
-                self._solver.refactor(data)  # type: ignore[attr-defined]
+                self._solver.refactor(data)
         except RuntimeError as error:
             self._solver = None
             raise SingularMatrixError(str(error)) from None
-        return int(self._solver.get_iparm_value(22))  # type: ignore[union-attr]
+        return int(self._solver.get_iparm_value(22))
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        result: FloatArray = self._solver.solve(rhs)  # type: ignore[union-attr]
+        result: FloatArray = self._solver.solve(rhs)
         return result
 
 
@@ -115,7 +111,7 @@ class RslabSolver(LinearSolver):
 
     def analyze(self, pattern: Pattern) -> None:
         self._pattern = pattern
-        self._symbolic: object | None = None
+        self._symbolic: Any = None
 
     def _full(self, data: FloatArray) -> sparse.csc_matrix:
         upper = self._pattern.matrix(data)
@@ -130,7 +126,7 @@ class RslabSolver(LinearSolver):
         try:
             if self._symbolic is None:
                 self._symbolic = rslab.analyze(matrix, path="ldlt", threads=1)
-            self._factor = self._symbolic.factor(matrix)  # type: ignore[attr-defined]
+            self._factor = self._symbolic.factor(matrix)
         except (RuntimeError, ValueError) as error:
             raise SingularMatrixError(str(error)) from None
         return int(self._factor.inertia[1])
@@ -199,11 +195,7 @@ def make_linear_solver(name: str = "auto") -> LinearSolver:
     if name == "auto":
         name = next(backend for backend, installed in available.items() if installed)
     if name not in _BACKENDS:
-        raise PalpateError(
-            f"There is no solver backend '{name}'.", f"Choose one of auto, {', '.join(_BACKENDS)}."
-        )
+        raise PalpateError(f"There is no solver backend '{name}'.", f"Choose one of auto, {', '.join(_BACKENDS)}.")
     if not available[name]:
-        raise PalpateError(
-            f"The solver backend {name} is not installed.", f"pip install {_BACKENDS[name][2]}"
-        )
+        raise PalpateError(f"The solver backend {name} is not installed.", f"pip install {_BACKENDS[name][2]}")
     return _BACKENDS[name][0]()

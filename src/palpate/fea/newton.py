@@ -9,12 +9,16 @@ import numpy as np
 
 from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, assemble_contact
+from palpate.fea.element import System
 from palpate.fea.linear import LinearSolver, SingularMatrixError
 from palpate.fea.solid import Solid, State
 
 _TRIALS = 5
+"""Most trials of a line search."""
 _SLOPE_FALL = 0.5
+"""Share of the first slope to which a line search goes down."""
 _FIRST_SHIFT, _SHIFTS = 1e-3, 8
+"""First shift of an indefinite tangent, over mu/T² and the nodal volume, and how often it may grow."""
 
 
 class Outcome(StrEnum):
@@ -97,6 +101,8 @@ class ContactProblem:
         Sparse solver; analysed here once.
     tolerance
         Greatest out-of-balance force in N at convergence.
+    thickness
+        Thickness of the wall in mm, the scale of steps and shifts.
     """
 
     def __init__(
@@ -116,47 +122,38 @@ class ContactProblem:
             tolerance,
         )
         linear.analyze(solid.pattern)
-        self._data = np.empty(len(solid.pattern.column))
-        self._residual = np.empty(solid.nodes.size)
-        self._law = np.array([law.stiffness, law.width, law.tangential_stiffness])
+        self._system = System(np.empty(len(solid.pattern.column)), np.empty(solid.nodes.size))
         self._volume = np.zeros(len(solid.nodes))
-        np.add.at(self._volume, solid.cells, np.einsum("eg,ga->ea", solid.weight, solid.shape**2))
+        np.add.at(self._volume, solid.cells.nodes, np.einsum("eg,ga->ea", solid.cells.weight, solid.shape**2))
         self._diagonal = solid.pattern.start[:-1]
-        self._thickness = thickness
+        self.thickness = thickness
 
     def assemble(self, state: State, plane: Plane, touch: Touch) -> tuple[float, FloatArray]:
         """Assemble tangent and residual of solid and contact; stored energy (mJ) and force on the wall (3,) N."""
-        self._data[:] = 0.0
-        self._residual[:] = 0.0
-        energy = self.solid.assemble(state, self._data, self._residual)
-        force = np.zeros(3)
-        if np.isfinite(energy):
-            surface = self.surface
-            assemble_contact(
-                surface.faces,
-                surface.cell_of_face,
-                surface.shape,
-                surface.weight,
-                self.solid.nodes + state.u,
-                plane.normal,
-                plane.point,
-                self._law,
-                touch.place,
-                touch.limit,
-                self.solid.place,
-                self._data,
-                self._residual,
-                force,
-            )
+        solid, system = self.solid, self._system
+        system.data[:] = 0.0
+        system.residual[:] = 0.0
+        energy = solid.assemble(state, system)
+        if not np.isfinite(energy):
+            return energy, np.zeros(3)
+        obstacle = (plane, self.law, touch)
+        _, force = assemble_contact(self.surface.faces, solid.cells.place, solid.nodes + state.u, obstacle, system)
         return energy, force
 
     def _add_damping(self, state: State, damping: Damping) -> None:
         viscous = damping.coefficient * np.repeat(self._volume, 3)
-        self._residual += viscous * (state.u - damping.origin).ravel()
-        self._data[self._diagonal] += viscous[self.solid.free]
+        residual = self._system.residual
+        residual += viscous * (state.u - damping.origin).ravel()
+        self._system.data[self._diagonal] += viscous[self.solid.free]
 
     def solve(
-        self, start: State, plane: Plane, touch: Touch, iterations: int, damping: Damping | None = None
+        self,
+        start: State,
+        plane: Plane,
+        touch: Touch,
+        iterations: int,
+        damping: Damping | None = None,
+        slack: float = 1.0,
     ) -> Equilibrium:
         """Find the equilibrium near `start` with the wall at `plane`.
 
@@ -172,27 +169,30 @@ class ContactProblem:
             Most Newton iterations.
         damping
             Viscous term of a pseudo-time step.
+        slack
+            Factor on the tolerance.
 
         Returns
         -------
         Equilibrium
             With the reason where it did not converge.
         """
-        state, history, pivots = start, [], -1
+        state, pivots = start, -1
+        history: list[float] = []
         energy, force = self._assemble_all(state, plane, touch, damping)
         for iteration in range(iterations + 1):
             if not np.isfinite(energy):
                 return self._end(Outcome.INVERTED_CELL, state, energy, force, history, pivots)
-            residual = self._residual[self.solid.free]
+            residual = self._system.residual[self.solid.free]
             history.append(float(np.abs(residual).max(initial=0.0)))
             if not np.isfinite(history[-1]):
                 return self._end(Outcome.DIVERGED, state, energy, force, history, pivots)
-            if history[-1] <= self.tolerance and iteration > 0:
+            if history[-1] <= slack * self.tolerance and iteration > 0:
                 return self._end(Outcome.CONVERGED, state, energy, force, history, pivots)
             if iteration == iterations:
                 break
             try:
-                pivots, step = self._descend(residual)
+                pivots, step = self._direction(residual, descend=damping is not None)
             except SingularMatrixError:
                 return self._end(Outcome.SINGULAR, state, energy, force, history, pivots)
             state, energy, force = self._search(state, step, float(residual @ step), plane, touch, damping)
@@ -206,18 +206,16 @@ class ContactProblem:
             self._add_damping(state, damping)
         return energy, force
 
-    def _descend(self, residual: FloatArray) -> tuple[int, FloatArray]:
-        """Newton step, and the negative pivots of the tangent; an indefinite tangent is shifted until it descends."""
-        pivots = negative = self.linear.refactor(self._data)
-        if negative > 0:
-            viscous = np.repeat(self._volume, 3)[self.solid.free]
-            shift = _FIRST_SHIFT * self.solid.material.law.shear_modulus / self._thickness**2
-            for _ in range(_SHIFTS):
-                self._data[self._diagonal] += shift * viscous
-                negative = self.linear.refactor(self._data)
-                if negative <= 0:
-                    break
-                shift *= 9.0
+    def _direction(self, residual: FloatArray, *, descend: bool) -> tuple[int, FloatArray]:
+        """Newton step and negative pivots of the tangent; to `descend`, an indefinite tangent is shifted first."""
+        pivots = negative = self.linear.refactor(self._system.data)
+        shift = _FIRST_SHIFT * self.solid.material.law.shear_modulus / self.thickness**2
+        for _ in range(_SHIFTS if descend else 0):
+            if negative <= 0:
+                break
+            self._system.data[self._diagonal] += shift * np.repeat(self._volume, 3)[self.solid.free]
+            negative = self.linear.refactor(self._system.data)
+            shift *= 9.0
         return pivots, self.linear.solve(-residual)
 
     def _search(
@@ -230,11 +228,10 @@ class ContactProblem:
         damping: Damping | None,
     ) -> tuple[State, float, FloatArray]:
         """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
-        du = np.zeros(self.solid.nodes.size)
-        du[self.solid.free] = step
-        du = du.reshape(-1, 3)
+        du = np.zeros(self.solid.nodes.shape)
+        du.ravel()[self.solid.free] = step
         dp = self.solid.recover_pressure(du)
-        factor = min(1.0, self._thickness / max(float(np.abs(du).max()), 1e-300))
+        factor = min(1.0, self.thickness / max(float(np.abs(du).max()), 1e-300))
         low, low_slope = 0.0, slope
         for trial in range(_TRIALS):
             moved = state.moved(du, dp, factor)
@@ -242,7 +239,7 @@ class ContactProblem:
             if not np.isfinite(energy):
                 factor *= 0.5
                 continue
-            here = float(self._residual[self.solid.free] @ step)
+            here = float(self._system.residual[self.solid.free] @ step)
             if slope >= 0 or here <= _SLOPE_FALL * abs(slope) or trial == _TRIALS - 1:
                 break
             factor = max(low + (factor - low) * low_slope / (low_slope - here), 0.1 * factor)

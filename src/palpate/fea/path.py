@@ -1,8 +1,10 @@
 """Follow a branch of equilibria as the wall moves: predictor, increments, and the detection of jumps.
 
 Each increment starts from a polynomial through the last equilibria. It is accepted only if it is an equilibrium,
-stable (no negative pivot), and *continuous*: the energy gained must be the work done. Where it is not, Newton's
-method has fallen onto another branch, and the increment is shortened. A branch that cannot be followed in
+*continuous*: the energy gained must be the work done, and the apex must not have moved off the wall or back.
+Where it is not, Newton's method has fallen onto another branch, and the increment is shortened. The number of
+negative pivots is recorded: a flat thin dome is held by almost no pressure at its apex, and a discrete one may
+be weakly unstable there while its branch goes on. A branch that cannot be followed in
 increments of the smallest size has ended; then the dome jumps: pseudo-time steps with a viscosity that fades to
 zero carry it to the next stable state, and the depth and the energy lost are reported.
 """
@@ -16,6 +18,7 @@ import numpy as np
 
 from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import Plane, Touch
+from palpate.fea.hold import patch_middle
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium
 from palpate.fea.solid import State
 from palpate.fea.spec import SolverSpec
@@ -24,7 +27,17 @@ _JUMP_STEP_MM = 0.02
 """An increment this small that still breaks the energy balance is a jump of the dome, not of the solver."""
 _IMBALANCE = 0.06
 """Greatest share by which the energy gained may miss the work (trapezoid) of a continuous increment."""
+_INVERTED_GAP = 0.1
+"""Gap of the first-touched point over the thickness from which the apex counts as inverted."""
 _ORDER = 2
+_HOLD, _HOLD_FROM = 0.01, 1.5
+"""Spring that holds the patch over the contact penalty, and the travel over the thickness from which it does."""
+_RELEASE_STEP_MM = 0.1
+"""Increment below which a lost flat branch is let go."""
+_RELAXATIONS, _FADED = 60, 1e-3
+"""Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
+_SLACK = 1e3
+"""Slack on the tolerance of passes that are not the last."""
 _PASSES = 4
 """Most passes in which sticking points and friction limits are corrected."""
 
@@ -57,6 +70,10 @@ class Point:
         What the contact points remember.
     jumped
         Whether a jump led here.
+    negative_pivots
+        Unstable modes of the equilibrium; -1 where the linear solver cannot tell.
+    tension
+        MPa, greatest tension of the springs that hold the flat patch.
     """
 
     depth: float
@@ -65,6 +82,8 @@ class Point:
     force: FloatArray
     touch: Touch
     jumped: bool = False
+    negative_pivots: int = 0
+    tension: float = 0.0
 
 
 @dataclass
@@ -77,6 +96,8 @@ class Path:
         Solid, contact and linear solver.
     wall
         Plane of the wall at a depth in mm.
+    probe
+        Contact point that touches first; its gap tells the branch.
     spec
         Steps, iterations and tolerance.
     points
@@ -89,16 +110,20 @@ class Path:
 
     problem: ContactProblem
     wall: Callable[[float], Plane]
+    probe: int
     spec: SolverSpec
     points: list[Point]
     iterations: int = 0
     failure: str = ""
     _step: float = field(default=0.0, init=False)
     _touch: Touch = field(init=False)
+    _hold: FloatArray = field(init=False)
+    _released: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         self._step = self.spec.first_step
         self._touch = self.points[0].touch
+        self._hold = self._touch.hold
 
     def advance(self, depth: float) -> bool:
         """Follow the branch to a depth in mm; False where it could not be reached (see `failure`)."""
@@ -115,38 +140,44 @@ class Path:
         depth = last.depth + step
         found = self._solve(depth, self._predict(depth))
         if self._acceptable(found, step):
-            self._accept(found, depth, jumped=False)
-            self._step = self._next_step(step, found.iterations)
-            return True
+            tension = self._tension(found.state, depth)
+            if tension <= self.spec.adhesion * self.problem.solid.material.young_modulus:
+                self._accept(found, depth, jumped=False)
+                self._step = self._next_step(step, found.iterations)
+                return True
+            if step <= _RELEASE_STEP_MM:
+                return self._jump(depth)
         self._step = step / 2 if found.iterations < self.spec.iterations else step / 3
         if self._step >= self.spec.smallest_step and not (found.converged and step <= _JUMP_STEP_MM):
             return True
         return self._jump(last.depth + min(step, _JUMP_STEP_MM))
 
     def _next_step(self, step: float, iterations: int) -> float:
-        factor = 2.0 if iterations <= 6 else 1.5 if iterations <= 8 else 1.0 if iterations <= 10 else 0.7
-        return float(
-            np.clip(max(step, self._step if iterations <= 10 else 0) * factor, 0, self.spec.largest_step)
-        )
+        factor = 2.0 if iterations <= 10 else 1.4 if iterations <= 15 else 0.8
+        return float(np.clip(max(step, self._step) * factor, 0, self.spec.largest_step))
 
     def _solve(self, depth: float, start: State, damping: Damping | None = None) -> Equilibrium:
         """Equilibrium at a depth; with friction in passes, until sticking points and limits agree with it."""
         plane, last, law = self.wall(depth), self.points[-1], self.problem.law
         surface = self.problem.surface
-        touch = last.touch
+        touch = last.touch._replace(hold=self._hold)
         if law.friction > 0:
             before = (self._surface_points(last.state), self.wall(last.depth))
             touch = surface.foresee(law, touch, before, (self._surface_points(start), plane))
+        slack = 1.0 if law.friction == 0 else _SLACK
         for _ in range(_PASSES):
-            found = self.problem.solve(start, plane, touch, self.spec.iterations, damping)
+            found = self.problem.solve(start, plane, touch, self.spec.iterations, damping, slack)
             self.iterations += found.iterations
             if law.friction == 0 or not found.converged:
                 break
-            x = self._surface_points(found.state)
-            corrected = surface.correct(law, touch, x, plane)
-            if _agree(touch.limit, corrected.limit):
+            corrected = surface.correct(law, touch, self._surface_points(found.state), plane)
+            start, agreed = found.state, _agree(touch.limit, corrected.limit)
+            if agreed and slack == 1.0:
                 break
-            touch, start = corrected, found.state
+            touch, slack = corrected, 1.0 if agreed else slack
+        else:
+            found = self.problem.solve(start, plane, touch, self.spec.iterations, damping)
+            self.iterations += found.iterations
         self._touch = touch
         return found
 
@@ -167,9 +198,10 @@ class Path:
         return State(u, p)
 
     def _acceptable(self, found: Equilibrium, step: float) -> bool:
-        if not found.converged or found.negative_pivots > 0:
-            return False
         last = self.points[-1]
+        depth = last.depth + step
+        if not found.converged or self.inverted(found.state, depth) != self.inverted(last.state, last.depth):
+            return False
         if len(self.points) < 3:
             return True
         work = 0.5 * (found.force[2] + last.force[2]) * step
@@ -177,33 +209,76 @@ class Path:
         tolerance = _IMBALANCE if self.problem.law.friction == 0 else 3 * _IMBALANCE
         return bool(abs(gained - work) <= tolerance * abs(work) + 1e-9)
 
+    def gap(self, state: State, depth: float) -> float:
+        """Distance in mm between the wall at a depth and the point that it touched first."""
+        plane = self.wall(depth)
+        return -float((self._surface_points(state)[self.probe] - plane.point) @ plane.normal)
+
+    def inverted(self, state: State, depth: float) -> bool:
+        """Whether the apex has left the wall: more than a tenth of the thickness (flat: some micrometres)."""
+        return self.gap(state, depth) > _INVERTED_GAP * self.problem.thickness
+
     def _accept(self, found: Equilibrium, depth: float, *, jumped: bool) -> None:
         plane = self.wall(depth)
         x = self._surface_points(found.state)
         touch = self.problem.surface.settle(self.problem.law, self._touch, x, plane)
-        self.points.append(Point(depth, found.state, found.energy, found.force, touch, jumped))
+        self.points.append(
+            Point(
+                depth,
+                found.state,
+                found.energy,
+                found.force,
+                touch,
+                jumped,
+                found.negative_pivots,
+                self._tension(found.state, depth),
+            )
+        )
+        if not self._released and depth > _HOLD_FROM * self.problem.thickness:
+            held = patch_middle(self.problem.surface.points, plane.normal, (x - plane.point) @ plane.normal > 0)
+            self._hold = np.where(held, _HOLD * self.problem.law.stiffness, 0.0)
+
+    def _tension(self, state: State, depth: float) -> float:
+        """Greatest tension in MPa that holds the middle of the patch to the wall."""
+        plane = self.wall(depth)
+        lift = (plane.point - self._surface_points(state)) @ plane.normal
+        return float((self._hold * np.maximum(lift, 0.0)).max(initial=0.0))
 
     def _jump(self, depth: float) -> bool:
-        """Relax to the next stable state at `depth` mm through a viscosity that fades to zero."""
-        material, last = self.problem.solid.material, self.points[-1]
-        scale = material.law.shear_modulus / float(self.problem.surface.weight.sum())
-        coefficient, state = 10.0 * scale, last.state
-        for _ in range(200):
-            damping = Damping(coefficient, state.u) if coefficient > 1e-4 * scale else None
-            found = self._solve(depth, state, damping)
-            if found.converged and (damping is not None or found.negative_pivots <= 0):
-                state = found.state
-                if damping is None:
-                    self._accept(found, depth, jumped=True)
-                    self._step = min(self.spec.first_step, self.spec.largest_step)
-                    return True
-                coefficient /= 30.0 if found.iterations <= 2 else 3.0 if found.iterations <= 6 else 1.5
-            else:
-                coefficient = max(coefficient, 1e-4 * scale) * 5.0
-            if coefficient > 1e6 * scale:
-                break
+        """Let go of the patch, push its middle off the wall, and relax to the next stable state at `depth` mm."""
+        self._released, self._hold = True, np.zeros_like(self._hold)
+        for push in (0.0, 1.0, 2.0) if self.inverted(self.points[-1].state, self.points[-1].depth) else (1.0, 2.0):
+            found = self._relax(depth, push * self.problem.thickness)
+            if found.converged:
+                self._accept(found, depth, jumped=True)
+                self._step = min(self.spec.first_step, self.spec.largest_step)
+                return True
         self.failure = (
-            f"at {last.depth:.4g} mm no equilibrium was found: {found.outcome} after {found.iterations} iterations, "
-            f"residual {found.residual:.2g} N is above {self.problem.tolerance:.2g} N"
+            f"at {self.points[-1].depth:.4g} mm, where no equilibrium was found: {found.outcome} after "
+            f"{found.iterations} iterations, residual {found.residual:.2g} N is above {self.problem.tolerance:.2g} N"
         )
         return False
+
+    def _relax(self, depth: float, push: float) -> Equilibrium:
+        """Relax from the last equilibrium, pushed off the wall by `push` mm, under a viscosity that fades to zero."""
+        solid, surface, last = self.problem.solid, self.problem.surface, self.points[-1]
+        normal = self.wall(depth).normal
+        away = np.linalg.norm(solid.nodes - surface.points[self.probe], axis=1)
+        width = np.sqrt(max(last.depth, 1.0) * np.linalg.norm(surface.points[self.probe])) / 2
+        state = State(last.state.u - push * np.exp(-((away / width) ** 2))[:, None] * normal, last.state.p)
+        scale = solid.material.law.shear_modulus / surface.area
+        coefficient, origin = 10.0 * scale, state.u
+        start = last.state
+        for _ in range(_RELAXATIONS):
+            found = self._solve(depth, start, Damping(coefficient, origin))
+            if found.converged:
+                start, origin = found.state, found.state.u
+                if coefficient < _FADED * scale:
+                    found = self._solve(depth, start)
+                    if found.converged:
+                        return found
+                    coefficient *= 100.0
+                coefficient /= 30.0 if found.iterations <= 2 else 3.0 if found.iterations <= 6 else 1.5
+            else:
+                coefficient *= 5.0
+        return found

@@ -13,7 +13,7 @@ from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, locate_inner
 
-FEA_VERSION = "1"
+FEA_VERSION = "2"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
 
 
@@ -43,7 +43,7 @@ class Press:
     depth
         (n,) mm travel of the wall since first touch.
     displacement
-        (n, n_nodes, 3) mm, in the frame whose y-z plane is the tilt plane (azimuth 0).
+        (n, n_nodes, 3) mm; of a half model in the frame whose y-z plane is the tilt plane, else in the dome's.
     force
         (n, 3) N of the whole dome on the wall, dome's frame.
     energy, work
@@ -56,6 +56,10 @@ class Press:
         (n,) mm² deformed area that touches the wall, whole dome.
     apex_gap
         (n,) mm distance between the wall and the point that it touched first.
+    hold_tension
+        (n,) MPa greatest tension that held the flat patch to the wall (see `palpate.fea.hold`).
+    negative_pivots
+        (n,) unstable modes of the discrete equilibrium (0: stable; -1: the linear solver cannot tell).
     ended, ended_depth
         Reason of the end and the depth in mm at which it came.
     jump_depth
@@ -79,6 +83,8 @@ class Press:
     peak_stress: FloatArray
     contact_area: FloatArray
     apex_gap: FloatArray
+    hold_tension: FloatArray
+    negative_pivots: NDArray[np.int64]
     ended: Ended
     ended_depth: float
     jump_depth: float
@@ -100,7 +106,7 @@ class Press:
         (n, m, 3) mm
             Deformed positions, dome's frame.
         """
-        turn = azimuth_rotation(self.wall.azimuth_deg)
+        turn = np.eye(3) if self.mesh.spec.whole else azimuth_rotation(self.wall.azimuth_deg)
         points = np.asarray(points, float)
         local = points @ turn
         side = np.ones(3)

@@ -5,9 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.fea.arrays import FloatArray, IntArray
-from palpate.fea.element import DOFS, PRESSURES, assemble_cells, recover_pressure
+from palpate.fea.element import (
+    DOFS,
+    PRESSURES,
+    Cells,
+    Condensed,
+    Constitution,
+    System,
+    assemble_cells,
+    recover_pressure,
+)
 from palpate.fea.linear import Pattern
 from palpate.material import Material
 from palpate.mesh import gauss_points, shape_hexahedron
@@ -50,27 +60,30 @@ class Solid:
         (n, 3) bool, True where the displacement is prescribed (its value stands in the state).
     """
 
-    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: np.ndarray) -> None:
-        self.nodes, self.material = nodes, material
-        self.cells = np.ascontiguousarray(cells, dtype=np.int64)
-        self.fixed = fixed
+    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: NDArray[np.bool_]) -> None:
+        self.nodes, self.material, self.fixed = nodes, material, fixed
+        cells = np.ascontiguousarray(cells, dtype=np.int64)
         points, weights = gauss_points(GAUSS)
-        shape, local = shape_hexahedron(points)
-        jacobian = np.einsum("eai,gaj->egij", nodes[self.cells], local)
-        determinant = np.linalg.det(jacobian)
-        self.shape = shape
-        self.gradient = np.ascontiguousarray(np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian)))
-        self.weight = np.ascontiguousarray(determinant * weights)
-        self.basis = np.ascontiguousarray(np.column_stack([np.ones(len(points)), points]))
-        mass = np.einsum("eg,gk,gm->ekm", self.weight, self.basis, self.basis)
-        self.inverse_mass = np.linalg.inv(mass)
+        self.shape, local = shape_hexahedron(points)
+        jacobian = np.einsum("eai,gaj->egij", nodes[cells], local)
+        weight = np.linalg.det(jacobian) * weights
+        basis = np.column_stack([np.ones(len(points)), points])
+        mass = np.einsum("eg,gk,gm->ekm", weight, basis, basis)
         self.equation = np.full(nodes.size, -1, np.int64)
-        free = np.flatnonzero(~fixed.ravel())
-        self.equation[free] = np.arange(len(free))
-        self.free = free
-        self.pattern, self.place = _find_pattern(self.cells, self.equation, len(free))
-        self._coupling = np.empty((len(cells), PRESSURES, DOFS))
-        self._volume_residual = np.empty((len(cells), PRESSURES))
+        self.free = np.flatnonzero(~fixed.ravel())
+        self.equation[self.free] = np.arange(len(self.free))
+        self.pattern, place = _find_pattern(cells, self.equation, len(self.free))
+        self.cells = Cells(
+            nodes=cells,
+            gradient=np.ascontiguousarray(np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian))),
+            weight=np.ascontiguousarray(weight),
+            basis=np.ascontiguousarray(basis),
+            inverse_mass=np.linalg.inv(mass),
+            place=place,
+        )
+        law = material.law
+        self.constitution = Constitution(law.code, law.parameters, material.bulk_modulus)
+        self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
 
     @property
     def unknowns(self) -> int:
@@ -79,49 +92,22 @@ class Solid:
 
     def rest(self) -> State:
         """State at rest."""
-        return State(np.zeros_like(self.nodes), np.zeros((len(self.cells), PRESSURES)))
+        return State(np.zeros_like(self.nodes), np.zeros((len(self.cells.nodes), PRESSURES)))
 
-    def assemble(self, state: State, data: FloatArray, residual: FloatArray) -> float:
-        """Add condensed tangent and residual to `data` (nnz,) N/mm and `residual` (3 n,) N.
+    def assemble(self, state: State, system: System) -> float:
+        """Add condensed tangent and residual to `system`.
 
         Returns
         -------
         float
             Stored energy, mJ; infinite where a cell is inverted.
         """
-        law = self.material.law
-        energy: float = assemble_cells(
-            self.cells,
-            self.gradient,
-            self.weight,
-            self.basis,
-            self.inverse_mass,
-            law.code,
-            law.parameters,
-            self.material.bulk_modulus,
-            state.u,
-            state.p,
-            self.place,
-            self.equation,
-            data,
-            residual,
-            self._coupling,
-            self._volume_residual,
-        )
-        return energy
+        return assemble_cells(self.cells, self.constitution, state.u, state.p, system, self._condensed)
 
     def recover_pressure(self, du: FloatArray) -> FloatArray:
         """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
-        dp = np.empty((len(self.cells), PRESSURES))
-        recover_pressure(
-            self.cells,
-            self.material.bulk_modulus,
-            self.inverse_mass,
-            self._coupling,
-            self._volume_residual,
-            du,
-            dp,
-        )
+        dp = np.empty((len(self.cells.nodes), PRESSURES))
+        recover_pressure(self.cells, self.constitution.bulk, self._condensed, du, dp)
         return dp
 
 

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 import time
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from palpate.core import PalpateError
 from palpate.fea.arrays import FloatArray
-from palpate.fea.contact import ContactLaw, OuterSurface, untouched
+from palpate.fea.contact import ContactLaw, OuterSurface, Plane, untouched
 from palpate.fea.linear import make_linear_solver
 from palpate.fea.newton import ContactProblem
 from palpate.fea.path import Path, Point
-from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
+from palpate.fea.press import Branch, Ended, Press
 from palpate.fea.solid import Solid
 from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.fea.stress import cauchy_stress, von_mises
 from palpate.fea.wall import clamp_depth, touch_point, wall_at, wall_normal
 from palpate.material import Material
 from palpate.mesh import Mesh, rim_angle
-
-_INVERTED_GAP = 0.1
-"""Distance between the wall and the first-touched point, over the thickness, from which the apex counts as inverted."""
 
 
 def solve_press(
@@ -72,7 +71,7 @@ def solve_press(
     elif reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
         message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
-    fields = _fields(path, images, mesh, normal)
+    fields = _fields(path, images, mesh)
     jumps = [point.depth for point in path.points if point.jumped]
     return Press(
         mesh=mesh,
@@ -122,12 +121,14 @@ def make_problem(mesh: Mesh, material: Material, friction: float, solver: Solver
 def start_path(problem: ContactProblem, mesh: Mesh, normal: FloatArray, solver: SolverSpec) -> Path:
     """Start the flat branch: the dome at rest, the wall at first touch."""
 
-    def plane(depth: float):
+    def plane(depth: float) -> Plane:
         return wall_at(mesh.dome, normal, depth)
 
     rest = problem.solid.rest()
     touch = untouched(len(problem.surface.points))
-    return Path(problem, plane, solver, [Point(0.0, rest, 0.0, np.zeros(3), touch)])
+    outer = problem.surface.points
+    probe = int(np.argmin(np.linalg.norm(outer - touch_point(mesh.dome, normal), axis=1)))
+    return Path(problem, plane, probe, solver, [Point(0.0, rest, 0.0, np.zeros(3), touch)])
 
 
 def _normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
@@ -143,21 +144,19 @@ def _normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
     return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
 
 
-def _fields(path: Path, images: list[int], mesh: Mesh, normal: FloatArray) -> dict[str, FloatArray]:
+def _fields(path: Path, images: list[int], mesh: Mesh) -> dict[str, Any]:
     """Arrays of the `Press` at the images."""
     problem = path.problem
     points = [path.points[k] for k in images]
     parts = 1.0 if mesh.spec.whole else 2.0
     side = np.ones(3) if mesh.spec.whole else np.array([0.0, 1.0, 1.0])
-    nearest = int(np.argmin(np.linalg.norm(problem.surface.points - touch_point(mesh.dome, normal), axis=1)))
-    gap, area, peak = [], [], []
+    area, peak = [], []
     for point in points:
         plane = path.wall(point.depth)
         reach = (problem.surface.interpolate(mesh.nodes + point.state.u) - plane.point) @ plane.normal
-        gap.append(-reach[nearest])
-        area.append(parts * problem.surface.current_area(mesh.nodes, point.state.u, reach > 0))
+        area.append(parts * problem.surface.current_area(mesh.nodes + point.state.u, reach > 0))
         peak.append(von_mises(cauchy_stress(problem.solid, point.state)).max())
-    inverted = np.array(gap) > _INVERTED_GAP * mesh.dome.thickness
+    inverted = [path.inverted(point.state, point.depth) for point in points]
     force = np.array([parts * side * point.force for point in points])
     return {
         "depth": np.array([point.depth for point in points]),
@@ -168,7 +167,9 @@ def _fields(path: Path, images: list[int], mesh: Mesh, normal: FloatArray) -> di
         "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.array(peak),
         "contact_area": np.array(area),
-        "apex_gap": np.array(gap),
+        "apex_gap": np.array([path.gap(point.state, point.depth) for point in points]),
+        "hold_tension": np.array([point.tension for point in points]),
+        "negative_pivots": np.array([point.negative_pivots for point in points]),
     }
 
 
@@ -178,7 +179,7 @@ def _work(points: list[Point]) -> FloatArray:
     force = np.array([point.force[2] for point in points])
     cuts = [0, *[k for k, point in enumerate(points) if point.jumped], len(points)]
     work = np.zeros(len(points))
-    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+    for first, last in pairwise(cuts):
         if first > 0:
             work[first] = work[first - 1] + 0.5 * (force[first] + force[first - 1]) * (
                 depth[first] - depth[first - 1]
@@ -188,14 +189,9 @@ def _work(points: list[Point]) -> FloatArray:
             spline = CubicSpline(depth[piece], force[piece]) if last - first > 3 else None
             if spline is not None:
                 work[piece] = (
-                    work[first]
-                    + spline.antiderivative()(depth[piece])
-                    - spline.antiderivative()(depth[first])
+                    work[first] + spline.antiderivative()(depth[piece]) - spline.antiderivative()(depth[first])
                 )
             else:
                 steps = 0.5 * (force[first + 1 : last] + force[first : last - 1]) * np.diff(depth[piece])
                 work[first + 1 : last] = work[first] + np.cumsum(steps)
     return work
-
-
-__all__ = ["azimuth_rotation", "image_depths", "make_problem", "solve_press", "start_path"]

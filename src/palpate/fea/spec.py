@@ -14,9 +14,7 @@ FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
 class WallSpec(Spec):
     """A rigid flat wall turned by a tilt about an axis of the base plane and moved along the dome's axis."""
 
-    tilt_deg: float = parameter(
-        0.0, unit="deg", meaning="angle between wall normal and dome axis", ge=0, le=30
-    )
+    tilt_deg: float = parameter(0.0, unit="deg", meaning="angle between wall normal and dome axis", ge=0, le=30)
     azimuth_deg: float = parameter(
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
@@ -39,9 +37,7 @@ class WallSpec(Spec):
         except (TypeError, ValueError):
             number = -1.0
         if not 0 <= number <= 10:
-            raise ValueError(
-                f"contact is '{value}'; choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to 10"
-            )
+            raise ValueError(f"contact is '{value}'; choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to 10")
         return number
 
     @property
@@ -57,17 +53,22 @@ class SolverSpec(Spec):
 
     backend: str = "auto"
     penalty_ratio: float = parameter(
-        40.0,
+        80.0,
         unit="1",
         meaning="contact penalty over E/T; more changes the force by less than 0.01 %",
         gt=1,
         le=1e6,
     )
-    tangential_ratio: float = parameter(
-        0.2, unit="1", meaning="friction spring over contact penalty", gt=0, le=10
-    )
+    tangential_ratio: float = parameter(0.2, unit="1", meaning="friction spring over contact penalty", gt=0, le=10)
     smoothing_ratio: float = parameter(
         1e-3, unit="1", meaning="width of the penalty's smooth start over the wall's thickness", gt=0, le=0.1
+    )
+    adhesion: float = parameter(
+        2e-2,
+        unit="1",
+        meaning="tension over E up to which the flat branch is held; beyond it the dome may turn inside out",
+        ge=0,
+        le=0.1,
     )
     tolerance: float = parameter(1e-6, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
     first_step: float = parameter(0.2, unit="mm", meaning="first increment of the wall", gt=0, le=10)
@@ -76,7 +77,7 @@ class SolverSpec(Spec):
         1e-3, unit="mm", meaning="smallest increment before the press gives up", gt=0, le=1
     )
     iterations: int = parameter(
-        14, unit="1", meaning="Newton iterations before an increment is shortened", ge=4, le=100
+        24, unit="1", meaning="Newton iterations before an increment is shortened", ge=4, le=100
     )
 
 

@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import kernel
-from palpate.fea.arrays import FloatArray, IntArray
-from palpate.fea.element import NODES, PRESSURES, add_volumetric, deformation
+from palpate.fea.arrays import FloatArray
+from palpate.fea.element import NODES, PRESSURES, Cells, Constitution, add_volumetric, deformation
 from palpate.fea.solid import Solid, State
 from palpate.material import isochoric
 
 
 def cauchy_stress(solid: Solid, state: State) -> FloatArray:
     """Cauchy stress (n_cells, n_points, 6) MPa at the Gauss points, Voigt order xx, yy, zz, xy, yz, zx."""
-    stress = np.empty((len(solid.cells), len(solid.basis), 6))
-    law = solid.material.law
-    _cauchy(solid.cells, solid.gradient, solid.basis, law.code, law.parameters, state.u, state.p, stress)
+    stress = np.empty((len(solid.cells.nodes), len(solid.cells.basis), 6))
+    _cauchy(solid.cells, solid.constitution, state.u, state.p, stress)
     return stress
 
 
@@ -28,28 +27,19 @@ def von_mises(stress: FloatArray) -> FloatArray:
 
 
 @kernel
-def _cauchy(
-    cells: IntArray,
-    gradient: FloatArray,
-    basis: FloatArray,
-    code: int,
-    parameters: FloatArray,
-    u: FloatArray,
-    p: FloatArray,
-    stress: FloatArray,
-) -> None:
+def _cauchy(cells: Cells, law: Constitution, u: FloatArray, p: FloatArray, stress: FloatArray) -> None:
     F, g, ue = np.empty((3, 3)), np.empty((NODES, 3)), np.empty((NODES, 3))
     tau, c = np.empty(6), np.empty((6, 6))
-    for e in range(len(cells)):
+    for e in range(len(cells.nodes)):
         for a in range(NODES):
             for i in range(3):
-                ue[a, i] = u[cells[e, a], i]
-        for q in range(len(basis)):
-            J = deformation(gradient[e, q], ue, F, g)
-            isochoric(code, parameters, F, tau, c)
+                ue[a, i] = u[cells.nodes[e, a], i]
+        for q in range(len(cells.basis)):
+            J = deformation(cells.gradient[e, q], ue, F, g)
+            isochoric(law.code, law.parameters, F, tau, c)
             pressure = 0.0
             for k in range(PRESSURES):
-                pressure += basis[q, k] * p[e, k]
+                pressure += cells.basis[q, k] * p[e, k]
             add_volumetric(pressure * J, tau, c)
             for i in range(6):
                 stress[e, q, i] = tau[i] / J

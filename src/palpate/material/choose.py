@@ -56,9 +56,7 @@ def get_material(text: str) -> Material:
     except ValueError:
         raise PalpateError(f"'{numbers}' are not numbers.", f"Write {law}:{form} in MPa.") from None
     if len(constants) not in counts:
-        raise PalpateError(
-            f"{law} takes {form}, but {len(constants)} numbers were given.", "Write them in MPa."
-        )
+        raise PalpateError(f"{law} takes {form}, but {len(constants)} numbers were given.", "Write them in MPa.")
     return Material(name=text, law=make(*constants))
 
 
@@ -72,9 +70,7 @@ def material_from_data(data: dict[str, Any]) -> Material:
     """
     constants, law = data["constants"], data["law"]
     if law == "ogden":
-        made: Law = ogden(
-            *(constants[key] for key in sorted(constants, key=lambda key: (key[-1], key[0] != "m")))
-        )
+        made: Law = ogden(*(constants[key] for key in sorted(constants, key=lambda key: (key[-1], key[0] != "m"))))
     else:
         made = Polynomial(law, **{key.lower(): value for key, value in constants.items()})
     known = LIBRARY.get(data["name"])

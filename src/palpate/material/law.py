@@ -136,9 +136,7 @@ class Ogden(Law):
     @property
     def constants(self) -> dict[str, float]:
         pairs = enumerate(zip(self.mu, self.alpha, strict=True), start=1)
-        return {
-            name: value for k, (mu, alpha) in pairs for name, value in ((f"mu{k}", mu), (f"alpha{k}", alpha))
-        }
+        return {name: value for k, (mu, alpha) in pairs for name, value in ((f"mu{k}", mu), (f"alpha{k}", alpha))}
 
 
 def yeoh(c10: float, c20: float, c30: float) -> Polynomial:

@@ -46,9 +46,7 @@ class Material:
                 "It must be positive: check sign and unit (MPa) of the coefficients.",
             )
         if not 2 <= self.bulk_ratio <= 1e7:
-            raise PalpateError(
-                f"The bulk ratio K/mu is {self.bulk_ratio:.4g}.", "Choose one between 2 and 1e7."
-            )
+            raise PalpateError(f"The bulk ratio K/mu is {self.bulk_ratio:.4g}.", "Choose one between 2 and 1e7.")
 
     @property
     def bulk_modulus(self) -> float:
@@ -89,7 +87,5 @@ class Material:
         n = len(F)
         energy, tau, c = np.empty(n), np.empty((n, 6)), np.empty((n, 6, 6))
         for i in range(n):
-            energy[i] = isochoric(
-                self.law.code, self.law.parameters, np.ascontiguousarray(F[i]), tau[i], c[i]
-            )
+            energy[i] = isochoric(self.law.code, self.law.parameters, np.ascontiguousarray(F[i]), tau[i], c[i])
         return energy, tau, c

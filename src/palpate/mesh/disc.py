@@ -87,9 +87,7 @@ def _ring_patch(side: int, along: FloatArray, rings: int, size: float) -> FloatA
     t = np.linspace(0, 1, 2 * rings + 1)[None, :, None]
     points = (1 - t) * inner[:, None] + t * outer[:, None]
     cos, sin = [(1, 0), (0, 1), (-1, 0), (0, -1)][side]
-    return np.stack(
-        [cos * points[..., 0] - sin * points[..., 1], sin * points[..., 0] + cos * points[..., 1]], -1
-    )
+    return np.stack([cos * points[..., 0] - sin * points[..., 1], sin * points[..., 0] + cos * points[..., 1]], -1)
 
 
 def _join(patches: list[FloatArray]) -> DiscGrid:

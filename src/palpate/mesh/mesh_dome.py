@@ -14,6 +14,10 @@ _CORE_SHARE = 0.4
 """Share of the cells of a meridian that lies in the square core of the O-grid."""
 
 
+_CELL_SHARE = 0.38
+"""Size of a cell over sqrt(r T); chosen by the convergence study in docs/decisions."""
+
+
 def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
     """Mesh a dome with 27-node hexahedra.
 
@@ -40,8 +44,7 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
     rho = np.linspace(dome.radius, dome.outer_radius, steps)
     nodes = np.concatenate([_on_sphere(dome, grid.points, radius, spec.rim) for radius in rho])
     layer_cells = [
-        np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1)
-        for layer in range(spec.layers)
+        np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
     ]
     on_rim = np.flatnonzero(np.hypot(*grid.points.T) > 1 - 1e-9)
     on_mirror = np.empty(0, np.int64) if spec.whole else np.flatnonzero(np.abs(grid.points[:, 0]) < 1e-9)
@@ -64,9 +67,12 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
 
 
 def default_cells(dome: Dome) -> int:
-    """Cells from pole to rim that keep a press within 1 % of a mesh twice as fine (docs/decisions)."""
+    """Cells from pole to rim that keep a press within 1 % of a mesh twice as fine.
+
+    The cell is a fixed share of ``sqrt(r T)``, the length over which a shell bends.
+    """
     meridian = dome.radius * rim_angle(dome, dome.radius, Rim.FLAT)
-    return int(np.clip(round(meridian / 2.4), 8, 40))
+    return int(np.clip(round(meridian / (_CELL_SHARE * np.sqrt(dome.radius * dome.thickness))), 13, 48))
 
 
 def rim_angle(dome: Dome, radius: float, rim: Rim) -> float:
