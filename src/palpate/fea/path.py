@@ -37,7 +37,7 @@ _RELEASE_STEP_MM = 0.1
 _RELAXATIONS, _FADED = 60, 1e-3
 """Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
 _SLACK = 1e3
-"""Slack on the tolerance of passes that are not the last."""
+"""Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
 _PASSES = 4
 """Most passes in which sticking points and friction limits are corrected."""
 
@@ -164,11 +164,11 @@ class Path:
         if law.friction > 0:
             before = (self._surface_points(last.state), self.wall(last.depth))
             touch = surface.foresee(law, touch, before, (self._surface_points(start), plane))
-        slack = 1.0 if law.friction == 0 else _SLACK
+        slack = 1.0 if law.friction == 0 and damping is None else _SLACK
         for _ in range(_PASSES):
             found = self.problem.solve(start, plane, touch, self.spec.iterations, damping, slack)
             self.iterations += found.iterations
-            if law.friction == 0 or not found.converged:
+            if law.friction == 0 or damping is not None or not found.converged:
                 break
             corrected = surface.correct(law, touch, self._surface_points(found.state), plane)
             start, agreed = found.state, _agree(touch.limit, corrected.limit)
@@ -278,7 +278,7 @@ class Path:
                     if found.converged:
                         return found
                     coefficient *= 100.0
-                coefficient /= 30.0 if found.iterations <= 2 else 3.0 if found.iterations <= 6 else 1.5
+                coefficient /= 30.0 if found.iterations <= 2 else 4.0 if found.iterations <= 8 else 2.0
             else:
-                coefficient *= 5.0
+                coefficient *= 3.0
         return found

@@ -15,7 +15,7 @@ from palpate.fea.contact import ContactLaw, OuterSurface, Plane, untouched
 from palpate.fea.linear import make_linear_solver
 from palpate.fea.newton import ContactProblem
 from palpate.fea.path import Path, Point
-from palpate.fea.press import Branch, Ended, Press
+from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
 from palpate.fea.solid import Solid
 from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.fea.stress import cauchy_stress, von_mises
@@ -71,7 +71,7 @@ def solve_press(
     elif reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
         message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
-    fields = _fields(path, images, mesh)
+    fields = _fields(path, images, mesh, wall.azimuth_deg)
     jumps = [point.depth for point in path.points if point.jumped]
     return Press(
         mesh=mesh,
@@ -144,7 +144,7 @@ def _normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
     return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
 
 
-def _fields(path: Path, images: list[int], mesh: Mesh) -> dict[str, Any]:
+def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> dict[str, Any]:
     """Arrays of the `Press` at the images."""
     problem = path.problem
     points = [path.points[k] for k in images]
@@ -157,7 +157,8 @@ def _fields(path: Path, images: list[int], mesh: Mesh) -> dict[str, Any]:
         area.append(parts * problem.surface.current_area(mesh.nodes + point.state.u, reach > 0))
         peak.append(von_mises(cauchy_stress(problem.solid, point.state)).max())
     inverted = [path.inverted(point.state, point.depth) for point in points]
-    force = np.array([parts * side * point.force for point in points])
+    turn = np.eye(3) if mesh.spec.whole else azimuth_rotation(azimuth_deg)
+    force = np.array([parts * side * point.force for point in points]) @ turn.T
     return {
         "depth": np.array([point.depth for point in points]),
         "displacement": np.array([point.state.u for point in points]),
