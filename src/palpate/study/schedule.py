@@ -1,4 +1,4 @@
-"""Do tasks on worker processes: the longest ready task first, a failure stops only what hangs on it."""
+"""Do tasks on worker processes: the longest way to the end first, a failure stops only what hangs on it."""
 
 from __future__ import annotations
 
@@ -37,11 +37,12 @@ class Schedule:
     outcomes: dict[str, Outcome] = field(default_factory=dict)
 
     def take(self) -> Task | None:
-        """Take the longest task whose inputs all exist; `None` where there is none now."""
+        """Take the ready task with the longest way to the end; `None` where none is ready now."""
         ready = [task for task in self.waiting.values() if self._is_ready(task)]
         if not ready:
             return None
-        longest = max(ready, key=lambda task: task.cost)
+        ways = self._ways()
+        longest = max(ready, key=lambda task: ways[task.recipe.key])
         return self.waiting.pop(longest.recipe.key)
 
     def close(self, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
@@ -58,6 +59,16 @@ class Schedule:
                 reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
                 yield from self.close(later, Outcome(reason=reason, trace="", seconds=0.0))
 
+    def _ways(self) -> dict[str, float]:
+        """Cost of each waiting task and of the longest chain that hangs on it, s, by key."""
+        ways: dict[str, float] = {}
+        for task in reversed(self.waiting.values()):  # each after those it needs, so backwards
+            key = task.recipe.key
+            ways[key] = ways.get(key, 0.0) + task.cost
+            for need in task.needs:
+                ways[need.recipe.key] = max(ways.get(need.recipe.key, 0.0), ways[key])
+        return ways
+
     def _is_ready(self, task: Task) -> bool:
         return all(need.recipe.key in self.made for need in task.needs)
 
@@ -70,7 +81,7 @@ def do_tasks(
     Parameters
     ----------
     tasks
-        What is to be done.
+        What is to be done, each task after those it needs.
     made
         Keys of the artefacts that exist already.
     store

@@ -71,7 +71,7 @@ def store(tmp_path: Path) -> ArtefactStore:
 def test_tasks_run_after_what_they_need(store: ArtefactStore) -> None:
     one, two = Sum("one", 1.0), Sum("two", 2.0)
     last = Sum("last", 10.0, after=(one, two))
-    outcomes = do_tasks([last, one, two], [], store, 2, Silence())
+    outcomes = do_tasks([one, two, last], [], store, 2, Silence())
     assert [outcomes[task.recipe.key].reason for task in (one, two, last)] == ["", "", ""]
     assert find_made(store, last).read_text() == "13.0"
 
@@ -89,6 +89,14 @@ def test_the_longest_ready_task_goes_first(store: ArtefactStore) -> None:
     diary = Diary()
     do_tasks(tasks, [], store, 1, diary)
     assert diary.starts == ["long", "middle", "short"]
+
+
+def test_a_short_task_that_opens_a_long_way_goes_before_a_longer_one(store: ArtefactStore) -> None:
+    opener = Sum("opener", 1.0, seconds=1)
+    tasks = [opener, Sum("long", 1.0, seconds=5), Sum("way", 1.0, after=(opener,), seconds=9)]
+    diary = Diary()
+    do_tasks(tasks, [], store, 1, diary)
+    assert diary.starts == ["opener", "way", "long"]
 
 
 def test_a_failure_stops_only_what_hangs_on_it(store: ArtefactStore) -> None:
