@@ -69,9 +69,7 @@ class Dataset:
         if lengths != {count}:
             raise PalpateError(f"A dataset of {count} images has columns of {sorted(lengths)} rows.")
         if not np.isfinite(self.images_px).all():
-            raise PalpateError(
-                "A dataset has a marker whose position is not a number.", "Make the dataset again."
-            )
+            raise PalpateError("A dataset has a marker whose position is not a number.", "Make the dataset again.")
         refuse_leakage(self.press, self.poses, self.validation)
 
     @property

@@ -188,9 +188,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout) -> MarkerField:
     """
     outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
     if outside:
-        raise PalpateError(
-            f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings."
-        )
+        raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
     presses = sorted(presses, key=lambda press: press.wall.tilt_deg)
     depths = _image_depths(presses)
     tilts = np.array([press.wall.tilt_deg for press in presses], dtype=float)
@@ -222,9 +220,7 @@ def _image_depths(presses: Sequence[Press]) -> Array:
         raise PalpateError("A marker field needs at least one press.", "Solve the straight press first.")
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
-        raise PalpateError(
-            f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step."
-        )
+        raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
     tilts = [press.wall.tilt_deg for press in presses]
     repeated = next((tilt for tilt, after in pairwise(tilts) if tilt == after), None)
     if repeated is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,13 +19,13 @@ from palpate.dataset.split import hold_out, number_presses
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
-    from palpate.design import MarkerLayout
+    from palpate.design import Dome, MarkerLayout
     from palpate.fea import Press
 
 DATASET_VERSION = "1"
 """Version of the code that decides what a dataset contains; part of an artefact's key."""
 
-UNSEEN = "a marker outside the image"
+UNSEEN = "a marker out of sight"
 
 Array = NDArray[np.float64]
 
@@ -56,15 +57,16 @@ def generate_dataset(
     Raises
     ------
     PalpateError
-        If a marker at rest lies outside the image, or no image is left.
+        If a marker at rest cannot be seen, or no image is left.
     """
     field = build_field(presses, markers)
-    _refuse_unseen_at_rest(field.rest, camera)
+    view = _View(camera, presses[0].mesh.dome)
+    _refuse_unseen_at_rest(field.rest, view)
     rotations = sample_poses(spec)
     number = number_presses(rotations)
     dropped: Counter[str] = Counter()
     columns = [
-        _images_at(field, image, rotations, camera, dropped)
+        _images_at(field, image, rotations, view, dropped)
         for image in range(spec.dropped_images, len(field.depths_mm))
     ]
     if not columns or not sum(len(column["row"]) for column in columns):
@@ -90,32 +92,40 @@ def generate_dataset(
     )
 
 
+@dataclass(frozen=True)
+class _View:
+    """A camera under the dome whose clamped rim may hide a marker."""
+
+    camera: Camera
+    dome: Dome
+
+
 def _images_at(
-    field: MarkerField, image: int, rotations: Array, camera: Camera, dropped: Counter[str]
+    field: MarkerField, image: int, rotations: Array, view: _View, dropped: Counter[str]
 ) -> dict[str, NDArray[np.generic]]:
     """Columns of the images at one depth; `dropped` counts the others."""
     branch, reason = field.labels(np.hypot(rotations[:, 0], rotations[:, 1]), image)
     dropped.update(str(text) for text in reason[reason != ""])
     row = np.flatnonzero(branch != "")
     points = field.positions(rotations[row, 0], rotations[row, 1], image)
-    seen = camera.visible(points).all(axis=1)
+    seen = view.camera.visible(points, view.dome).all(axis=1)
     if not seen.all():
         dropped[UNSEEN] += int((~seen).sum())
     row, points = row[seen], points[seen]
     return {
         "row": row,
-        "images_px": camera.project(points),
+        "images_px": view.camera.project(points),
         "depth": np.full(len(row), field.depths_mm[image]),
         "branch": branch[row],
         "travel_mm": np.linalg.norm(points - field.rest, axis=-1).mean(axis=-1),
     }
 
 
-def _refuse_unseen_at_rest(rest: Array, camera: Camera) -> None:
-    unseen = np.flatnonzero(~camera.visible(rest))
+def _refuse_unseen_at_rest(rest: Array, view: _View) -> None:
+    unseen = np.flatnonzero(~view.camera.visible(rest, view.dome))
     if len(unseen):
         shown = ", ".join(str(number) for number in unseen[:5])
         raise PalpateError(
-            f"{len(unseen)} of {len(rest)} markers lie outside the image at rest (numbers {shown}).",
+            f"{len(unseen)} of {len(rest)} markers cannot be seen at rest (numbers {shown}).",
             "Move the camera farther away, or use smaller rings.",
         )

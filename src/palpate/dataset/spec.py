@@ -17,9 +17,7 @@ class DatasetSpec(Spec):
     poses: Literal["disc", "paper-91", "paper-504"] = parameter(
         "disc", unit="", meaning="protocol that chooses the poses"
     )
-    n_presses: int = parameter(
-        1200, unit="1", meaning="virtual presses of the protocol 'disc'", ge=10, le=100_000
-    )
+    n_presses: int = parameter(1200, unit="1", meaning="virtual presses of the protocol 'disc'", ge=10, le=100_000)
     max_tilt_deg: float = parameter(
         12.0,
         unit="deg",

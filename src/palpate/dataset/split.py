@@ -78,9 +78,7 @@ def refuse_leakage(press: NDArray[np.int64], poses: Array, validation: NDArray[n
     """
     shared = np.intersect1d(press[validation], press[~validation])
     if len(shared):
-        raise LeakageError(
-            f"Press {shared[0]} has images in training and in validation ({len(shared)} such)."
-        )
+        raise LeakageError(f"Press {shared[0]} has images in training and in validation ({len(shared)} such).")
     rounded = np.round(poses[:, :2] / SAME_POSE_DEG).astype(np.int64)
     held_out = {tuple(pose) for pose in rounded[validation]}
     for pose in rounded[~validation]:

@@ -1,5 +1,26 @@
 """Learning: from images of markers to the pose of the wall, and how good any estimator could be."""
 
+from palpate.learn.estimator import LEARN_VERSION, Estimator
+from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, measure_errors
+from palpate.learn.search import search
+from palpate.learn.spec import SearchSpec, TrainSpec, paper_training
+from palpate.learn.train import evaluate, fit_ridge, train
 
-__all__ = ["DepthErrors", "ErrorSummary", "Metrics", "measure_errors"]
+__all__ = [
+    "LEARN_VERSION",
+    "DepthErrors",
+    "ErrorSummary",
+    "Estimator",
+    "Metrics",
+    "SearchSpec",
+    "TrainSpec",
+    "evaluate",
+    "fit_ridge",
+    "measure_errors",
+    "paper_training",
+    "read_estimator",
+    "search",
+    "train",
+    "write_estimator",
+]

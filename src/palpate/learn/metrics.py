@@ -163,9 +163,7 @@ def measure_errors(estimates: Array, poses: Array) -> Metrics:
         )
     depths = np.round(poses[:, 2], 6)
     by_depth = tuple(
-        DepthErrors(
-            depth_mm=float(depth), images=int((depths == depth).sum()), **_by_axis(errors[depths == depth])
-        )
+        DepthErrors(depth_mm=float(depth), images=int((depths == depth).sum()), **_by_axis(errors[depths == depth]))
         for depth in np.unique(depths)
     )
     return Metrics(images=len(errors), by_depth=by_depth, **_by_axis(errors))

@@ -47,10 +47,9 @@ class KinematicPress:
             depth = np.append(depth, self.reached)
         self.depth = depth
         self.branch = np.where(depth >= self.inverted_from, "inverted", "flat")
+        self.mesh = SimpleNamespace(dome=None)
         self.ended_depth = self.reached
-        self.wall = SimpleNamespace(
-            tilt_deg=self.tilt_deg, azimuth_deg=self.azimuth_deg, image_step=STEP, depth=8.0
-        )
+        self.wall = SimpleNamespace(tilt_deg=self.tilt_deg, azimuth_deg=self.azimuth_deg, image_step=STEP, depth=8.0)
 
     def positions(self, points):
         azimuth = np.deg2rad(self.azimuth_deg)
@@ -82,7 +81,7 @@ class PinholeCamera:
     def project(self, points):
         return 297.5 * points[..., :2] / (points[..., 2:] + 48.0) + np.array([174.9, 128.2])
 
-    def visible(self, points):
+    def visible(self, points, dome):
         u, v = np.moveaxis(self.project(points), -1, 0)
         return (u >= 0) & (u < self.width_px) & (v >= 0) & (v < self.height_px)
 

@@ -15,9 +15,7 @@ def direct(rx, ry, depth):
     return kinematic_positions(LAYOUT.positions, rx, ry, depth)
 
 
-@pytest.mark.parametrize(
-    ("rx", "ry"), [(0.0, 0.0), (5.0, 0.0), (0.0, 7.0), (-3.1, 4.2), (-8.0, -8.5), (11.5, -2.0)]
-)
+@pytest.mark.parametrize(("rx", "ry"), [(0.0, 0.0), (5.0, 0.0), (0.0, 7.0), (-3.1, 4.2), (-8.0, -8.5), (11.5, -2.0)])
 def test_any_pose_agrees_with_the_direct_solution(rx, ry):
     field = build_field(solved(), LAYOUT)
     found = field.positions(np.array([rx]), np.array([ry]), DEEPEST)[0]

@@ -108,14 +108,14 @@ def test_an_image_with_a_marker_outside_is_left_out_and_counted():
     camera = PinholeCamera()
     camera.width_px = 251  # at rest the outer ring ends at u = 247.8 px
     dataset = generate_dataset(solved(), LAYOUT, camera, SMALL)
-    assert dataset.dropped["a marker outside the image"] == 60 * 8 - len(dataset.images_px) > 0
+    assert dataset.dropped["a marker out of sight"] == 60 * 8 - len(dataset.images_px) > 0
     assert (dataset.images_px[..., 0] < camera.width_px).all()
 
 
 def test_a_layout_that_does_not_fit_the_image_at_rest_is_refused():
     camera = PinholeCamera()
     camera.width_px = 200
-    with pytest.raises(PalpateError, match="of 37 markers lie outside the image at rest"):
+    with pytest.raises(PalpateError, match="of 37 markers cannot be seen at rest"):
         generate_dataset(solved(), LAYOUT, camera, SMALL)
 
 

@@ -1,0 +1,71 @@
+"""Principal components of the images: what moves, in the few directions in which it moves more than the jitter.
+
+Clean images of one design lie near a surface of three dimensions (rx, ry, depth) in a space of 2 m pixel
+coordinates. Along the principal directions of that surface the signal has variance λ, everywhere the jitter adds
+a² / 3. A network that reads
+
+    z = Pᵀ (x − x̄) / sqrt(λ + a²/3)
+
+has inputs of even size and far fewer weights. The map is affine, so it is folded into the first layer afterwards.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SMALLEST_SCALE = 1e-6
+"""Least standard deviation of a component, in normalised units: guards a layout at rest without jitter."""
+
+
+@dataclass(frozen=True)
+class Components:
+    """Affine map z = (x − mean) · projection.
+
+    Attributes
+    ----------
+    mean
+        (2m,) normalised coordinates.
+    projection
+        (2m, k).
+    """
+
+    mean: Array
+    projection: Array
+
+    def fold(self, weight: Array, bias: Array) -> tuple[Array, Array]:
+        """First layer that reads x in place of z: from weights (r, k, h), bias (r, h) to (r, 2m, h), (r, h)."""
+        folded: Array = self.projection @ weight
+        return folded, bias - self.mean @ folded
+
+
+def find_components(inputs: Array, jitter: Array, count: int) -> Components:
+    """Find the leading principal components of clean inputs.
+
+    Parameters
+    ----------
+    inputs
+        (n, 2m) normalised clean images.
+    jitter
+        (2m,) half-width of the uniform jitter, normalised.
+    count
+        Components to keep; 0 keeps the coordinates themselves, centred.
+
+    Returns
+    -------
+    Components
+        At most `count` components, fewer where the images have fewer coordinates.
+    """
+    mean = inputs.mean(axis=0)
+    if count == 0:
+        return Components(np.zeros_like(mean), np.eye(len(mean)))
+    covariance = np.cov(inputs, rowvar=False)
+    variance, direction = np.linalg.eigh(np.atleast_2d(covariance))
+    leading = np.argsort(variance)[::-1][:count]
+    noise = float(np.mean(jitter**2)) / 3
+    scale = np.sqrt(np.maximum(variance[leading], 0.0) + noise)
+    return Components(mean, direction[:, leading] / np.maximum(scale, SMALLEST_SCALE))

@@ -1,0 +1,123 @@
+"""The noun of the stage: a trained map from marker positions to the pose of the wall."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.dataset import Normalisation
+
+Array = NDArray[np.float64]
+
+LEARN_VERSION = "1"
+"""Version of the code that decides what an estimator predicts; part of an artefact's key."""
+
+OUTPUTS = ("rx_deg", "ry_deg", "depth_mm")
+
+
+@dataclass(frozen=True, eq=False)
+class Estimator:
+    """One or more perceptrons as plain arrays: it predicts with numpy alone.
+
+    Attributes
+    ----------
+    normalisation
+        From pixels to what the first layer reads.
+    weights, biases
+        One (r, in, out) and one (r, out) a layer, for r members; the last layer gives standardised poses.
+    activation
+        ``"relu"`` or ``"silu"``, after each layer but the last.
+    output_mean, output_sd
+        (3,) of rx and ry (degrees), depth (mm).
+    rest_px
+        (m, 2) markers of the undeformed dome (px): the order in which the markers must come.
+    seed
+        Seed of the training.
+    made_by
+        How it was found: method and spec, as JSON data.
+    training_images, validation_images
+        Images that it was trained and judged on.
+    history
+        For each member, the validation error (standardised) after each epoch; empty for a closed form.
+    version
+        `LEARN_VERSION` of the code that trained it.
+    """
+
+    normalisation: Normalisation
+    weights: tuple[Array, ...]
+    biases: tuple[Array, ...]
+    activation: str
+    output_mean: Array
+    output_sd: Array
+    rest_px: Array
+    seed: int
+    made_by: Mapping[str, Any]
+    training_images: int
+    validation_images: int
+    history: tuple[tuple[float, ...], ...] = ()
+    version: str = LEARN_VERSION
+
+    @property
+    def members(self) -> int:
+        """Number of networks that are averaged."""
+        return len(self.weights[0])
+
+    def predict(self, images_px: Array) -> Array:
+        """Estimate poses.
+
+        Parameters
+        ----------
+        images_px
+            (n, m, 2) u and v of every marker, in the order of `rest_px`.
+
+        Returns
+        -------
+        Array
+            (n, 3): rx and ry (degrees), depth (mm); the mean over the members.
+
+        Raises
+        ------
+        PalpateError
+            If the images have another number of markers.
+        """
+        mean: Array = self.predict_members(images_px).mean(axis=0)
+        return mean
+
+    def predict_members(self, images_px: Array) -> Array:
+        """Estimates (r, n, 3) of every member for images (n, m, 2), see `predict`."""
+        if images_px.shape[1:] != self.rest_px.shape:
+            raise PalpateError(
+                f"The images have markers of shape {images_px.shape[1:]}, the estimator reads {self.rest_px.shape}.",
+                "Use the estimator of this marker layout.",
+            )
+        hidden = self.normalisation.apply(images_px).reshape(1, len(images_px), -1)
+        for number, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
+            hidden = hidden @ weight + bias[:, None, :]
+            if number < len(self.weights) - 1:
+                hidden = _activate(hidden, self.activation)
+        poses: Array = hidden * self.output_sd + self.output_mean
+        return poses
+
+    def keep_members(self, rows: list[int]) -> Estimator:
+        """The same estimator with some of its members only."""
+        from dataclasses import replace
+
+        return replace(
+            self,
+            weights=tuple(weight[rows] for weight in self.weights),
+            biases=tuple(bias[rows] for bias in self.biases),
+            history=tuple(self.history[row] for row in rows),
+        )
+
+
+def _activate(values: Array, name: str) -> Array:
+    if name == "relu":
+        return np.maximum(values, 0.0)
+    with np.errstate(over="ignore"):  # exp overflows to infinity where silu is 0
+        activated: Array = values / (1.0 + np.exp(-values))
+    return activated

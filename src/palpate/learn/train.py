@@ -1,0 +1,142 @@
+"""From a dataset to an estimator: a perceptron, or the ridge regression that it must beat."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import child_seed, generator
+from palpate.dataset import Dataset, draw_jitter
+from palpate.learn.components import find_components
+from palpate.learn.estimator import Estimator
+from palpate.learn.metrics import Metrics, measure_errors
+from palpate.learn.spec import TrainSpec
+
+Array = NDArray[np.float64]
+
+
+def train(dataset: Dataset, spec: TrainSpec = TrainSpec(), seed: int = 0) -> Estimator:  # noqa: B008
+    """Train perceptrons on the images that are not held out.
+
+    Jitter is drawn anew for every image in every epoch, in pixels and before normalisation.
+
+    Parameters
+    ----------
+    dataset
+        Clean images with their poses and split.
+    spec
+        Shape of the network and how it is trained.
+    seed
+        Seed of weights, order of images, jitter and dropout.
+
+    Returns
+    -------
+    Estimator
+        The repeats, or the best of them.
+
+    Raises
+    ------
+    MissingExtraError
+        If torch is not installed.
+    """
+    from palpate.learn.network import TrainingData, train_network
+
+    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    inputs = _normalised(dataset, kept.images_px)
+    jitter = np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
+    components = find_components(inputs, jitter, spec.components)
+    mean, sd = _standard(kept.poses)
+    noisy = draw_jitter(held.images_px, dataset.spec.jitter_px, generator(seed, "judge"))
+    data = TrainingData(
+        inputs=inputs,
+        targets=(kept.poses - mean) / sd,
+        jitter=jitter,
+        mean=components.mean,
+        projection=components.projection,
+        held_inputs=_normalised(dataset, noisy),
+        held_targets=(held.poses - mean) / sd,
+    )
+    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
+    first, first_bias = components.fold(trained.weights[0], trained.biases[0])
+    estimator = Estimator(
+        normalisation=dataset.normalisation,
+        weights=(first, *trained.weights[1:]),
+        biases=(first_bias, *trained.biases[1:]),
+        activation=spec.activation,
+        output_mean=mean,
+        output_sd=sd,
+        rest_px=dataset.rest_px,
+        seed=seed,
+        made_by={"method": "perceptron", **spec.model_dump(mode="json")},
+        training_images=len(kept.poses),
+        validation_images=len(held.poses),
+        history=trained.history,
+    )
+    if spec.members == "all":
+        return estimator
+    kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
+    return estimator.keep_members([int(np.argmin(kept_errors))])
+
+
+def fit_ridge(dataset: Dataset) -> Estimator:
+    """Fit the best linear estimator under jitter, in closed form.
+
+    Jitter of half-width a adds a²/3 to the variance of every coordinate, so the mean squared error over it is
+    least for ridge regression with the penalty n a²/3 (Bishop 1995, "Training with noise is equivalent to
+    Tikhonov regularization").
+
+    Parameters
+    ----------
+    dataset
+        Clean images with their poses and split; the held-out ones are not used.
+    """
+    kept = dataset.part(validation=False)
+    inputs = _normalised(dataset, kept.images_px)
+    centre = inputs.mean(axis=0)
+    mean, sd = _standard(kept.poses)
+    jitter = np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
+    centred = inputs - centre
+    gram = centred.T @ centred + np.diag(len(inputs) * jitter**2 / 3 + 1e-12)
+    weight = np.linalg.solve(gram, centred.T @ ((kept.poses - mean) / sd))
+    return Estimator(
+        normalisation=dataset.normalisation,
+        weights=(weight[None],),
+        biases=(-(centre @ weight)[None],),
+        activation="relu",
+        output_mean=mean,
+        output_sd=sd,
+        rest_px=dataset.rest_px,
+        seed=0,
+        made_by={"method": "ridge"},
+        training_images=len(kept.poses),
+        validation_images=int(dataset.validation.sum()),
+    )
+
+
+def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = None) -> Metrics:
+    """Measure an estimator on the held-out presses.
+
+    Parameters
+    ----------
+    estimator
+        What is judged.
+    dataset
+        The dataset that it was trained on, or another of the same layout.
+    jitter_seed
+        Seed of one draw of the dataset's jitter; `None` judges on clean images.
+    """
+    held = dataset.part(validation=True)
+    images = held.images_px
+    if jitter_seed is not None:
+        images = draw_jitter(images, dataset.spec.jitter_px, generator(jitter_seed, "evaluate"))
+    return measure_errors(estimator.predict(images), held.poses)
+
+
+def _normalised(dataset: Dataset, images_px: Array) -> Array:
+    return dataset.normalisation.apply(images_px).reshape(len(images_px), -1)
+
+
+def _standard(poses: Array) -> tuple[Array, Array]:
+    """Mean and standard deviation (3,) of poses; an output that never changes keeps its unit."""
+    sd = poses.std(axis=0)
+    return poses.mean(axis=0), np.where(sd > 1e-9, sd, 1.0)
