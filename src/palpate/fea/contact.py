@@ -8,10 +8,10 @@ With the penetration ``delta = n·(x - x_w)`` of a point (positive inside the wa
 * ``phi`` is a penalty of stiffness ``eps`` that starts quadratically in force over the width ``w``:
   ``p = eps delta² / 2w`` up to ``delta = w`` and ``eps (delta - w/2)`` beyond, so that the tangent is continuous;
 * ``psi`` is a spring ``eps_t`` from the place ``s0`` on the wall where the point touched it, limited to the
-  traction ``mu p`` (a Huber potential; no slip is mu = infinity, frictionless mu = 0). Which points stick, and
-  the limit ``mu p``, are held during a solve and corrected between solves, so every solve minimises a smooth
+  traction ``mu p`` (a Huber potential; no slip is mu = infinity, frictionless mu = 0). Which points stick, where,
+  and the limit ``mu p``, are held during a solve and corrected between solves, so every solve minimises a smooth
   energy and its tangent is symmetric (Wriggers, *Computational Contact Mechanics*, 2006, chapter 5). A point
-  that is about to touch gets its ``s0`` where its predicted path crosses the wall.
+  that touches anew slides in the first solve and then sticks where its path crossed the wall.
 """
 
 from __future__ import annotations
@@ -149,30 +149,24 @@ class OuterSurface:
         """Deformed area in mm² of the points marked in `touching` (n_points,), nodes (n, 3) deformed."""
         return float(self._areas(nodes[self.faces.nodes]).ravel()[touching].sum())
 
-    def foresee(
+    def correct(
         self, law: ContactLaw, touch: Touch, before: tuple[FloatArray, Plane], after: tuple[FloatArray, Plane]
     ) -> Touch:
-        """Let points that are about to touch stick where their predicted path crosses the wall.
+        """Correct sticking places and limits by a solution in which points that touch anew slid freely.
 
-        `before` is the last equilibrium, `after` the prediction: points (n_points, 3) mm and wall of each.
+        `before` is the last equilibrium, `after` the solution: points (n_points, 3) mm and wall of each. A point
+        that came to touch sticks where it crossed the wall; one that left sticks no more. Up to its crossing, at
+        the share a of the increment, a point ahead of a front that sweeps on evenly and sticks slides half as far
+        as one ahead of a front that stays: with the strain rate e of the free part and the front at L t, it moves
+        ``∫ e (x - L t) dt = e x a / 2`` up to ``a = x / L``, where the free solution gives ``e x a``.
         """
         reach0, place0 = _in_plane(*before)
         reach1, place1 = _in_plane(*after)
         fresh = (touch.limit == 0) & (reach1 > 0)
         share = np.clip(np.divide(-reach0, reach1 - reach0, out=np.zeros_like(reach0), where=fresh), 0.0, 1.0)
-        crossing = place0 + share[:, None] * (place1 - place0)
-        limit = np.where(fresh, np.inf, touch.limit) if np.isinf(law.friction) else touch.limit
-        return Touch(np.where(fresh[:, None], crossing, touch.place), limit, touch.hold)
-
-    def correct(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> Touch:
-        """Limits that belong to the equilibrium x (n_points, 3) mm; no slip only lets points go."""
-        reach, _ = _in_plane(x, plane)
-        limit = (
-            np.where(reach > 0, touch.limit, 0.0)
-            if np.isinf(law.friction)
-            else law.friction * penalty_pressure(law, reach)
-        )
-        return Touch(touch.place, limit, touch.hold)
+        swept = 0.5 * share if (touch.limit > 0).any() else share
+        crossing = place0 + swept[:, None] * (place1 - place0)
+        return Touch(np.where(fresh[:, None], crossing, touch.place), _friction_limit(law, reach1), touch.hold)
 
     def settle(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> Touch:
         """What the points keep of the equilibrium x (n_points, 3) mm: where they stick, after any slip."""
@@ -180,10 +174,7 @@ class OuterSurface:
         spring = np.where(touch.limit[:, None] > 0, place - touch.place, 0.0)
         length = law.tangential_stiffness * np.linalg.norm(spring, axis=1)
         kept = np.divide(touch.limit, length, out=np.ones_like(length), where=length > touch.limit)
-        limit = np.where(
-            reach > 0, np.inf if np.isinf(law.friction) else law.friction * penalty_pressure(law, reach), 0.0
-        )
-        return Touch(place - kept[:, None] * spring, limit, touch.hold)
+        return Touch(place - kept[:, None] * spring, _friction_limit(law, reach), touch.hold)
 
     def states(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> IntArray:
         """State of every point at x (n_points, 3) mm: `FREE`, `STICK` or `SLIP` (frictionless contact slips)."""
@@ -201,6 +192,13 @@ def _in_plane(x: FloatArray, plane: Plane) -> tuple[FloatArray, FloatArray]:
     """Penetration (n,) and place in the plane (n, 3) of points x (n, 3), mm."""
     reach = (x - plane.point) @ plane.normal
     return reach, x - plane.point - reach[:, None] * plane.normal
+
+
+def _friction_limit(law: ContactLaw, reach: FloatArray) -> FloatArray:
+    """Greatest tangential traction (n,) MPa at penetrations (n,) mm; infinite for no slip, zero off the wall."""
+    if np.isinf(law.friction):
+        return np.where(reach > 0, np.inf, 0.0)
+    return law.friction * penalty_pressure(law, reach)
 
 
 def penalty_pressure(law: ContactLaw, reach: FloatArray) -> FloatArray:

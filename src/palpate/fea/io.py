@@ -21,6 +21,7 @@ _ARRAYS = {
     "displacement": "mm",
     "force": "N",
     "energy": "mJ",
+    "contact_energy": "mJ",
     "work": "mJ",
     "peak_stress": "MPa",
     "contact_area": "mm2",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,24 @@ class Damping:
     origin: FloatArray
 
 
+class Loads(NamedTuple):
+    """What a state stores and bears, of the modelled part.
+
+    Attributes
+    ----------
+    elastic
+        Stored elastic energy, mJ; infinite where a cell is turned inside out.
+    contact
+        Energy of the contact penalty and of sticking springs, mJ.
+    force
+        (3,) N on the wall.
+    """
+
+    elastic: float
+    contact: float
+    force: FloatArray
+
+
 @dataclass(frozen=True)
 class Equilibrium:
     """Result of an increment.
@@ -57,10 +76,8 @@ class Equilibrium:
         Reason of the end.
     state
         The last state; an equilibrium only where `outcome` is converged.
-    energy
-        Stored elastic energy, mJ, of the modelled part.
-    force
-        (3,) N on the wall, modelled part.
+    loads
+        Energies and force of the modelled part.
     residual
         Greatest out-of-balance force of a degree of freedom, N.
     iterations
@@ -73,8 +90,7 @@ class Equilibrium:
 
     outcome: Outcome
     state: State
-    energy: float
-    force: FloatArray
+    loads: Loads
     residual: float
     iterations: int
     negative_pivots: int
@@ -128,17 +144,19 @@ class ContactProblem:
         self._diagonal = solid.pattern.start[:-1]
         self.thickness = thickness
 
-    def assemble(self, state: State, plane: Plane, touch: Touch) -> tuple[float, FloatArray]:
-        """Assemble tangent and residual of solid and contact; stored energy (mJ) and force on the wall (3,) N."""
+    def assemble(self, state: State, plane: Plane, touch: Touch) -> Loads:
+        """Assemble tangent and residual of solid and contact."""
         solid, system = self.solid, self._system
         system.data[:] = 0.0
         system.residual[:] = 0.0
         energy = solid.assemble(state, system)
         if not np.isfinite(energy):
-            return energy, np.zeros(3)
+            return Loads(energy, 0.0, np.zeros(3))
         obstacle = (plane, self.law, touch)
-        _, force = assemble_contact(self.surface.faces, solid.cells.place, solid.nodes + state.u, obstacle, system)
-        return energy, force
+        contact, force = assemble_contact(
+            self.surface.faces, solid.cells.place, solid.nodes + state.u, obstacle, system
+        )
+        return Loads(energy, contact, force)
 
     def _add_damping(self, state: State, damping: Damping) -> None:
         viscous = damping.coefficient * np.repeat(self._volume, 3)
@@ -179,32 +197,30 @@ class ContactProblem:
         """
         state, pivots = start, -1
         history: list[float] = []
-        energy, force = self._assemble_all(state, plane, touch, damping)
+        loads = self._assemble_all(state, plane, touch, damping)
         for iteration in range(iterations + 1):
-            if not np.isfinite(energy):
-                return self._end(Outcome.INVERTED_CELL, state, energy, force, history, pivots)
+            if not np.isfinite(loads.elastic):
+                return self._end(Outcome.INVERTED_CELL, state, loads, history, pivots)
             residual = self._system.residual[self.solid.free]
             history.append(float(np.abs(residual).max(initial=0.0)))
             if not np.isfinite(history[-1]):
-                return self._end(Outcome.DIVERGED, state, energy, force, history, pivots)
+                return self._end(Outcome.DIVERGED, state, loads, history, pivots)
             if history[-1] <= slack * self.tolerance and iteration > 0:
-                return self._end(Outcome.CONVERGED, state, energy, force, history, pivots)
+                return self._end(Outcome.CONVERGED, state, loads, history, pivots)
             if iteration == iterations:
                 break
             try:
                 pivots, step = self._direction(residual, descend=damping is not None)
             except SingularMatrixError:
-                return self._end(Outcome.SINGULAR, state, energy, force, history, pivots)
-            state, energy, force = self._search(state, step, float(residual @ step), plane, touch, damping)
-        return self._end(Outcome.TOO_MANY_ITERATIONS, state, energy, force, history, pivots)
+                return self._end(Outcome.SINGULAR, state, loads, history, pivots)
+            state, loads = self._search(state, step, float(residual @ step), plane, touch, damping)
+        return self._end(Outcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
 
-    def _assemble_all(
-        self, state: State, plane: Plane, touch: Touch, damping: Damping | None
-    ) -> tuple[float, FloatArray]:
-        energy, force = self.assemble(state, plane, touch)
-        if damping is not None and np.isfinite(energy):
+    def _assemble_all(self, state: State, plane: Plane, touch: Touch, damping: Damping | None) -> Loads:
+        loads = self.assemble(state, plane, touch)
+        if damping is not None and np.isfinite(loads.elastic):
             self._add_damping(state, damping)
-        return energy, force
+        return loads
 
     def _direction(self, residual: FloatArray, *, descend: bool) -> tuple[int, FloatArray]:
         """Newton step and negative pivots of the tangent; to `descend`, an indefinite tangent is shifted first."""
@@ -226,7 +242,7 @@ class ContactProblem:
         plane: Plane,
         touch: Touch,
         damping: Damping | None,
-    ) -> tuple[State, float, FloatArray]:
+    ) -> tuple[State, Loads]:
         """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
         du = np.zeros(self.solid.nodes.shape)
         du.ravel()[self.solid.free] = step
@@ -235,25 +251,22 @@ class ContactProblem:
         low, low_slope = 0.0, slope
         for trial in range(_TRIALS):
             moved = state.moved(du, dp, factor)
-            energy, force = self._assemble_all(moved, plane, touch, damping)
-            if not np.isfinite(energy):
+            loads = self._assemble_all(moved, plane, touch, damping)
+            if not np.isfinite(loads.elastic):
                 factor *= 0.5
                 continue
             here = float(self._system.residual[self.solid.free] @ step)
             if slope >= 0 or here <= _SLOPE_FALL * abs(slope) or trial == _TRIALS - 1:
                 break
             factor = max(low + (factor - low) * low_slope / (low_slope - here), 0.1 * factor)
-        return moved, energy, force
+        return moved, loads
 
     @staticmethod
-    def _end(
-        outcome: Outcome, state: State, energy: float, force: FloatArray, history: list[float], pivots: int
-    ) -> Equilibrium:
+    def _end(outcome: Outcome, state: State, loads: Loads, history: list[float], pivots: int) -> Equilibrium:
         return Equilibrium(
             outcome=outcome,
             state=state,
-            energy=energy,
-            force=force,
+            loads=loads,
             residual=history[-1] if history else np.inf,
             iterations=max(len(history) - 1, 0),
             negative_pivots=pivots,

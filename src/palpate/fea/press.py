@@ -46,8 +46,8 @@ class Press:
         (n, n_nodes, 3) mm; of a half model in the frame whose y-z plane is the tilt plane, else in the dome's.
     force
         (n, 3) N of the whole dome on the wall, dome's frame.
-    energy, work
-        (n,) mJ stored in the whole dome, and done by the wall.
+    energy, contact_energy, work
+        (n,) mJ stored in the whole dome, in the contact penalty and sticking springs, and done by the wall.
     branch
         (n,) `Branch` values.
     peak_stress
@@ -78,6 +78,7 @@ class Press:
     displacement: FloatArray
     force: FloatArray
     energy: FloatArray
+    contact_energy: FloatArray
     work: FloatArray
     branch: NDArray[np.str_]
     peak_stress: FloatArray

@@ -13,7 +13,7 @@ from palpate.core import PalpateError
 from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, untouched
 from palpate.fea.linear import make_linear_solver
-from palpate.fea.newton import ContactProblem
+from palpate.fea.newton import ContactProblem, Loads
 from palpate.fea.path import Path, Point
 from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
 from palpate.fea.solid import Solid
@@ -128,7 +128,7 @@ def start_path(problem: ContactProblem, mesh: Mesh, normal: FloatArray, solver: 
     touch = untouched(len(problem.surface.points))
     outer = problem.surface.points
     probe = int(np.argmin(np.linalg.norm(outer - touch_point(mesh.dome, normal), axis=1)))
-    return Path(problem, plane, probe, solver, [Point(0.0, rest, 0.0, np.zeros(3), touch)])
+    return Path(problem, plane, probe, solver, [Point(0.0, rest, Loads(0.0, 0.0, np.zeros(3)), touch)])
 
 
 def _normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
@@ -158,12 +158,13 @@ def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> di
         peak.append(von_mises(cauchy_stress(problem.solid, point.state)).max())
     inverted = [path.inverted(point.state, point.depth) for point in points]
     turn = np.eye(3) if mesh.spec.whole else azimuth_rotation(azimuth_deg)
-    force = np.array([parts * side * point.force for point in points]) @ turn.T
+    force = np.array([parts * side * point.loads.force for point in points]) @ turn.T
     return {
         "depth": np.array([point.depth for point in points]),
         "displacement": np.array([point.state.u for point in points]),
         "force": force,
-        "energy": np.array([parts * point.energy for point in points]),
+        "energy": np.array([parts * point.loads.elastic for point in points]),
+        "contact_energy": np.array([parts * point.loads.contact for point in points]),
         "work": parts * _work(path.points)[images],
         "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.array(peak),
@@ -177,7 +178,7 @@ def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> di
 def _work(points: list[Point]) -> FloatArray:
     """Work (n,) mJ of the wall at every equilibrium: the axial force integrated by cubic splines between jumps."""
     depth = np.array([point.depth for point in points])
-    force = np.array([point.force[2] for point in points])
+    force = np.array([point.loads.force[2] for point in points])
     cuts = [0, *[k for k, point in enumerate(points) if point.jumped], len(points)]
     work = np.zeros(len(points))
     for first, last in pairwise(cuts):

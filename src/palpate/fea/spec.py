@@ -70,7 +70,7 @@ class SolverSpec(Spec):
         ge=0,
         le=0.1,
     )
-    tolerance: float = parameter(1e-6, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
+    tolerance: float = parameter(1e-5, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
     first_step: float = parameter(0.2, unit="mm", meaning="first increment of the wall", gt=0, le=10)
     largest_step: float = parameter(0.8, unit="mm", meaning="largest increment of the wall", gt=0, le=10)
     smallest_step: float = parameter(
