@@ -10,11 +10,11 @@ from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE, FloatArray
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec, Rim
 
-_CORE_SHARE = 0.4
+_CORE_SHARE = 0.25
 """Share of the cells of a meridian that lies in the square core of the O-grid."""
 
 
-_CELL_SHARE = 0.38
+_CELL_SHARE = 0.31
 """Size of a cell over sqrt(r T); chosen by the convergence study in docs/decisions."""
 
 
