@@ -42,6 +42,7 @@ def draw_surface(axes: Axes3D, press: Press, image: int) -> None:
 
 
 def frame(axes: Axes3D, title: str) -> None:
+    """Set the view of a 3-D panel and its title."""
     axes.set(xlim=(-20, 20), ylim=(-20, 20), zlim=(-6, 24), title=title)
     axes.set_box_aspect((40, 40, 30))
     axes.view_init(elev=18, azim=20)
@@ -79,7 +80,7 @@ def draw_grid(axes: Axes, path: Path) -> None:
             "o-",
             label=f"T = {float(thickness):g} mm",
         )
-    axes.set(xlabel="markers", ylabel="RMSE of the angle (°)", title="grid: how well each design sees", ylim=(0, None))
+    axes.set(xlabel="markers", ylabel="RMSE of the angle (°)", title="grid: error of each design", ylim=(0, None))
     axes.legend(frameon=False)
     axes.spines[["top", "right"]].set_visible(False)
 

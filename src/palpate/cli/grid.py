@@ -35,7 +35,9 @@ def show(
     directory: Annotated[Path, Parameter(help="Result folder of a study, with its grid.json.")],
     *,
     where: Annotated[str | None, Parameter(help="Keep rows, e.g. 'markers >= 91 and rmse_deg < 0.5'.")] = None,
-    sort: Annotated[str | None, Parameter(help="Column to sort by; a leading minus reverses.")] = None,
+    sort: Annotated[
+        str | None, Parameter(allow_leading_hyphen=True, help="Column to sort by; a leading minus reverses.")
+    ] = None,
     json: JsonFlag = False,
 ) -> None:
     """Show the grid of a result folder, its rows chosen and sorted."""
