@@ -16,6 +16,8 @@ from palpate.grid.panel import Panel
 CELL_INCH = 0.85
 PANEL_INCH = 1.9
 """Least width of a panel: its title and the name of its axis fit."""
+TITLE_INCH = 3.9
+"""Least width of a picture: its title fits."""
 DOTS_PER_INCH = 160
 COLOURS = "viridis"
 MARKS = "osD^vPX*"
@@ -52,7 +54,7 @@ def draw_heat_maps(panels: Sequence[Panel], title: str, unit: str) -> Figure:
             _write_number(axis, (column, row), value, colours(scale(value)))
     axes[0].set_ylabel("height H (mm)")
     figure.colorbar(image, ax=list(axes), label=unit, shrink=0.9)
-    figure.suptitle(title, fontsize=11)
+    figure.suptitle(title.replace(", ", "\n"), fontsize=11)
     return figure
 
 
@@ -82,7 +84,7 @@ def draw_travel(panels: Sequence[Panel], title: str) -> Figure:
     axes[0].set_ylim(bottom=0.0)
     axes[0].set_ylabel("mean marker travel (mm)")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
-    figure.suptitle(title, fontsize=11)
+    figure.suptitle(title.replace(", ", "\n"), fontsize=11)
     return figure
 
 
@@ -94,7 +96,7 @@ def write_picture(path: Path, figure: Figure) -> None:
 
 
 def _empty_figure(width: float, height: float) -> Figure:
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(max(width, TITLE_INCH), height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

@@ -10,7 +10,7 @@ Cell = float | int | str | None
 
 Row = Mapping[str, Cell]
 
-UNITS = {"_mm": "mm", "_deg": "°", "_mpa": "MPa", "_n": "N", "_px": "px"}
+UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,45 @@
+"""Made-up records of a study: only for tests."""
+
+import numpy as np
+
+from palpate.design import DomeSpec, MarkerSpec, build_dome
+from palpate.learn import measure_errors
+from palpate.study import Counts, DesignResult, PressSummary
+
+
+def make_metrics(size, seed=0):
+    poses = np.array([[rx, 0.0, depth] for rx in (-5.0, 5.0) for depth in (2.4, 8.0)])
+    return measure_errors(poses + size * np.random.default_rng(seed).uniform(-1, 1, poses.shape), poses)
+
+
+def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
+    dome = DomeSpec(height=height, thickness=thickness)
+    size = 3.0 / np.sqrt(markers) + 0.1 * thickness + abs(height - 20) / 20
+    return DesignResult(
+        dome=dome,
+        markers=MarkerSpec(count=markers),
+        shape=build_dome(dome).shape,
+        clean=None if failure else make_metrics(size),
+        jittered=None if failure else make_metrics(3 * size, seed=1),
+        travel_mm=float("nan") if failure else 1.0 + thickness / (1 + abs(height - 20) / 10),
+        force_n=0.4,
+        peak_stress_mpa=0.05,
+        presses=(
+            PressSummary(0.0, "depth reached", 8.0, 0.4, 0.04, "flat"),
+            PressSummary(12.0, "wall reached the clamped rim", 7.1, 0.3, 0.05, "inverted"),
+        ),
+        counts=None if failure else Counts(2, 60, 460, 92, {"wall reached the clamped rim": 20}),
+        seed=3,
+        versions={"palpate": "0.1.0", "fea": "1"},
+        artefacts={"press": ("aa", "bb"), "dataset": ("cc",), "learning": ("dd",)},
+        failure=failure,
+    )
+
+
+FIRST = [make_design(thickness=t, markers=m) for t in (2.0, 3.0) for m in (7, 37, 91, 169)]
+PAPER = [
+    make_design(height, thickness, markers)
+    for height in (10.0, 20.0, 30.0)
+    for thickness in (1.0, 2.0, 3.0, 4.0)
+    for markers in (7, 37, 91, 169)
+]

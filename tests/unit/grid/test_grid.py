@@ -1,0 +1,154 @@
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from results import FIRST, PAPER, make_design
+
+from palpate.core import PalpateError
+from palpate.grid import SpecificationGrid, cut_panels, evaluate_grid, read_grid, unit_of, write_grid
+
+PROMISED = {
+    "height_mm",
+    "thickness_mm",
+    "markers",
+    "rmse_deg",
+    "max_error_deg",
+    "rmse_jitter_deg",
+    "max_error_jitter_deg",
+    "travel_mm",
+    "peak_stress_mpa",
+    "force_n",
+    "presses",
+    "samples",
+    "seed",
+}
+PICTURES = (
+    "heat_map_rmse",
+    "heat_map_max_error",
+    "heat_map_rmse_jitter",
+    "heat_map_max_error_jitter",
+    "marker_travel",
+)
+
+
+def test_a_row_holds_the_figures_of_its_design():
+    design = make_design()
+    row = evaluate_grid([design]).rows[0]
+    assert set(row) >= PROMISED
+    assert row["rmse_deg"] == design.clean.angle.rmse
+    assert row["max_error_jitter_deg"] == design.jittered.angle.max
+    assert row["bias_ry_jitter_deg"] == design.jittered.ry.bias
+    assert row["max_depth_mm"] == design.clean.depth.max
+    assert row["rmse_at_8_0mm_deg"] == design.clean.by_depth[1].angle.rmse
+    assert (row["presses"], row["samples"], row["dropped"], row["seed"]) == (2, 460, 20, 3)
+    assert (row["presses_flat"], row["presses_inverted"]) == (1, 1)
+    assert row["dropped_reasons"] == "wall reached the clamped rim: 20"
+    assert row["press_key"] == "aa bb"
+    assert "fea=1" in row["versions"]
+
+
+def test_every_row_has_every_column_even_where_the_chain_broke():
+    broken = make_design(thickness=3.0, failure="press H20 T3 tilt 0: not converged")
+    grid = evaluate_grid([broken, make_design()])
+    assert all(tuple(row) == grid.columns for row in grid.rows)
+    assert grid.rows[0]["rmse_deg"] is None
+    assert grid.rows[0]["travel_mm"] is None
+    assert grid.rows[0]["failure"] == "press H20 T3 tilt 0: not converged"
+    assert grid.rows[0]["presses"] == 2
+
+
+def test_depths_that_only_one_design_reached_stay_empty_elsewhere():
+    shallow = make_design(height=10.0)
+    clean = replace(shallow.clean, by_depth=shallow.clean.by_depth[:1])
+    grid = evaluate_grid([replace(shallow, clean=clean), make_design()])
+    assert grid.rows[0]["rmse_at_8_0mm_deg"] is None
+    assert grid.rows[1]["rmse_at_8_0mm_deg"] > 0
+
+
+def test_a_row_with_other_columns_is_refused():
+    with pytest.raises(ValueError, match="does not have the columns"):
+        SpecificationGrid(rows=({"markers": 7},), columns=("markers", "seed"))
+
+
+@pytest.mark.parametrize(
+    ("column", "unit"), [("rmse_deg", "deg"), ("travel_mm", "mm"), ("force_n", "N"), ("markers", "")]
+)
+def test_a_columns_suffix_is_its_unit(column, unit):
+    assert unit_of(column) == unit
+
+
+def test_folder_gives_the_same_grid_back(tmp_path):
+    grid = evaluate_grid([*FIRST, make_design(thickness=4.0, failure="stopped")])
+    write_grid(tmp_path / "new", grid)
+    assert read_grid(tmp_path / "new") == grid
+
+
+def test_csv_has_one_line_a_design_and_empty_cells_for_nothing(tmp_path):
+    write_grid(tmp_path, evaluate_grid([make_design(), make_design(markers=7, failure="stopped")]))
+    with (tmp_path / "grid.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["markers"] for row in rows] == ["169", "7"]
+    assert float(rows[0]["rmse_deg"]) == make_design().clean.angle.rmse
+    assert rows[1]["rmse_deg"] == ""
+
+
+def test_json_names_units_and_has_no_value_that_is_not_a_number(tmp_path):
+    write_grid(tmp_path, evaluate_grid([make_design(failure="stopped")]))
+    content = json.loads((tmp_path / "grid.json").read_text(), parse_constant=lambda word: pytest.fail(word))
+    assert content["units"]["travel_mm"] == "mm"
+
+
+def test_pictures_are_written_and_the_same_grid_gives_the_same_bytes(tmp_path):
+    grid = evaluate_grid(FIRST)
+    for folder in ("one", "two"):
+        write_grid(tmp_path / folder, grid)
+    for name in PICTURES:
+        png, svg = (tmp_path / "one" / f"{name}.{ending}" for ending in ("png", "svg"))
+        assert png.read_bytes()[:4] == b"\x89PNG"
+        assert b"<svg" in svg.read_bytes()[:1000]
+        assert svg.read_bytes() == (tmp_path / "two" / svg.name).read_bytes()
+
+
+def test_panels_put_each_figure_at_its_height_and_thickness():
+    panels = cut_panels(evaluate_grid(PAPER[::-1]), "rmse_deg")
+    assert [panel.title for panel in panels] == ["7 markers", "37 markers", "91 markers", "169 markers"]
+    assert panels[3].heights_mm == (10.0, 20.0, 30.0)
+    assert panels[3].values[1, 2] == make_design(20.0, 3.0, 169).clean.angle.rmse
+    assert panels[0].values[2, 0] == make_design(30.0, 1.0, 7).clean.angle.rmse
+
+
+def test_designs_that_are_missing_leave_empty_cells():
+    values = cut_panels(evaluate_grid([make_design(10.0, 1.0), make_design(20.0, 2.0)]), "rmse_deg")[0].values
+    assert np.isnan(values).tolist() == [[False, True], [True, False]]
+
+
+def test_two_layouts_of_as_many_markers_get_a_panel_each():
+    panels = cut_panels(evaluate_grid([make_design(), make_design()]), "rmse_deg")
+    assert [panel.title for panel in panels] == ["169 markers", "169 markers, layout 2"]
+
+
+def test_pictures_of_a_single_design_and_of_nothing_but_failures_are_drawn(tmp_path):
+    write_grid(tmp_path / "one", evaluate_grid([make_design()]))
+    write_grid(tmp_path / "none", evaluate_grid([make_design(failure="stopped")]))
+    assert (tmp_path / "one" / "marker_travel.png").exists()
+    assert (tmp_path / "none" / "heat_map_rmse.png").exists()
+
+
+def test_a_folder_without_a_grid_is_reported(tmp_path):
+    with pytest.raises(PalpateError, match=r"has no grid\.json"):
+        read_grid(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": "other", "version": 1}'])
+def test_a_broken_grid_is_reported(tmp_path, text):
+    (tmp_path / "grid.json").write_text(text)
+    with pytest.raises(PalpateError, match="cannot be read as a grid"):
+        read_grid(tmp_path)
+
+
+def test_a_folder_that_cannot_be_written_is_reported(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(PalpateError, match="cannot be written"):
+        write_grid(tmp_path / "file", evaluate_grid(FIRST))
