@@ -24,7 +24,7 @@ class WallSpec(Spec):
         NO_SLIP,
         unit="1",
         meaning="frictionless, no-slip or the coefficient of friction",
-        source="FACTS, section 3",
+        source="not printed in the paper; the code its group published holds what touches",
     )
 
     @field_validator("contact", mode="before")
