@@ -4,6 +4,7 @@ from palpate.dataset.dataset import Dataset
 from palpate.dataset.field import MarkerField, build_field
 from palpate.dataset.generate_dataset import DATASET_VERSION, generate_dataset
 from palpate.dataset.io import read_dataset, write_dataset
+from palpate.dataset.jacobian import image_jacobian
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
@@ -19,6 +20,7 @@ __all__ = [
     "build_field",
     "draw_jitter",
     "generate_dataset",
+    "image_jacobian",
     "read_dataset",
     "refuse_leakage",
     "sample_poses",

@@ -1,0 +1,68 @@
+"""How the image changes with the pose: what any estimator lives on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.dataset.field import MarkerField
+
+if TYPE_CHECKING:
+    from palpate.camera import Camera
+
+Array = NDArray[np.float64]
+
+ANGLE_STEP_DEG = 0.25
+
+
+def image_jacobian(
+    field: MarkerField, camera: Camera, rotations_deg: Array, image: int, step_deg: float = ANGLE_STEP_DEG
+) -> Array:
+    """Derivative of every pixel coordinate by the pose, ∂U/∂(rx, ry, depth).
+
+    Central differences of the interpolated field: `step_deg` in the angles, one image in depth (the last image:
+    three points backwards).
+
+    Parameters
+    ----------
+    field
+        Positions of the markers.
+    camera
+        Looks at them.
+    rotations_deg
+        (n, 2) rx and ry.
+    image
+        Number of the depth in `field.depths_mm`, at least 1; 2 where it is the last.
+    step_deg
+        Half-width of the differences in rx and ry (degrees).
+
+    Returns
+    -------
+    Array
+        (n, 2m, 3): px per degree, px per degree, px per mm. NaN where a neighbour of the pose is out of reach or
+        on the other branch.
+    """
+    last = len(field.depths_mm) - 1
+    if not min(2, last) <= image <= last and not 1 <= image < last:
+        raise PalpateError(f"Image {image} of {last + 1} has too few neighbours in depth.", "Press deeper.")
+
+    def pixels(turn_x: float, turn_y: float, depth: int) -> Array:
+        poses = rotations_deg + np.array([turn_x, turn_y])
+        labels, _ = field.labels(np.hypot(poses[:, 0], poses[:, 1]), depth)
+        seen: Array = camera.project(field.positions(poses[:, 0], poses[:, 1], depth)).reshape(len(poses), -1)
+        seen[labels != here] = np.nan
+        return seen
+
+    here, _ = field.labels(np.hypot(rotations_deg[:, 0], rotations_deg[:, 1]), image)
+    by_rx = (pixels(step_deg, 0, image) - pixels(-step_deg, 0, image)) / (2 * step_deg)
+    by_ry = (pixels(0, step_deg, image) - pixels(0, -step_deg, image)) / (2 * step_deg)
+    spacing = field.depths_mm[image] - field.depths_mm[image - 1]
+    if image < last:
+        by_depth = (pixels(0, 0, image + 1) - pixels(0, 0, image - 1)) / (2 * spacing)
+    else:
+        by_depth = 1.5 * pixels(0, 0, image) - 2 * pixels(0, 0, image - 1) + 0.5 * pixels(0, 0, image - 2)
+        by_depth /= spacing
+    return np.stack([by_rx, by_ry, by_depth], axis=-1)

@@ -1,0 +1,158 @@
+"""How good an estimator could be: bounds on the angle's error from the Jacobian of the image, without training.
+
+Jitter is uniform in ±a in each of the 2m pixel coordinates, so its variance is a²/3. With J = ∂U/∂(rx, ry, depth)
+
+* *least squares*: covariance (a²/3) (JᵀJ)⁻¹, the best of the linear unbiased estimators;
+* *Pitman*: mean square error of the posterior mean under a flat prior. Uniform noise has hard edges, so with
+  many markers this lies far below least squares (∝ 1/m, not 1/√m);
+* *floor*: the same for one who is told the depth and knows that poses fill the disc of tilts evenly. No estimator
+  of one image can have a lower mean square error over these poses, whatever it was trained on; an error
+  below it means leakage. (Pitman's is no floor where it comes near the radius of the disc, as with 7 markers: there
+  an estimator gains from knowing the disc.)
+
+Both posterior means are those of the image's linear model about the true pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import generator
+from palpate.dataset import DatasetSpec, MarkerField, image_jacobian, sample_poses
+from palpate.learn.posterior import BURN_IN, walk_polytopes
+
+if TYPE_CHECKING:
+    from palpate.camera import Camera
+
+Array = NDArray[np.float64]
+
+POSES = 48
+"""Poses over the disc of tilts at which the bounds are averaged."""
+DRAWS = 6
+"""Draws of jitter at each pose."""
+ILL_POSED = 1e8
+"""Condition number of a Jacobian beyond which the pose is not determined."""
+STEPS = 60
+"""Steps of a walk after it has forgotten its start."""
+
+
+@dataclass(frozen=True)
+class DepthLimit:
+    """Bounds on the error of one jittered image at one depth, as root mean squares over the disc of tilts.
+
+    Attributes
+    ----------
+    depth_mm
+        Depth of the wall.
+    poses
+        Number of poses that could be judged.
+    least_squares_deg
+        Over rx and ry, as the paper's RMSE.
+    least_squares_depth_mm
+        Of the depth.
+    pitman_deg, floor_deg
+        Posterior means with a flat prior, and with the depth and the disc known.
+    pitman_error_deg, floor_error_deg
+        Standard errors of these two, from the finite number of draws.
+    """
+
+    depth_mm: float
+    poses: int
+    least_squares_deg: float
+    least_squares_depth_mm: float
+    pitman_deg: float
+    pitman_error_deg: float
+    floor_deg: float
+    floor_error_deg: float
+
+
+def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int = 0) -> tuple[DepthLimit, ...]:
+    """Bound the angle's error at every depth of a dataset.
+
+    Parameters
+    ----------
+    field
+        Positions of the design's markers.
+    camera
+        Looks at them.
+    spec
+        Disc of tilts, jitter and images left out.
+    seed
+        Seed of the draws.
+
+    Returns
+    -------
+    tuple[DepthLimit, ...]
+        By rising depth; a depth at which no pose could be judged is left out, as where one or two markers cannot
+        tell three unknowns apart.
+    """
+    radius = spec.max_tilt_deg
+    poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=radius, seed=seed))
+    limits = []
+    for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
+        jacobian = image_jacobian(field, camera, poses, image)
+        known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
+        known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]
+        if len(known):
+            disc = np.column_stack([poses[known], np.full(len(known), radius)])
+            limits.append(_limit(float(field.depths_mm[image]), jacobian[known], disc, spec.jitter_px, seed))
+    return tuple(limits)
+
+
+def _limit(depth_mm: float, jacobians: Array, discs: Array, jitter_px: float, seed: int) -> DepthLimit:
+    covariance = jitter_px**2 / 3 * np.linalg.inv(np.swapaxes(jacobians, 1, 2) @ jacobians)
+    variance = np.diagonal(covariance, axis1=1, axis2=2).mean(axis=0)
+    rng = generator(seed, "limit", depth_mm)
+    everywhere = np.column_stack([discs[:, :2], np.full(len(discs), np.inf)])
+    pitman, pitman_error = posterior_rmse(jacobians, jitter_px, everywhere, rng)
+    floor, floor_error = posterior_rmse(jacobians[:, :, :2], jitter_px, discs, rng)
+    return DepthLimit(
+        depth_mm=depth_mm,
+        poses=len(jacobians),
+        least_squares_deg=float(np.sqrt(variance[:2].mean())),
+        least_squares_depth_mm=float(np.sqrt(variance[2])),
+        pitman_deg=pitman,
+        pitman_error_deg=pitman_error,
+        floor_deg=floor,
+        floor_error_deg=floor_error,
+    )
+
+
+def posterior_rmse(
+    jacobians: Array, jitter_px: float, discs: Array, rng: np.random.Generator, draws: int = DRAWS
+) -> tuple[float, float]:
+    """Root mean square error of the posterior mean of rx and ry, and its standard error (degrees).
+
+    Two walks that share the jitter but nothing else give two estimates c₁, c₂ of one posterior mean; the mean of
+    c₁ c₂ is its square without the square of the walks' own noise.
+
+    Parameters
+    ----------
+    jacobians
+        (n, c, d) at n poses, d at least 2: rx, ry, and what else is unknown.
+    jitter_px
+        Half-width of the uniform jitter.
+    discs
+        (n, 3) rx, ry and radius of the prior at each pose (degrees), infinite for none.
+    rng
+        Source of jitter and walks.
+    draws
+        Draws of jitter at each pose.
+    """
+    products = []
+    steps, dimensions = STEPS + BURN_IN, jacobians.shape[2]
+    for jacobian, disc in zip(jacobians, discs, strict=True):
+        shape = np.linalg.inv(np.linalg.cholesky(jacobian.T @ jacobian)).T
+        noise = np.tile(rng.uniform(-jitter_px, jitter_px, (draws, len(jacobian))), (2, 1))
+        directions = rng.standard_normal((2 * draws, steps, dimensions)) @ shape.T
+        places = rng.random((2 * draws, steps))
+        means = walk_polytopes(np.ascontiguousarray(jacobian), noise, jitter_px, directions, places, disc)
+        products.append((means[:draws, :2] * means[draws:, :2]).mean(axis=1))
+    squares = np.concatenate(products)
+    rmse = float(np.sqrt(max(squares.mean(), 0.0)))
+    error = float(squares.std() / np.sqrt(len(squares)))
+    return rmse, error / (2 * rmse) if rmse > 0 else 0.0
