@@ -53,7 +53,7 @@ class SolverSpec(Spec):
 
     backend: str = "auto"
     penalty_ratio: float = parameter(
-        80.0,
+        120.0,
         unit="1",
         meaning="contact penalty over E/T; more changes the force by less than 0.01 %",
         gt=1,

@@ -14,6 +14,9 @@ _CORE_SHARE = 0.25
 """Share of the cells of a meridian that lies in the square core of the O-grid."""
 
 
+_GRADING_HIGH, _GRADING_LOW = 0.35, -0.3
+"""Share by which cells at the pole are smaller than the mean, those at the rim larger: of a dome at least as high as
+its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
 _CELL_SHARE = 0.31
 """Size of a cell over sqrt(r T); chosen by the convergence study in docs/decisions."""
 
@@ -39,10 +42,11 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
     cells = spec.cells or 0
     core = max(2, round(_CORE_SHARE * cells))
     grid = grid_disc(core, cells - core, whole=spec.whole)
+    place = _grade(dome, grid.points)
     steps = 2 * spec.layers + 1
     n = len(grid.points)
     rho = np.linspace(dome.radius, dome.outer_radius, steps)
-    nodes = np.concatenate([_on_sphere(dome, grid.points, radius, spec.rim) for radius in rho])
+    nodes = np.concatenate([_on_sphere(dome, place, radius, spec.rim) for radius in rho])
     layer_cells = [
         np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
     ]
@@ -58,7 +62,7 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
         cells=np.concatenate(layer_cells),
         inner_faces=layer_cells[0][:, INNER_FACE],
         outer_faces=layer_cells[-1][:, OUTER_FACE],
-        inner_disc=np.tile(grid.points, (steps, 1)),
+        inner_disc=np.tile(place, (steps, 1)),
         base=(through + on_rim).ravel(),
         mirror=(through + on_mirror).ravel(),
         apex_inner=apex,
@@ -72,13 +76,20 @@ def default_cells(dome: Dome) -> int:
     The cell is a fixed share of ``sqrt(r T)``, the length over which a shell bends.
     """
     meridian = dome.radius * rim_angle(dome, dome.radius, Rim.FLAT)
-    return int(np.clip(round(meridian / (_CELL_SHARE * np.sqrt(dome.radius * dome.thickness))), 13, 48))
+    return int(np.clip(round(meridian / (_CELL_SHARE * np.sqrt(dome.radius * dome.thickness))), 16, 48))
 
 
 def rim_angle(dome: Dome, radius: float, rim: Rim) -> float:
     """Polar angle in radians at which the sphere of this radius (mm) ends at the base."""
     on = radius if rim is Rim.FLAT else dome.radius
     return float(np.arccos(np.clip((dome.radius - dome.height) / on, -1.0, 1.0)))
+
+
+def _grade(dome: Dome, disc: FloatArray) -> FloatArray:
+    """Draw the points (n, 2) of the unit disc to where contact is; middle and rim stay."""
+    height = dome.height / dome.base_radius
+    share = float(np.interp(height, [0.5, 1.0], [_GRADING_LOW, _GRADING_HIGH]))
+    return disc * (1 - share + share * np.hypot(disc[:, 0], disc[:, 1])[:, None])
 
 
 def _on_sphere(dome: Dome, disc: FloatArray, radius: float, rim: Rim) -> FloatArray:
