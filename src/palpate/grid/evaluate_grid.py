@@ -70,6 +70,8 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
     axes = (("angle", metrics.angle, "deg"), ("rx", metrics.rx, "deg"), ("ry", metrics.ry, "deg"))
     for axis, summary, unit in (*axes, ("depth", metrics.depth, "mm")):
         for figure in ("rmse", "mae", "max", "sd", "bias"):
+            if axis == "angle" and figure in ("rmse", "max"):
+                continue  # these two are the grid's main columns
             found[f"{figure}_{axis}{suffix}_{unit}"] = getattr(summary, figure)
     for errors in metrics.by_depth:
         depth = f"{errors.depth_mm:.1f}mm".replace(".", "_")
