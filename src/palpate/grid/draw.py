@@ -1,4 +1,4 @@
-"""Pictures of a grid: heat maps as in the paper's Fig. 12 and marker travel as in its Fig. 11."""
+"""Pictures of a grid: heat maps as in the paper's Fig. 12, marker travel as in its Fig. 11, error by depth."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from palpate.grid.panel import Panel
+from palpate.grid.panel import DepthPanel, Panel
 
 CELL_INCH = 0.85
 PANEL_INCH = 1.9
@@ -21,6 +21,7 @@ TITLE_INCH = 3.9
 DOTS_PER_INCH = 160
 COLOURS = "viridis"
 MARKS = "osD^vPX*"
+LINES = ("-", "--", "-.", ":")
 
 
 def draw_heat_maps(panels: Sequence[Panel], title: str, unit: str) -> Figure:
@@ -85,6 +86,43 @@ def draw_travel(panels: Sequence[Panel], title: str) -> Figure:
     axes[0].set_ylim(0.0, 1.1 * greatest)
     axes[0].set_ylabel("mean marker travel (mm)")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
+    figure.suptitle(title.replace(", ", "\n"), fontsize=11)
+    return figure
+
+
+def draw_errors_by_depth(panels: Sequence[DepthPanel], title: str) -> Figure:
+    """Draw RMSE against the depth of the wall, one panel a layout and one line a dome.
+
+    A colour is a height, a mark and a kind of line a thickness.
+
+    Parameters
+    ----------
+    panels
+        At least one.
+    title
+        What is shown.
+    """
+    figure = _empty_figure(2.6 * len(panels) + 1.8, 3.6)
+    axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
+    domes = sorted({dome for panel in panels for dome in panel.domes_mm})
+    heights, thicknesses = (sorted({dome[part] for dome in domes}) for part in (0, 1))
+    colours = mpl.colormaps[COLOURS](np.linspace(0.0, 0.85, len(heights)))
+    lines: dict[tuple[float, float], Any] = {}
+    for axis, panel in zip(axes, panels, strict=True):
+        for dome, errors in zip(panel.domes_mm, panel.values_deg, strict=True):
+            number = thicknesses.index(dome[1])
+            style = {"linestyle": LINES[number % len(LINES)], "marker": MARKS[number % len(MARKS)], "markersize": 4}
+            colour = colours[heights.index(dome[0])]
+            lines[dome] = axis.plot(panel.depths_mm, errors, color=colour, linewidth=1.2, **style)[0]
+        axis.set_title(panel.title, fontsize=10)
+        axis.set_xlabel("depth of the wall (mm)")
+        axis.grid(alpha=0.3)
+        axis.spines[["top", "right"]].set_visible(False)
+    greatest = max((float(np.nanmax(p.values_deg)) for p in panels if np.isfinite(p.values_deg).any()), default=1.0)
+    axes[0].set_ylim(0.0, 1.1 * greatest)
+    axes[0].set_ylabel("RMSE of the angle (deg)")
+    labels = [f"H {height:g}, T {thickness:g} mm" for height, thickness in domes]
+    figure.legend([lines[dome] for dome in domes], labels, loc="outside right upper", frameon=False, fontsize=9)
     figure.suptitle(title.replace(", ", "\n"), fontsize=11)
     return figure
 

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from palpate.grid.grid import Cell, SpecificationGrid
+from palpate.grid.grid import Cell, SpecificationGrid, depth_text
 from palpate.learn import Metrics
 from palpate.study import DesignResult
 
@@ -74,7 +74,7 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
                 continue  # these two are the grid's main columns
             found[f"{figure}_{axis}{suffix}_{unit}"] = getattr(summary, figure)
     for errors in metrics.by_depth:
-        depth = f"{errors.depth_mm:.1f}mm".replace(".", "_")
+        depth = f"{depth_text(errors.depth_mm)}mm"
         found[f"rmse_at_{depth}{suffix}_deg"] = errors.angle.rmse
         found[f"max_error_at_{depth}{suffix}_deg"] = errors.angle.max
     return found

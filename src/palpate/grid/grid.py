@@ -43,6 +43,12 @@ class SpecificationGrid:
                 raise ValueError(f"row {dict(row)} does not have the columns {self.columns}")
 
 
+def depth_text(depth_mm: float) -> str:
+    """Depth (mm) as part of a column's name, exact to 1e-6 mm: 2.4 is ``"2_4"``, 8 is ``"8_0"``."""
+    whole, _, part = f"{depth_mm:.6f}".partition(".")
+    return f"{whole}_{part.rstrip('0') or '0'}"
+
+
 def unit_of(column: str) -> str:
     """Unit of a column by its suffix; empty for a pure number or a word."""
     return next((unit for suffix, unit in UNITS.items() if column.endswith(suffix)), "")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import csv
 import json
+import os
+import tempfile
 from pathlib import Path
 
 from palpate.core import PalpateError
 from palpate.grid.grid import SpecificationGrid, unit_of
-from palpate.grid.panel import cut_panels
+from palpate.grid.panel import cut_depth_panels, cut_panels
 
 FORMAT, FORMAT_VERSION = "palpate specification grid", 1
 
@@ -19,16 +21,23 @@ HEAT_MAPS = {
     "max_error_jitter_deg": "Greatest error of the contact angle, jittered images",
 }
 TRAVEL = "travel_mm"
+DEPTH_CURVES = {
+    "": "RMSE of the contact angle by depth, clean images",
+    "_jitter": "RMSE of the contact angle by depth, jittered images",
+}
 
 
 def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     """Write a grid into a folder, replacing an older one.
 
+    Every file is made aside and renamed when all of them are whole, so a run that stops half-way leaves the older
+    grid as it was.
+
     Parameters
     ----------
     directory
         Made if it does not exist. Gets ``grid.csv``, ``grid.json``, one ``heat_map_….png`` and ``.svg`` for each
-        of the four errors, and ``marker_travel.png`` and ``.svg``.
+        of the four errors, and ``marker_travel``, ``error_by_depth`` and ``error_by_depth_jitter`` as both.
     grid
         At least one row; a grid without rows has no pictures.
 
@@ -39,10 +48,14 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        _write_csv(directory / "grid.csv", grid)
-        _write_json(directory / "grid.json", grid)
-        if grid.rows:
-            _write_pictures(directory, grid)
+        with tempfile.TemporaryDirectory(prefix=".writing-", dir=directory) as name:
+            drafts = Path(name)
+            _write_csv(drafts / "grid.csv", grid)
+            _write_json(drafts / "grid.json", grid)
+            if grid.rows:
+                _write_pictures(drafts, grid)
+            for draft in sorted(drafts.iterdir()):
+                os.replace(draft, directory / draft.name)
     except OSError as error:
         raise PalpateError(
             f"The grid cannot be written to {directory}: {error.strerror or error}.", "Choose another folder."
@@ -90,10 +103,14 @@ def _write_json(path: Path, grid: SpecificationGrid) -> None:
 
 
 def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:
-    from palpate.grid.draw import draw_heat_maps, draw_travel, write_picture  # a drawing library loads slowly
+    # imported here because a drawing library loads slowly
+    from palpate.grid.draw import draw_errors_by_depth, draw_heat_maps, draw_travel, write_picture
 
     for column, title in HEAT_MAPS.items():
         figure = draw_heat_maps(cut_panels(grid, column), title, unit_of(column))
         write_picture(directory / f"heat_map_{column.removesuffix('_deg')}", figure)
     travel = draw_travel(cut_panels(grid, TRAVEL), "Marker travel from rest at the greatest depth")
     write_picture(directory / "marker_travel", travel)
+    for suffix, title in DEPTH_CURVES.items():
+        curves = draw_errors_by_depth(cut_depth_panels(grid, suffix), title)
+        write_picture(directory / f"error_by_depth{suffix}", curves)

@@ -57,19 +57,34 @@ def filter_rows(rows: Sequence[Row], where: str) -> tuple[Row, ...]:
 
 
 def sort_rows(rows: Sequence[Row], by: str) -> tuple[Row, ...]:
-    """Sort rows by one column, rising; a leading minus reverses. Rows without a figure come last.
+    """Sort rows by one column, rising. Rows without a figure come last.
+
+    Parameters
+    ----------
+    rows
+        Rows of a grid, all with the same columns.
+    by
+        Name of a column. A leading minus, or the word ``desc`` after the name, reverses; ``asc`` changes nothing.
 
     Raises
     ------
     PalpateError
         If there is no such column.
     """
-    column, reverse = by.removeprefix("-"), by.startswith("-")
+    column, reverse = _parse_order(by)
     if rows:
         check_column(column, rows[0])
     known = [row for row in rows if row[column] is not None]
     known.sort(key=lambda row: row[column], reverse=reverse)  # type: ignore[arg-type,return-value]
     return (*known, *(row for row in rows if row[column] is None))
+
+
+def _parse_order(by: str) -> tuple[str, bool]:
+    """Name of the column, and whether to sort falling."""
+    words = by.split()
+    if len(words) == 2 and words[1].lower() in ("asc", "desc") and not by.lstrip().startswith("-"):
+        return words[0], words[1].lower() == "desc"
+    return by.strip().removeprefix("-"), by.strip().startswith("-")
 
 
 def check_column(name: str, row: Row) -> None:

@@ -7,7 +7,15 @@ import pytest
 from results import FIRST, PAPER, make_design
 
 from palpate.core import PalpateError
-from palpate.grid import SpecificationGrid, cut_panels, evaluate_grid, read_grid, unit_of, write_grid
+from palpate.grid import (
+    SpecificationGrid,
+    cut_depth_panels,
+    cut_panels,
+    evaluate_grid,
+    read_grid,
+    unit_of,
+    write_grid,
+)
 
 PROMISED = {
     "height_mm",
@@ -30,6 +38,8 @@ PICTURES = (
     "heat_map_rmse_jitter",
     "heat_map_max_error_jitter",
     "marker_travel",
+    "error_by_depth",
+    "error_by_depth_jitter",
 )
 
 
@@ -65,6 +75,15 @@ def test_depths_that_only_one_design_reached_stay_empty_elsewhere():
     grid = evaluate_grid([replace(shallow, clean=clean), make_design()])
     assert grid.rows[0]["rmse_at_8_0mm_deg"] is None
     assert grid.rows[1]["rmse_at_8_0mm_deg"] > 0
+
+
+def test_depths_close_together_keep_a_column_each():
+    design = make_design()
+    shallow, deep = design.clean.by_depth
+    by_depth = (replace(shallow, depth_mm=2.4), replace(deep, depth_mm=2.45))
+    row = evaluate_grid([replace(design, clean=replace(design.clean, by_depth=by_depth))]).rows[0]
+    assert row["rmse_at_2_4mm_deg"] == shallow.angle.rmse
+    assert row["rmse_at_2_45mm_deg"] == deep.angle.rmse
 
 
 def test_a_row_with_other_columns_is_refused():
@@ -127,6 +146,37 @@ def test_designs_that_are_missing_leave_empty_cells():
 def test_two_layouts_of_as_many_markers_get_a_panel_each():
     panels = cut_panels(evaluate_grid([make_design(), make_design()]), "rmse_deg")
     assert [panel.title for panel in panels] == ["169 markers", "169 markers, layout 2"]
+
+
+@pytest.mark.parametrize(("suffix", "metrics"), [("", "clean"), ("_jitter", "jittered")])
+def test_depth_panels_follow_each_dome_through_its_depths(suffix, metrics):
+    panels = cut_depth_panels(evaluate_grid(PAPER[::-1]), suffix)
+    assert [panel.title for panel in panels] == ["7 markers", "37 markers", "91 markers", "169 markers"]
+    assert panels[3].depths_mm == (2.4, 8.0)
+    curve = panels[3].values_deg[panels[3].domes_mm.index((30.0, 4.0))]
+    errors = getattr(make_design(30.0, 4.0, 169), metrics)
+    assert curve.tolist() == [depth.angle.rmse for depth in errors.by_depth]
+
+
+def test_depth_panels_are_empty_where_the_chain_broke():
+    broken = make_design(thickness=3.0, failure="stopped")
+    panel = cut_depth_panels(evaluate_grid([broken, make_design()]))[0]
+    assert panel.domes_mm == ((20.0, 2.0), (20.0, 3.0))
+    assert np.isnan(panel.values_deg).tolist() == [[False, False], [True, True]]
+    assert cut_depth_panels(evaluate_grid([broken]))[0].values_deg.shape == (1, 0)
+
+
+def test_a_grid_that_cannot_be_finished_leaves_the_older_one_as_it_was(tmp_path, monkeypatch):
+    write_grid(tmp_path, evaluate_grid([make_design()]))
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("palpate.grid.draw.draw_travel", fail)
+    with pytest.raises(PalpateError, match="No space left"):
+        write_grid(tmp_path, evaluate_grid(FIRST))
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
 def test_pictures_of_a_single_design_and_of_nothing_but_failures_are_drawn(tmp_path):

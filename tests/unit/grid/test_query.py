@@ -78,6 +78,25 @@ def test_sorting_rises_and_a_minus_reverses_and_nothing_comes_last():
     assert heights(sort_rows(ROWS, "-shape")) == [30, 10, 20]
 
 
+@pytest.mark.parametrize(
+    ("by", "order"),
+    [
+        ("max_error_deg desc", [10, 20, 30]),
+        ("max_error_deg DESC", [10, 20, 30]),
+        ("max_error_deg asc", [20, 10, 30]),
+        (" -max_error_deg ", [10, 20, 30]),
+    ],
+)
+def test_sorting_takes_the_direction_as_a_word(by, order):
+    assert heights(sort_rows(ROWS, by)) == order
+
+
+@pytest.mark.parametrize("by", ["", "-", "markers down", "-markers desc", "markers desc desc"])
+def test_an_order_that_is_none_is_refused(by):
+    with pytest.raises(PalpateError, match="no column"):
+        sort_rows(ROWS, by)
+
+
 def test_sorting_by_an_unknown_column_names_the_nearest():
     with pytest.raises(PalpateError, match="Did you mean 'markers'"):
         sort_rows(ROWS, "-marker")
