@@ -8,7 +8,7 @@ from palpate.dataset.jacobian import image_jacobian
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
-from palpate.dataset.split import LeakageError, refuse_leakage
+from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
 
 __all__ = [
     "DATASET_VERSION",
@@ -20,6 +20,7 @@ __all__ = [
     "build_field",
     "draw_jitter",
     "generate_dataset",
+    "hold_out",
     "image_jacobian",
     "read_dataset",
     "refuse_leakage",

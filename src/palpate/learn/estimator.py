@@ -14,7 +14,7 @@ from palpate.dataset import Normalisation
 
 Array = NDArray[np.float64]
 
-LEARN_VERSION = "1"
+LEARN_VERSION = "2"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
 
 OUTPUTS = ("rx_deg", "ry_deg", "depth_mm")

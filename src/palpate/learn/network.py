@@ -7,7 +7,7 @@ of images, jitter and dropout, its own learning rate, and stops by itself. This 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 Array = NDArray[np.float64]
+Watch = Callable[[int, float], None]
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 """Adam's constants (Kingma & Ba 2015)."""
@@ -79,7 +80,9 @@ class TrainedNetwork:
     best_epoch: tuple[int, ...]
 
 
-def train_network(data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> TrainedNetwork:
+def train_network(
+    data: TrainingData, spec: TrainSpec, seeds: Sequence[int], watch: Watch | None = None
+) -> TrainedNetwork:
     """Train one perceptron a seed, all together, on one thread.
 
     Parameters
@@ -90,6 +93,8 @@ def train_network(data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> 
         Shape of the network and schedule.
     seeds
         One a repeat; a repeat's numbers do not depend on the others.
+    watch
+        Called after each epoch with its number and the mean validation error of the repeats that still train.
 
     Returns
     -------
@@ -104,7 +109,7 @@ def train_network(data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> 
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
-        return _Training(data, spec, seeds).run()
+        return _Training(data, spec, seeds).run(watch)
     finally:
         torch.set_num_threads(threads)
 
@@ -140,10 +145,12 @@ class _Training:
         self.steps = 0
         self.batches = math.ceil(len(self.inputs) / spec.batch)
 
-    def run(self) -> TrainedNetwork:
+    def run(self, watch: Watch | None) -> TrainedNetwork:
         for epoch in range(self.spec.epochs):
             self._train_epoch()
-            self._judge(epoch)
+            mean = self._judge(epoch)
+            if watch is not None:
+                watch(epoch, mean)
             if not self.active:
                 break
         for row, repeat in enumerate(self.active):
@@ -215,8 +222,8 @@ class _Training:
             parameter.sub_(rates * mean / size)
 
     @torch.no_grad()
-    def _judge(self, epoch: int) -> None:
-        """Measure the validation error of each repeat; on the plateau schedule drop rates and stop."""
+    def _judge(self, epoch: int) -> float:
+        """Measure the validation error of each repeat, return the mean; on a plateau drop rates and stop."""
         inputs, targets = self.held
         outputs = self._forward(inputs.expand(len(self.active), *inputs.shape))
         errors = ((outputs - targets) ** 2).mean(dim=(1, 2)).sqrt().tolist()
@@ -232,6 +239,7 @@ class _Training:
                 going.append(row)
         if len(going) < len(self.active):
             self._keep(going)
+        return sum(errors) / len(errors)
 
     def _goes_on(self, repeat: _Repeat, row: int, error: float, epoch: int) -> bool:
         if error < repeat.best:

@@ -1,23 +1,25 @@
-"""Find an estimator for a design: train one network, or search the paper's Table 1 by Bayesian optimisation."""
+"""Find an estimator for a design: train one network, or choose among many by Bayesian optimisation."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from palpate.core import MissingExtraError, child_seed
-from palpate.dataset import Dataset
+from palpate.dataset import Dataset, hold_out
 from palpate.learn.estimator import Estimator
-from palpate.learn.spec import SearchSpec, TrainSpec, paper_training
+from palpate.learn.space import BEST_SPACE, PAPER_SPACE, SearchSpace
+from palpate.learn.spec import SearchSpec, TrainSpec
 from palpate.learn.train import evaluate, train
 
 if TYPE_CHECKING:
     import optuna
 
-LAYERS = (2, 3, 4, 5, 6, 7)
-WIDTHS = (32, 64, 128, 256, 512, 1024)
-DROPOUTS = (0.0, 0.5)
-"""Table 1 of Zaid et al. 2024."""
+SPACES = {"paper": PAPER_SPACE, "best": BEST_SPACE}
+
+FIRST_RUNG, REDUCTION = 10, 3
+"""Epochs before a trial may be pruned, and the share (one in …) of trials that goes on from each rung."""
 
 
 def search(dataset: Dataset, spec: SearchSpec, journal: Path) -> Estimator:
@@ -38,42 +40,48 @@ def search(dataset: Dataset, spec: SearchSpec, journal: Path) -> Estimator:
     MissingExtraError
         If torch or optuna is not installed.
     """
-    if spec.preset == "quick":
+    space = SPACES.get(spec.preset)
+    if space is None:
         return train(dataset, TrainSpec(), spec.seed)
-    return train(dataset, _best_setting(dataset, spec, journal), spec.seed)
+    judged = _split_again(dataset, spec.seed) if space.inner_split else dataset
+    return train(dataset, space.final(_best_setting(judged, space, spec, journal)), spec.seed)
 
 
-def _best_setting(dataset: Dataset, spec: SearchSpec, journal: Path) -> TrainSpec:
-    """Setting with the least validation RMSE of both angles, under jitter, as mean of its trainings."""
-    study = _open_study(journal)
-    while (done := len(_finished(study))) < spec.trials:
+def _split_again(dataset: Dataset, seed: int) -> Dataset:
+    """Only the presses for training, some of them held out anew."""
+    kept = dataset.part(validation=False)
+    fraction = dataset.spec.validation_fraction
+    return replace(kept, validation=hold_out(kept.press, fraction, child_seed(seed, "inner split")))
+
+
+def _best_setting(dataset: Dataset, space: SearchSpace, spec: SearchSpec, journal: Path) -> dict[str, Any]:
+    study = _open_study(journal, space)
+    trials = spec.trials or space.trials
+    while (done := _finished(study)) < trials:
         # the sampler's stream hangs on the number of trials done, so that a resumed search repeats the same ones
         study.sampler = _sampler(child_seed(spec.seed, "trial", done) % 2**32)
-        study.optimize(lambda trial: _rmse(dataset, _suggest(trial), spec.seed), n_trials=1)
-    return _setting(study.best_trial.params)
+        study.optimize(lambda trial: _judge(dataset, space, trial, spec.seed), n_trials=1)
+    return study.best_trial.params
 
 
-def _rmse(dataset: Dataset, setting: TrainSpec, seed: int) -> float:
-    estimator = train(dataset, setting.model_copy(update={"members": "all"}), seed)
+def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, seed: int) -> float:
+    """Score of one setting, as mean over its trainings."""
+    setting = {name: trial.suggest_categorical(name, values) for name, values in space.choices.items()}
+
+    def watch(epoch: int, error: float) -> None:
+        import optuna
+
+        trial.report(error, epoch)
+        if trial.should_prune():
+            raise optuna.TrialPruned
+
+    estimator = train(dataset, space.trial(setting), seed, watch if space.prunes else None)
     single = [estimator.keep_members([row]) for row in range(estimator.members)]
-    return sum(evaluate(member, dataset, seed).rmse_deg for member in single) / len(single)
+    scores = [space.score(evaluate(one, dataset).rmse_deg, evaluate(one, dataset, seed).rmse_deg) for one in single]
+    return sum(scores) / len(scores)
 
 
-def _suggest(trial: optuna.Trial) -> TrainSpec:
-    return _setting(
-        {
-            "layers": trial.suggest_categorical("layers", LAYERS),
-            "width": trial.suggest_categorical("width", WIDTHS),
-            "dropout": trial.suggest_categorical("dropout", DROPOUTS),
-        }
-    )
-
-
-def _setting(params: dict[str, float]) -> TrainSpec:
-    return paper_training(int(params["layers"]), int(params["width"]), float(params["dropout"]))
-
-
-def _open_study(journal: Path) -> optuna.Study:
+def _open_study(journal: Path, space: SearchSpace) -> optuna.Study:
     try:
         import optuna
         from optuna.storages import JournalStorage
@@ -82,8 +90,16 @@ def _open_study(journal: Path) -> optuna.Study:
         raise MissingExtraError("optuna", "learn") from error
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    storage = JournalStorage(JournalFileBackend(str(journal)))
-    return optuna.create_study(storage=storage, study_name="search", direction="minimize", load_if_exists=True)
+    pruner: optuna.pruners.BasePruner = optuna.pruners.NopPruner()
+    if space.prunes:
+        pruner = optuna.pruners.SuccessiveHalvingPruner(min_resource=FIRST_RUNG, reduction_factor=REDUCTION)
+    return optuna.create_study(
+        storage=JournalStorage(JournalFileBackend(str(journal))),
+        study_name="search",
+        direction="minimize",
+        pruner=pruner,
+        load_if_exists=True,
+    )
 
 
 def _sampler(seed: int) -> optuna.samplers.BaseSampler:
@@ -92,7 +108,9 @@ def _sampler(seed: int) -> optuna.samplers.BaseSampler:
     return optuna.samplers.TPESampler(seed=seed)
 
 
-def _finished(study: optuna.Study) -> list[optuna.trial.FrozenTrial]:
+def _finished(study: optuna.Study) -> int:
+    """Number of trials that came to an end, pruned ones too."""
     import optuna
 
-    return study.get_trials(deepcopy=False, states=(optuna.trial.TrialState.COMPLETE,))
+    states = (optuna.trial.TrialState.COMPLETE, optuna.trial.TrialState.PRUNED)
+    return len(study.get_trials(deepcopy=False, states=states))

@@ -15,7 +15,7 @@ class TrainSpec(Spec):
     The defaults are the preset ``quick``. `paper_training` gives the protocol of the paper.
     """
 
-    layers: int = parameter(2, unit="1", meaning="hidden layers", ge=1, le=10)
+    layers: int = parameter(3, unit="1", meaning="hidden layers", ge=1, le=10)
     width: int = parameter(128, unit="1", meaning="units of a hidden layer", ge=4, le=4096)
     dropout: float = parameter(0.0, unit="1", meaning="share of hidden units left out while training", ge=0, lt=1)
     activation: Literal["relu", "silu"] = parameter("silu", unit="", meaning="activation of the hidden layers")
@@ -50,12 +50,15 @@ class TrainSpec(Spec):
 class SearchSpec(Spec):
     """How an estimator is found for a design.
 
-    ``"quick"`` trains one network of our own choice, in seconds. ``"paper"`` searches the paper's Table 1 by
+    ``"quick"`` trains one network of our own choice, in seconds. ``"best"`` chooses among a few such networks by
+    Bayesian optimisation with pruning and trains the winner longer. ``"paper"`` searches the paper's Table 1 by
     Bayesian optimisation with the paper's training protocol as printed.
     """
 
-    preset: Literal["quick", "paper"] = parameter("quick", unit="", meaning="way to an estimator")
-    trials: int = parameter(30, unit="1", meaning="settings that the preset 'paper' tries, of 72", ge=1, le=100_000)
+    preset: Literal["quick", "best", "paper"] = parameter("quick", unit="", meaning="way to an estimator")
+    trials: int | None = parameter(
+        None, unit="1", meaning="settings that are tried; empty: 30 of 72 (paper), 9 of 36 (best)", ge=1, le=100_000
+    )
     seed: int = parameter(0, unit="1", meaning="seed of weights, batches, jitter and trials", ge=0)
 
 

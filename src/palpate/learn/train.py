@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,9 +15,15 @@ from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainSpec
 
 Array = NDArray[np.float64]
+Watch = Callable[[int, float], None]
 
 
-def train(dataset: Dataset, spec: TrainSpec = TrainSpec(), seed: int = 0) -> Estimator:  # noqa: B008
+def train(
+    dataset: Dataset,
+    spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
+    seed: int = 0,
+    watch: Watch | None = None,
+) -> Estimator:
     """Train perceptrons on the images that are not held out.
 
     Jitter is drawn anew for every image in every epoch, in pixels and before normalisation.
@@ -28,6 +36,9 @@ def train(dataset: Dataset, spec: TrainSpec = TrainSpec(), seed: int = 0) -> Est
         Shape of the network and how it is trained.
     seed
         Seed of weights, order of images, jitter and dropout.
+    watch
+        Called after each epoch with its number and the jittered validation error (standardised, mean over the
+        repeats that still train); what it raises ends the training.
 
     Returns
     -------
@@ -56,7 +67,7 @@ def train(dataset: Dataset, spec: TrainSpec = TrainSpec(), seed: int = 0) -> Est
         held_inputs=_normalised(dataset, noisy),
         held_targets=(held.poses - mean) / sd,
     )
-    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
+    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)], watch)
     first, first_bias = components.fold(trained.weights[0], trained.biases[0])
     estimator = Estimator(
         normalisation=dataset.normalisation,

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from synthetic import make_dataset
@@ -25,10 +27,11 @@ def tabulated(monkeypatch):
 
     module = sys.modules["palpate.learn.search"]
 
-    def error(dataset, setting, seed):
-        return abs(setting.layers - 4) + abs(np.log2(setting.width) - 8) + 4 * setting.dropout + 0.1
+    def error(dataset, space, trial, seed):
+        setting = {name: trial.suggest_categorical(name, values) for name, values in space.choices.items()}
+        return abs(setting["layers"] - 4) + abs(np.log2(setting["width"]) - 8) + 4 * setting["dropout"] + 0.1
 
-    monkeypatch.setattr(module, "_rmse", error)
+    monkeypatch.setattr(module, "_judge", error)
     monkeypatch.setattr(module, "train", lambda dataset, setting, seed: setting)
 
 
@@ -43,16 +46,16 @@ def test_an_interrupted_search_repeats_no_trial_and_ends_alike(tabulated, tmp_pa
     module = sys.modules["palpate.learn.search"]
     spec = SearchSpec(preset="paper", trials=12)
     search(None, spec, tmp_path / "whole")
-    error = module._rmse
+    error = module._judge
     calls = []
 
-    def interrupted(dataset, setting, seed):
-        calls.append(setting)
+    def interrupted(dataset, space, trial, seed):
+        calls.append(trial)
         if len(calls) == 7:
             raise KeyboardInterrupt
-        return error(dataset, setting, seed)
+        return error(dataset, space, trial, seed)
 
-    monkeypatch.setattr(module, "_rmse", interrupted)
+    monkeypatch.setattr(module, "_judge", interrupted)
     with pytest.raises(KeyboardInterrupt):
         search(None, spec, tmp_path / "broken")
     search(None, spec, tmp_path / "broken")
@@ -76,16 +79,52 @@ def test_quick_trains_one_network_and_leaves_no_journal(tmp_path):
     assert np.array_equal(found.weights[0], train(dataset, TrainSpec(), 5).weights[0])
 
 
-def test_paper_search_on_real_training_gives_an_estimator(tmp_path, monkeypatch):
+def shrink(monkeypatch, preset, epochs, **choices):
+    """The preset's own search with less to choose and shorter trainings."""
     import sys
 
     module = sys.modules["palpate.learn.search"]
-    monkeypatch.setattr(module, "LAYERS", (2,))
-    monkeypatch.setattr(module, "WIDTHS", (32,))
-    printed = module.paper_training
-    monkeypatch.setattr(module, "paper_training", lambda *setting: printed(*setting).model_copy(update={"epochs": 3}))
+    space = module.SPACES[preset]
+    small = replace(
+        space,
+        choices={name: choices.get(name, values[:1]) for name, values in space.choices.items()},
+        trial=lambda setting: space.trial(setting).model_copy(update={"epochs": epochs}),
+        final=lambda setting: space.final(setting).model_copy(update={"epochs": epochs}),
+    )
+    monkeypatch.setitem(module.SPACES, preset, small)
+
+
+def test_paper_search_on_real_training_gives_one_network(tmp_path, monkeypatch):
+    shrink(monkeypatch, "paper", 3)
     estimator = search(make_dataset(presses=20), SearchSpec(preset="paper", trials=2), tmp_path / "journal")
     assert estimator.members == 1
     _, errors = settings_tried(tmp_path / "journal")
     assert len(errors) == 2
     assert all(0 < error < 20 for error in errors)
+
+
+def test_best_search_prunes_and_the_paper_does_not(tmp_path, monkeypatch):
+    import optuna
+    from optuna.storages import JournalStorage
+    from optuna.storages.journal import JournalFileBackend
+
+    states = {}
+    for preset, name, values in (("best", "clean_share", (0.25, 1.0)), ("paper", "width", (32, 64))):
+        shrink(monkeypatch, preset, 40, **{name: values})
+        journal = tmp_path / preset
+        search(make_dataset(presses=20, markers=4), SearchSpec(preset=preset, trials=6), journal)
+        study = optuna.load_study(study_name="search", storage=JournalStorage(JournalFileBackend(str(journal))))
+        states[preset] = {trial.state for trial in study.get_trials()}
+    assert optuna.trial.TrialState.PRUNED in states["best"]
+    assert states["paper"] == {optuna.trial.TrialState.COMPLETE}
+
+
+def test_best_search_chooses_without_the_held_out_presses(tmp_path, monkeypatch):
+    shrink(monkeypatch, "best", 12, width=(128, 256), clean_share=(0.25, 0.5))
+    dataset = make_dataset(presses=30, markers=4)
+    moved = dataset.images_px.copy()
+    moved[dataset.validation] += 50.0
+    spec = SearchSpec(preset="best", trials=4)
+    search(dataset, spec, tmp_path / "one")
+    search(replace(dataset, images_px=moved), spec, tmp_path / "two")
+    assert settings_tried(tmp_path / "one") == settings_tried(tmp_path / "two")

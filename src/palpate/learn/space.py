@@ -1,0 +1,64 @@
+"""What a search may choose: the paper's Table 1, or our own few settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from palpate.learn.spec import TrainSpec, paper_training
+
+Setting = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class SearchSpace:
+    """A finite table of settings and how one is tried.
+
+    Attributes
+    ----------
+    choices
+        The values of each setting.
+    trials
+        Settings tried where the user does not say.
+    prunes
+        Whether a hopeless trial is stopped early.
+    inner_split
+        Whether trials are judged on presses taken from those for training, so that the held-out presses choose
+        nothing and stay an honest measure.
+    trial, final
+        Training by which a setting is judged, and training of the setting that won.
+    score
+        What is made least, from the clean and the jittered RMSE of the angle (degrees).
+    """
+
+    choices: Mapping[str, tuple[Any, ...]]
+    trials: int
+    prunes: bool
+    inner_split: bool
+    trial: Callable[[Setting], TrainSpec]
+    final: Callable[[Setting], TrainSpec]
+    score: Callable[[float, float], float]
+
+
+PAPER_SPACE = SearchSpace(
+    choices={"layers": (2, 3, 4, 5, 6, 7), "width": (32, 64, 128, 256, 512, 1024), "dropout": (0.0, 0.5)},
+    trials=30,
+    prunes=False,
+    inner_split=False,
+    trial=lambda setting: paper_training(**setting).model_copy(update={"members": "all"}),
+    final=lambda setting: paper_training(**setting),
+    score=lambda clean_deg, jittered_deg: jittered_deg,
+)
+"""Table 1 of Zaid et al. 2024 by its protocol: no pruning, the validation RMSE chooses and is reported."""
+
+BEST_SPACE = SearchSpace(
+    choices={"layers": (2, 3, 4), "width": (128, 256), "components": (24, 48, 96), "clean_share": (0.25, 0.5)},
+    trials=9,
+    prunes=True,
+    inner_split=True,
+    trial=lambda setting: TrainSpec(epochs=60, repeats=1, **setting),
+    final=lambda setting: TrainSpec(epochs=400, repeats=3, **setting),
+    score=lambda clean_deg, jittered_deg: (clean_deg * jittered_deg) ** 0.5,
+)
+"""Our choice: short single trainings, pruned, choose what is then trained long and three times over."""
