@@ -34,7 +34,9 @@ _HOLD, _HOLD_FROM = 0.01, 1.5
 """Spring that holds the patch over the contact penalty, and the travel over the thickness from which it does."""
 _RELEASE_STEP_MM = 0.1
 """Increment below which a lost flat branch is let go."""
-_RELAXATIONS, _FADED = 60, 1e-3
+_JUMPS = 4
+"""Most jumps of a press."""
+_RELAXATIONS, _FADED = 40, 1e-3
 """Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
 _SLACK = 1e3
 """Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
@@ -150,12 +152,19 @@ class Path:
         factor = 2.0 if iterations <= 10 else 1.4 if iterations <= 15 else 0.8
         return float(np.clip(max(step, self._step) * factor, 0, self.spec.largest_step))
 
-    def _solve(self, depth: float, start: State, damping: Damping | None = None) -> Equilibrium:
-        """Equilibrium at a depth; with friction in passes, until sticking places and limits agree with it."""
+    def _solve(
+        self, depth: float, start: State, damping: Damping | None = None, *, sliding: bool = False
+    ) -> Equilibrium:
+        """Equilibrium at a depth; with friction in passes, until sticking places and limits agree with it.
+
+        In a jump all points are `sliding`; they stick where they come to rest.
+        """
         plane, last, law = self.wall(depth), self.points[-1], self.problem.law
         before = (self._surface_points(last.state), self.wall(last.depth))
         touch, passes = last.touch._replace(hold=self._hold), 0
-        rough = law.friction > 0 or damping is not None
+        if sliding:
+            touch = touch._replace(limit=np.zeros_like(touch.limit))
+        rough = (law.friction > 0 and not sliding) or damping is not None
         while True:
             slack = _SLACK if rough else 1.0
             found = self.problem.solve(start, plane, touch, self.spec.iterations, damping, slack)
@@ -232,6 +241,11 @@ class Path:
     def _jump(self, depth: float) -> bool:
         """Let go of the patch, push its middle off the wall, and relax to the next stable state at `depth` mm."""
         self._released, self._hold = True, np.zeros_like(self._hold)
+        if sum(point.jumped for point in self.points) >= _JUMPS:
+            self.failure = (
+                f"at {self.points[-1].depth:.4g} mm after {_JUMPS} jumps: no branch can be followed further"
+            )
+            return False
         for push in (0.0, 1.0, 2.0) if self.inverted(self.points[-1].state, self.points[-1].depth) else (1.0, 2.0):
             found = self._relax(depth, push * self.problem.thickness)
             if found.converged:
@@ -255,11 +269,11 @@ class Path:
         coefficient, origin = 10.0 * scale, state.u
         start = last.state
         for _ in range(_RELAXATIONS):
-            found = self._solve(depth, start, Damping(coefficient, origin))
+            found = self._solve(depth, start, Damping(coefficient, origin), sliding=True)
             if found.converged:
                 start, origin = found.state, found.state.u
                 if coefficient < _FADED * scale:
-                    found = self._solve(depth, start)
+                    found = self._solve(depth, start, sliding=True)
                     if found.converged:
                         return found
                     coefficient *= 100.0

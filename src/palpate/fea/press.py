@@ -13,7 +13,7 @@ from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, locate_inner
 
-FEA_VERSION = "4"
+FEA_VERSION = "5"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
 
 
