@@ -6,7 +6,8 @@ Where it is not, Newton's method has fallen onto another branch, and the increme
 negative pivots is recorded: a flat thin dome is held by almost no pressure at its apex, and a discrete one may
 be weakly unstable there while its branch goes on. A branch that cannot be followed in
 increments of the smallest size has ended; then the dome jumps: pseudo-time steps with a viscosity that fades to
-zero carry it to the next stable state, and the depth and the energy lost are reported.
+zero carry it to the next stable state, and the depth and the energy lost are reported. Where the branch is lost
+because silicone squeezed against the clamp folds, the press ends: what follows is not modelled.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import Plane, Touch
 from palpate.fea.hold import patch_middle
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium, Loads
+from palpate.fea.press import Ended
 from palpate.fea.solid import State
 from palpate.fea.spec import SolverSpec
+from palpate.fea.stress import smallest_stretch
 
 _JUMP_STEP_MM = 0.02
 """An increment this small that still breaks the energy balance is a jump of the dome, not of the solver."""
@@ -38,6 +41,8 @@ _JUMPS = 4
 """Most jumps of a press."""
 _RELAXATIONS, _FADED = 40, 1e-3
 """Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
+_FOLDING_STRETCH = 0.544
+"""Stretch at which a free surface under plane strain compression is unstable (Biot 1963); it creases from 0.647."""
 _SLACK = 1e3
 """Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
 _PASSES = 4
@@ -100,8 +105,8 @@ class Path:
         Accepted equilibria; the first is the start.
     iterations
         Newton iterations spent so far, rejected increments included.
-    failure
-        Why the path could not go on; empty while it can.
+    ended, message
+        Why the path could not go on, and that in one sentence; `Ended.DEPTH_REACHED` while it can.
     """
 
     problem: ContactProblem
@@ -110,7 +115,8 @@ class Path:
     spec: SolverSpec
     points: list[Point]
     iterations: int = 0
-    failure: str = ""
+    ended: Ended = Ended.DEPTH_REACHED
+    message: str = ""
     _step: float = field(default=0.0, init=False)
     _touch: Touch = field(init=False)
     _hold: FloatArray = field(init=False)
@@ -122,7 +128,7 @@ class Path:
         self._hold = self._touch.hold
 
     def advance(self, depth: float) -> bool:
-        """Follow the branch to a depth in mm; False where it could not be reached (see `failure`)."""
+        """Follow the branch to a depth in mm; False where it could not be reached (see `ended`)."""
         while (left := depth - self.points[-1].depth) > 1e-9:
             step = min(self._step, left)
             if step < left < 1.5 * step:
@@ -240,11 +246,11 @@ class Path:
 
     def _jump(self, depth: float) -> bool:
         """Let go of the patch, push its middle off the wall, and relax to the next stable state at `depth` mm."""
+        if self._folded():
+            return False
         self._released, self._hold = True, np.zeros_like(self._hold)
         if sum(point.jumped for point in self.points) >= _JUMPS:
-            self.failure = (
-                f"at {self.points[-1].depth:.4g} mm after {_JUMPS} jumps: no branch can be followed further"
-            )
+            self._end(Ended.NOT_CONVERGED, f"after {_JUMPS} jumps: no branch can be followed further")
             return False
         for push in (0.0, 1.0, 2.0) if self.inverted(self.points[-1].state, self.points[-1].depth) else (1.0, 2.0):
             found = self._relax(depth, push * self.problem.thickness)
@@ -252,11 +258,28 @@ class Path:
                 self._accept(found, depth, jumped=True)
                 self._step = min(self.spec.first_step, self.spec.largest_step)
                 return True
-        self.failure = (
-            f"at {self.points[-1].depth:.4g} mm, where no equilibrium was found: {found.outcome} after "
-            f"{found.iterations} iterations, residual {found.residual:.2g} N is above {self.problem.tolerance:.2g} N"
+        self._end(
+            Ended.NOT_CONVERGED,
+            f"where no equilibrium was found: {found.outcome} after {found.iterations} iterations, residual "
+            f"{found.residual:.2g} N is above {self.problem.tolerance:.2g} N",
         )
         return False
+
+    def _folded(self) -> bool:
+        """End the path where silicone is squeezed so far that its free surface folds on itself."""
+        stretch, place = smallest_stretch(self.problem.solid, self.points[-1].state)
+        if stretch >= _FOLDING_STRETCH:
+            return False
+        where = ", ".join(f"{value:.1f}" for value in place)
+        self._end(
+            Ended.FOLDED,
+            f"where the silicone at ({where}) mm is squeezed to {stretch:.2f} of its length: below "
+            f"{_FOLDING_STRETCH:g} a free surface folds",
+        )
+        return True
+
+    def _end(self, ended: Ended, reason: str) -> None:
+        self.ended, self.message = ended, f"The press ended at {self.points[-1].depth:.4g} mm, {reason}."
 
     def _relax(self, depth: float, push: float) -> Equilibrium:
         """Relax from the last equilibrium, pushed off the wall by `push` mm, under a viscosity that fades to zero."""

@@ -13,7 +13,7 @@ from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, locate_inner
 
-FEA_VERSION = "5"
+FEA_VERSION = "6"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
 
 
@@ -22,6 +22,7 @@ class Ended(StrEnum):
 
     DEPTH_REACHED = "depth reached"
     WALL_AT_CLAMP = "wall reached the clamped rim"
+    FOLDED = "the squeezed silicone folded"
     NOT_CONVERGED = "not converged"
 
 

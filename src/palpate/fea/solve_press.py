@@ -65,10 +65,8 @@ def solve_press(
                 images.append(len(path.points) - 1)
             break
         images.append(len(path.points) - 1)
-    ended, message = Ended.DEPTH_REACHED, ""
-    if path.failure:
-        ended, message = Ended.NOT_CONVERGED, f"The press ended {path.failure}."
-    elif reachable < wall.depth:
+    ended, message = path.ended, path.message
+    if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
         message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
     fields = _fields(path, images, mesh, wall.azimuth_deg)

@@ -1,4 +1,4 @@
-"""Cauchy stress at the Gauss points of a solid."""
+"""Cauchy stress and stretch at the Gauss points of a solid."""
 
 from __future__ import annotations
 
@@ -24,6 +24,16 @@ def von_mises(stress: FloatArray) -> FloatArray:
     normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     result: FloatArray = np.sqrt(0.5 * normal + 3 * (xy**2 + yz**2 + zx**2))
     return result
+
+
+def smallest_stretch(solid: Solid, state: State) -> tuple[float, FloatArray]:
+    """Smallest principal stretch of all Gauss points, and its place (3,) mm in the undeformed solid."""
+    cells = solid.cells
+    F = np.eye(3) + np.einsum("eai,eqaj->eqij", state.u[cells.nodes], cells.gradient)
+    stretch = np.linalg.svd(F, compute_uv=False)[..., -1]
+    cell, point = np.unravel_index(stretch.argmin(), stretch.shape)
+    place: FloatArray = solid.shape[point] @ solid.nodes[cells.nodes[cell]]
+    return float(stretch[cell, point]), place
 
 
 @kernel

@@ -70,7 +70,7 @@ class DesignResult:
         Errors on the held-out presses without and with pixel jitter; `None` where the chain broke
         (`failure`).
     travel_mm
-        Mean distance of the markers from rest in the deepest image, over the presses (mm).
+        Distance in space of a marker from rest at the greatest depth, mean over markers and sampled poses (mm).
     force_n
         Norm of the wall's force in the deepest image of the straight press, the one of least tilt (N).
     peak_stress_mpa
