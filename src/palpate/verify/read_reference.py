@@ -1,0 +1,50 @@
+"""Reference numbers of the suite: CSV files beside this one, the whole of `reference/`."""
+
+from __future__ import annotations
+
+import csv
+from importlib import resources
+
+import numpy as np
+
+from palpate.verify.mapped import FloatArray
+
+
+class Reference:
+    """Rows of a reference file, by column.
+
+    Parameters
+    ----------
+    rows
+        Mapping from column to text.
+    """
+
+    def __init__(self, rows: list[dict[str, str]]) -> None:
+        self._rows = rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, column: str) -> FloatArray:
+        """Values (n,) of a column in its unit; nan where the file has none."""
+        return np.array([float(row[column] or "nan") for row in self._rows])
+
+    def where(self, **texts: str) -> Reference:
+        """Rows whose columns start with these texts."""
+        kept = [row for row in self._rows if all(row[key].startswith(text) for key, text in texts.items())]
+        return Reference(kept)
+
+    def between(self, column: str, low: float, high: float) -> Reference:
+        """Rows whose value in a column lies in low…high."""
+        return Reference([row for row in self._rows if low <= float(row[column]) <= high])
+
+    def labels(self, *columns: str) -> list[str]:
+        """What distinguishes the rows: their texts in these columns."""
+        return [", ".join(row[column] for column in columns) for row in self._rows]
+
+
+def read_reference(name: str) -> Reference:
+    """Read a reference file of the package by its name without ending."""
+    path = resources.files("palpate.verify") / "reference" / f"{name}.csv"
+    with path.open(encoding="utf-8") as file:
+        return Reference(list(csv.DictReader(file)))
