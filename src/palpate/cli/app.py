@@ -21,6 +21,7 @@ app = App(
 )
 app.command("palpate.cli.run:run", name="run", help="Run a study: every design through the whole chain.")
 app.command("palpate.cli.press:press", name="press", help="Press one dome by a flat wall.")
+app.command("palpate.cli.deck:deck", name="deck", help="Write the input file of a press for Abaqus or CalculiX.")
 app.command("palpate.cli.design:design", name="design", help="Radius, shape, markers and limits of a design.")
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
 app.command("palpate.cli.doctor:doctor", name="doctor", help="Say what is installed and what is missing.")

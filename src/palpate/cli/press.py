@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,11 +15,21 @@ from palpate.cli.flag import JsonFlag, default, flag
 from palpate.cli.output import print_json, print_table
 from palpate.core import PalpateError
 from palpate.design import Dome, DomeSpec, build_dome, read_points
-from palpate.fea import Press, WallSpec, read_contact, solve_press
-from palpate.mesh import MeshSpec, Rim, mesh_dome
+from palpate.fea import Press, WallSpec, check_export, export_press, read_contact, solve_press, solve_press_calculix
+from palpate.material import Material
+from palpate.mesh import Mesh, MeshSpec, Rim, mesh_dome
 from palpate.study import MaterialSpec
 
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
+_SOLVER = "Who solves: palpate itself, or CalculiX (apt install calculix-ccx)."
+_EXPORT = "New folder for the images as .vtu files with a .pvd series, and force.csv."
+
+
+class Solver(StrEnum):
+    """Who solves a press."""
+
+    PALPATE = "palpate"
+    CALCULIX = "calculix"
 
 
 @Parameter(name="*")
@@ -39,26 +50,43 @@ class PressFlags:
     rim: Annotated[Rim, Parameter(help="Base cut flat at z = 0, or radially from the sphere's centre.")] = Rim.FLAT
     whole: Annotated[bool, Parameter(negative="", help="Solve the whole dome, not its half.")] = False
     cells: Annotated[int | None, flag(MeshSpec, "cells")] = None
-    points: Annotated[Path | None, Parameter(help=_POINTS)] = None
+
+    def dome(self) -> Dome:
+        """The dome of these flags."""
+        return build_dome(DomeSpec(height=self.height, base_radius=self.base_radius, thickness=self.thickness))
+
+    def problem(self) -> tuple[Mesh, Material, WallSpec]:
+        """What is pressed: mesh, material and wall of these flags."""
+        material = MaterialSpec(name=self.material, bulk_ratio=self.bulk_ratio).material()
+        wall = WallSpec(
+            tilt_deg=self.tilt,
+            azimuth_deg=self.azimuth,
+            depth=self.depth,
+            image_step=self.step,
+            contact=read_contact(self.contact),
+        )
+        return mesh_dome(self.dome(), MeshSpec(cells=self.cells, rim=self.rim, whole=self.whole)), material, wall
 
 
-def press(*, flags: PressFlags | None = None, json: JsonFlag = False) -> None:
+def press(
+    *,
+    flags: PressFlags | None = None,
+    points: Annotated[Path | None, Parameter(help=_POINTS)] = None,
+    solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE,
+    export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
+    json: JsonFlag = False,
+) -> None:
     """Press one dome by a flat wall and follow it image by image."""
     flags = flags or PressFlags()
-    dome = build_dome(DomeSpec(height=flags.height, base_radius=flags.base_radius, thickness=flags.thickness))
-    points = None if flags.points is None else _read_inner_points(flags.points, dome)
-    material = MaterialSpec(name=flags.material, bulk_ratio=flags.bulk_ratio).material()
-    wall = WallSpec(
-        tilt_deg=flags.tilt,
-        azimuth_deg=flags.azimuth,
-        depth=flags.depth,
-        image_step=flags.step,
-        contact=read_contact(flags.contact),
-    )
-    mesh = mesh_dome(dome, MeshSpec(cells=flags.cells, rim=flags.rim, whole=flags.whole))
-    solved = solve_press(mesh, material, wall)
+    followed = None if points is None else _read_inner_points(points, flags.dome())
+    problem = flags.problem()
+    if export is not None:
+        check_export(export)
+    solved = solve_press_calculix(*problem) if solver is Solver.CALCULIX else solve_press(*problem)
+    if export is not None:
+        export_press(export, solved)
     if json:
-        print_json(describe_press(solved, points))
+        print_json(describe_press(solved, followed))
     else:
         _print_press(solved)
 

@@ -1,7 +1,11 @@
 """Fea: press a dome by a rigid wall and say what it does: displacement, force, contact, stress, branch."""
 
+from palpate.fea.calculix import CalculixSpec, solve_press_calculix
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, untouched
+from palpate.fea.deck import deck_text, write_deck
+from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.element import System
+from palpate.fea.export import check_export, export_press
 from palpate.fea.io import read_press, write_press
 from palpate.fea.linear import make_linear_solver, solver_backends
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium
@@ -14,9 +18,13 @@ from palpate.fea.stress import cauchy_stress
 __all__ = [
     "FEA_VERSION",
     "Branch",
+    "CalculixSpec",
     "ContactLaw",
     "ContactProblem",
     "Damping",
+    "DeckElement",
+    "DeckSpec",
+    "Dialect",
     "Ended",
     "Equilibrium",
     "OuterSurface",
@@ -29,12 +37,17 @@ __all__ = [
     "Touch",
     "WallSpec",
     "cauchy_stress",
+    "check_export",
     "contact_text",
+    "deck_text",
+    "export_press",
     "make_linear_solver",
     "read_contact",
     "read_press",
     "solve_press",
+    "solve_press_calculix",
     "solver_backends",
     "untouched",
+    "write_deck",
     "write_press",
 ]

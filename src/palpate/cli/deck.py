@@ -1,0 +1,26 @@
+"""`palpate deck`: the input file of a press for Abaqus or CalculiX."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from palpate.cli.press import PressFlags
+from palpate.fea import DeckElement, DeckSpec, Dialect, write_deck
+
+_ELEMENT = "Bricks through the wall, or shells on the mid surface as in the paper (abaqus only)."
+
+
+def deck(
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"], help="File to write, usually .inp.")],
+    dialect: Annotated[Dialect, Parameter(help="Program that reads the deck.")] = Dialect.ABAQUS,
+    element: Annotated[DeckElement, Parameter(help=_ELEMENT)] = DeckElement.SOLID,
+    flags: PressFlags | None = None,
+) -> None:
+    """Write the complete input file of a press in mm, N and MPa."""
+    mesh, material, wall = (flags or PressFlags()).problem()
+    write_deck(output, mesh, material, wall, DeckSpec(dialect=dialect, element=element))
+    print(f"{output}: a {mesh.dome.shape} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")

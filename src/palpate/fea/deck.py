@@ -1,0 +1,155 @@
+"""A deck: the complete input file of a press for Abaqus or CalculiX, in mm, N and MPa."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from palpate.core import PalpateError, provenance
+from palpate.fea.arrays import FloatArray
+from palpate.fea.deck_material import material_lines
+from palpate.fea.deck_mesh import deck_mesh, mesh_lines
+from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
+from palpate.fea.deck_step import boundary_lines, image_lines, step_lines
+from palpate.fea.deck_wall import contact_lines, deck_wall, wall_lines
+from palpate.fea.solve_press import image_depths
+from palpate.fea.spec import WallSpec, contact_text
+from palpate.fea.wall import clamp_depth, wall_normal
+from palpate.material import Material
+from palpate.mesh import Mesh, rim_angle
+
+
+def write_deck(path: Path, mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | None = None) -> None:
+    """Write the deck of a press; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    path
+        File to write, usually ``.inp``.
+    mesh, material, wall, spec
+        As in `deck_text`.
+
+    Raises
+    ------
+    PalpateError
+        If the deck cannot be made, or the file cannot be written.
+    """
+    text = deck_text(mesh, material, wall, spec)
+    if not path.parent.is_dir():
+        raise PalpateError(f"The folder {path.parent} does not exist.", "Make it first, or name another file.")
+    try:
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as file:
+            file.write(text)
+        os.chmod(file.name, 0o644)
+        os.replace(file.name, path)
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Name another file.") from None
+
+
+def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | None = None) -> str:
+    """The deck of a press as text.
+
+    Parameters
+    ----------
+    mesh
+        Half or whole dome; a half one is written in the tilt plane (y, z), whatever the azimuth.
+    material
+        The elastomer.
+    wall
+        Tilt, azimuth, depth, image step and contact law.
+    spec
+        Dialect, element and contact penalty.
+
+    Raises
+    ------
+    PalpateError
+        If the dialect has not the element or the law, or the wall would touch the clamped rim first.
+    """
+    spec = spec or DeckSpec()
+    if spec.dialect is Dialect.CALCULIX and spec.element is DeckElement.SHELL:
+        raise PalpateError(
+            "CalculiX turns shells into one layer of solids, 18 to 26 % too stiff here.",
+            "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
+        )
+    normal = deck_normal(mesh, wall)
+    depths = deck_depths(mesh, wall)
+    parts = deck_mesh(mesh, spec.dialect, spec.element)
+    plate = deck_wall(mesh, normal, len(parts.elements), spec.dialect)
+    lines = [
+        *_header(mesh, material, wall, spec),
+        *mesh_lines(parts),
+        *wall_lines(plate, spec.dialect),
+        *material_lines(material, spec.dialect),
+        *_sections(mesh, spec),
+        *contact_lines(wall, spec),
+        *boundary_lines(half=not mesh.spec.whole),
+        *image_lines(depths),
+        *step_lines(spec, depths),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def deck_normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
+    """Outward normal (3,) of the wall in the frame of the deck.
+
+    Raises
+    ------
+    PalpateError
+        If the wall touches the clamped rim before the dome.
+    """
+    tilt, azimuth = np.radians(wall.tilt_deg), np.radians(wall.azimuth_deg) if mesh.spec.whole else 0.0
+    rim = rim_angle(mesh.dome, mesh.dome.outer_radius, mesh.spec.rim)
+    if tilt >= rim:
+        raise PalpateError(
+            f"A wall tilted by {wall.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
+            "before the dome.",
+            "Tilt it less, or make the dome higher.",
+        )
+    return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
+
+
+def deck_depths(mesh: Mesh, wall: WallSpec) -> list[float]:
+    """Depths in mm of the images of a deck, up to where the wall reaches the clamped rim."""
+    return image_depths(wall, min(wall.depth, clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)))
+
+
+def _header(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec) -> Iterator[str]:
+    dome = mesh.dome
+    part = "whole dome" if mesh.spec.whole else "half dome x >= 0 (forces and energies of the whole are twice these)"
+    yield "*HEADING"
+    yield f"palpate {provenance()['palpate']}: dome H {dome.height:g} T {dome.thickness:g} under a rigid flat wall"
+    yield "** Units: mm, N, MPa, mJ; pseudo-time is the travel of the wall in mm"
+    yield "** Frame: origin in the middle of the base plane, z along the axis to the apex"
+    yield f"** Made by palpate {provenance()['palpate']} for {spec.dialect}, element {spec.element}"
+    yield (
+        f"** dome: height {dome.height:g} mm, base radius {dome.base_radius:g} mm, thickness {dome.thickness:g} mm "
+        f"(inner radius {dome.radius:.6g} mm); {part}"
+    )
+    yield f"** mesh: {mesh.spec.model_dump_json()}"
+    yield f"** material: {material.name}"
+    yield (
+        f"** wall: tilt {wall.tilt_deg:g} deg, azimuth {wall.azimuth_deg:g} deg, depth {wall.depth:g} mm, "
+        f"an image every {wall.image_step:g} mm, contact {contact_text(wall.contact)}"
+    )
+    if not mesh.spec.whole:
+        yield "** a half model lies in the tilt plane (y, z): turn its results about z by the azimuth"
+
+
+def _sections(mesh: Mesh, spec: DeckSpec) -> Iterator[str]:
+    if spec.element is DeckElement.SHELL:
+        yield "** Section: shell on the mid surface, thickness in mm, 5 points through it"
+        yield "** (as in the paper; the base is held in x, y and z but free to turn: write BASE, 1, 6 to clamp it)"
+        yield "*SHELL SECTION, ELSET=DOME, MATERIAL=SILICONE"
+        yield f"{mesh.dome.thickness:.10g}, 5"
+        return
+    yield "** Section: solid"
+    yield "*SOLID SECTION, ELSET=DOME, MATERIAL=SILICONE"
+    if spec.dialect is Dialect.CALCULIX:
+        yield "*MATERIAL, NAME=STIFF"
+        yield "*ELASTIC"
+        yield "1000., 0.3"
+        yield "*SOLID SECTION, ELSET=WALL, MATERIAL=STIFF"
