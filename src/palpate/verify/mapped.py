@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -57,6 +58,17 @@ class Grid:
 def even(count: int, power: float = 1.0) -> FloatArray:
     """Cut 0…1 into `count` cells (count + 1,), finer towards 0 for a power above 1."""
     return np.linspace(0.0, 1.0, count + 1) ** power
+
+
+def graded(first: float, fine: int, count: int) -> FloatArray:
+    """Cut 0…1 into `count` cells (count + 1,): `fine` of size `first`, then growing by one ratio up to the end."""
+
+    def surplus(ratio: float) -> float:
+        return first * (fine + float((ratio ** np.arange(1, count - fine + 1)).sum())) - 1
+
+    ratio = float(brentq(surplus, 0.1, 10.0))
+    sizes = first * np.concatenate([np.ones(fine), ratio ** np.arange(1, count - fine + 1)])
+    return np.concatenate([[0.0], np.cumsum(sizes)[:-1], [1.0]])
 
 
 def map_block(cuts: tuple[FloatArray, FloatArray, FloatArray], place: Map) -> FloatArray:

@@ -38,6 +38,10 @@ class Reference:
         """Rows whose value in a column lies in low…high."""
         return Reference([row for row in self._rows if low <= float(row[column]) <= high])
 
+    def joined(self, other: Reference) -> Reference:
+        """Rows of both."""
+        return Reference([*self._rows, *other._rows])
+
     def labels(self, *columns: str) -> list[str]:
         """What distinguishes the rows: their texts in these columns."""
         return [", ".join(row[column] for column in columns) for row in self._rows]

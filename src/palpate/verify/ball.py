@@ -1,0 +1,146 @@
+"""A solid sphere pressed by a plane: Hertz's contact, and compression far beyond it.
+
+Between two frictionless plates the plane through the equator is one of symmetry: an eighth of the sphere is solved,
+pressed by one plate. Hertz (Johnson, *Contact Mechanics*, 1985, chapter 4): ``F = 4/3 E* sqrt(R) d^1.5``,
+``a² = R d``, ``p0 = 3 F / (2 pi a²)``, ``p² = p0² (1 - r²/a²)``; for small strain, d/R up to 0.005.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.material import Material
+from palpate.verify.case import Row, compare
+from palpate.verify.equilibrium import make_solid
+from palpate.verify.mapped import FloatArray, Grid, Turn, even, graded, join, revolve
+from palpate.verify.pressing import Pressing
+from palpate.verify.read_reference import read_reference
+from palpate.verify.rubber import MATERIALS, YEOH
+
+_CORE = 0.45
+"""Side of the square in the middle of the section over the radius."""
+_STIFF = 400.0
+"""Penalty over E and the radius of contact: penetration stays near two thousandths of the depth."""
+
+
+def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int) -> Grid:
+    """Mesh an eighth of a sphere.
+
+    Parameters
+    ----------
+    radius
+        mm.
+    along
+        Cell boundaries 0…1 along the surface from the pole to 45°.
+    below
+        Cell boundaries 0…1 from the surface down to the core.
+    up
+        Cells from the equator up to the core's top.
+    """
+    inward, rise = 1 - below[::-1], even(up)
+
+    def core(q: FloatArray) -> FloatArray:
+        return _CORE * radius * q
+
+    def upper(q: FloatArray) -> FloatArray:
+        angle = 0.25 * np.pi * q[:, 0]
+        edge = _CORE * np.column_stack([q[:, 0], np.ones_like(angle)])
+        return radius * _between(edge, np.column_stack([np.sin(angle), np.cos(angle)]), q[:, 1:])
+
+    def side(q: FloatArray) -> FloatArray:
+        angle = 0.25 * np.pi * (1 + q[:, 0])
+        edge = _CORE * np.column_stack([np.ones_like(angle), 1 - q[:, 0]])
+        return radius * _between(edge, np.column_stack([np.sin(angle), np.cos(angle)]), q[:, 1:])
+
+    turn = Turn(2)
+    return join(
+        revolve(core, (along, rise), turn, solid=True),
+        revolve(upper, (along, inward), turn, solid=True),
+        revolve(side, (1 - rise[::-1], inward), turn, solid=False),
+    )
+
+
+def _between(inner: FloatArray, outer: FloatArray, share: FloatArray) -> FloatArray:
+    return (1 - share) * inner + share * outer
+
+
+def make_pressing(grid: Grid, radius: float, material: Material, contact_radius: float) -> Pressing:
+    """Press an eighth of a sphere of this radius (mm), with a penalty fit for a radius of contact, mm."""
+    fixed = np.stack([grid.near(axis, 0.0) for axis in range(3)], axis=-1)
+    outside = np.abs(np.linalg.norm(grid.nodes, axis=1) - radius) < 1e-6 * radius
+    penalty = _STIFF * material.young_modulus / contact_radius
+    tolerance = 1e-6 * material.law.shear_modulus * contact_radius**2
+    solid = make_solid(grid, material, fixed)
+    return Pressing(solid, grid.outer_cells(outside), radius, penalty, tolerance, contact_radius)
+
+
+def make_fine_ball(radius: float, contact_radius: float) -> Grid:
+    """Mesh an eighth of a sphere with cells of 0.15 times the radius of contact (mm) under the contact."""
+    cell = 0.15 * contact_radius / radius
+    along, below = graded(cell / (0.25 * np.pi), 10, 20), graded(cell / (1 - _CORE), 3, 16)
+    return make_ball(radius, along, below, 4)
+
+
+def hertz() -> list[Row]:
+    """Force, radius of contact and greatest pressure at the largest and the smallest d/R up to 0.005.
+
+    Hertz's law is the limit of small a/R: a sphere between plates is stiffer by some 0.27 a/R, 1.9 % at d/R = 0.005.
+    So the ratio to Hertz, carried to a/R = 0, stands beside the values themselves.
+    """
+    data = read_reference("hertz_sphere_plane")
+    data = data.where(R_mm="10", approach_mm="0.05").joined(data.where(R_mm="22", approach_mm="0.05"))
+    found = np.array([_press_lightly(*pose) for pose in zip(data["R_mm"], data["approach_mm"], strict=True)])
+    force, reach, peak = found.T
+    at = [f"R = {radius:g}, d = {depth:g} mm" for radius, depth in zip(data["R_mm"], data["approach_mm"], strict=True)]
+    slope, limit = np.polyfit(np.sqrt(data["approach_mm"] / data["R_mm"]), force / data["force_N"], 1)
+    return [
+        compare("force, N", force, data["force_N"], 2e-2, at),
+        compare("radius of contact, mm", reach, data["contact_radius_mm"], 2e-2, at),
+        compare("greatest pressure, MPa", peak, data["p0_MPa"], 2e-2, at),
+        compare("force over Hertz's", limit, 1.0, 2e-2, ["a/R = 0"]),
+    ]
+
+
+def _press_lightly(radius: float, depth: float) -> tuple[float, float, float]:
+    """Force (N), radius of contact (mm) and greatest pressure (MPa) of a sphere, radius and depth in mm.
+
+    The radius follows from the pressure's second moment, ``a² = 5/2 ∫ p r² / F``; the greatest pressure from a line
+    through the squared pressure over r².
+    """
+    reach = float(np.sqrt(radius * depth))
+    pressing = make_pressing(make_fine_ball(radius, reach), radius, YEOH, reach)
+    found = pressing.follow([depth])[0]
+    inside = np.maximum(pressing.reach(found.state, depth) - pressing.law.width / 2, 0.0)
+    x = pressing.problem.surface.interpolate(pressing.solid.nodes + found.state.u)
+    square, pressure = x[:, 0] ** 2 + x[:, 1] ** 2, pressing.penalty * inside
+    force = pressing.problem.surface.faces.weight.ravel() * pressure
+    contact_radius = float(np.sqrt(2.5 * (force * square).sum() / force.sum()))
+    middle = square < (0.7 * reach) ** 2
+    _, peak = np.polyfit(square[middle], pressure[middle] ** 2, 1)
+    return 4 * float(found.loads.force[2]), contact_radius, float(np.sqrt(peak))
+
+
+def compression() -> list[Row]:
+    """Force, energy and bulge of a sphere of radius 10 mm compressed by up to 0.4 R a plate."""
+    radius, rows = 10.0, []
+    for name, material in MATERIALS.items():
+        data = read_reference("sphere_compression").where(material=name, mesh_n="20").between("delta_over_R", 0.05, 0.4)
+        grid = make_ball(radius, even(8, 1.3), even(6, 1.3), 4)
+        pressing = make_pressing(grid, radius, material.with_bulk_ratio(2000.0), 5.0)
+        depths = data["delta_over_R"] * radius
+        found = pressing.follow([*np.linspace(0.1, 0.5, 5)[:-1], *depths])[4:]
+        equator = grid.near(2, 0.0) & grid.near(1, 0.0) & grid.near(0, radius)
+        at = [f"d/R = {value:g}" for value in data["delta_over_R"]]
+        bulge = [item.state.u[equator, 0][0] for item in found]
+        rows += [
+            compare(f"force, {name}, N", [4 * item.loads.force[2] for item in found], data["force_N"], 1e-2, at),
+            compare(
+                f"energy of half the sphere, {name}, mJ",
+                [4 * item.loads.elastic for item in found],
+                data["strain_energy_mJ_half"],
+                1e-2,
+                at,
+            ),
+            compare(f"bulge at the equator, {name}, mm", bulge, data["equator_ur_mm"], 1e-2, at),
+        ]
+    return rows
