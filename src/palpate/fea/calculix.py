@@ -23,7 +23,7 @@ from palpate.core import PalpateError, Spec, parameter
 from palpate.fea.arrays import FloatArray
 from palpate.fea.calculix_results import CalculixImages, read_counts, read_images
 from palpate.fea.contact import OuterSurface
-from palpate.fea.deck import deck_depths, deck_normal, write_deck
+from palpate.fea.deck import deck_depths, deck_normal, deck_text
 from palpate.fea.deck_spec import DeckSpec, Dialect
 from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
 from palpate.fea.serendipity import fill_nodes
@@ -87,8 +87,9 @@ def solve_press_calculix(
     """
     wall, spec = wall or WallSpec(), spec or CalculixSpec()
     program = find_ccx()
+    text = deck_text(mesh, material, wall, spec.deck)
     folder = Path(tempfile.mkdtemp(prefix="palpate-ccx-"))
-    write_deck(folder / "press.inp", mesh, material, wall, spec.deck)
+    (folder / "press.inp").write_text(text)
     cpu_s, code = _run(program, folder, spec.timeout)
     images = read_images(folder / "press.dat", len(mesh.nodes))
     if len(images.depth) == 0:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -41,13 +40,14 @@ def write_deck(path: Path, mesh: Mesh, material: Material, wall: WallSpec, spec:
     text = deck_text(mesh, material, wall, spec)
     if not path.parent.is_dir():
         raise PalpateError(f"The folder {path.parent} does not exist.", "Make it first, or name another file.")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as file:
-            file.write(text)
-        os.chmod(file.name, 0o644)
-        os.replace(file.name, path)
+        part.write_text(text)
+        part.replace(path)
     except OSError as error:
         raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Name another file.") from None
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | None = None) -> str:
@@ -86,7 +86,7 @@ def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | N
         *material_lines(material, spec.dialect),
         *_sections(mesh, spec),
         *contact_lines(wall, spec),
-        *boundary_lines(half=not mesh.spec.whole),
+        *boundary_lines(spec, half=not mesh.spec.whole),
         *image_lines(depths),
         *step_lines(spec, depths),
     ]
@@ -142,7 +142,6 @@ def _header(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec) -> I
 def _sections(mesh: Mesh, spec: DeckSpec) -> Iterator[str]:
     if spec.element is DeckElement.SHELL:
         yield "** Section: shell on the mid surface, thickness in mm, 5 points through it"
-        yield "** (as in the paper; the base is held in x, y and z but free to turn: write BASE, 1, 6 to clamp it)"
         yield "*SHELL SECTION, ELSET=DOME, MATERIAL=SILICONE"
         yield f"{mesh.dome.thickness:.10g}, 5"
         return

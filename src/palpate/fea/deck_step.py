@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from palpate.fea.deck_spec import DeckSpec, Dialect
+from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 
 
 def image_lines(depths: list[float]) -> Iterator[str]:
@@ -14,13 +14,18 @@ def image_lines(depths: list[float]) -> Iterator[str]:
     yield from (f"{depth:.10g}" for depth in depths)
 
 
-def boundary_lines(*, half: bool) -> Iterator[str]:
-    """Lines of the clamped base and of the mirror plane of a half model."""
-    yield "** Base annulus fixed in x, y and z" + ("; mirror plane x = 0 fixed in x" if half else "")
+def boundary_lines(spec: DeckSpec, *, half: bool) -> Iterator[str]:
+    """Lines of the clamped base and of the mirror plane of a half model; a shell must not turn out of the latter."""
+    shell = spec.element is DeckElement.SHELL
+    yield "** Base fixed in x, y and z" + ("; a shell may turn there: write BASE, 1, 6 to clamp it" if shell else "")
     yield "*BOUNDARY"
     yield "BASE, 1, 3"
     if half:
+        yield "** Mirror plane x = 0"
+        yield "*BOUNDARY"
         yield "MIRROR, 1, 1"
+        if shell:
+            yield "MIRROR, 5, 6"
 
 
 def step_lines(spec: DeckSpec, depths: list[float]) -> Iterator[str]:

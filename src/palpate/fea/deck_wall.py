@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.fea.arrays import FloatArray, IntArray
 from palpate.fea.deck_mesh import node_lines
-from palpate.fea.deck_spec import DeckSpec, Dialect
+from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.spec import FRICTIONLESS, NO_SLIP, WallSpec
 from palpate.fea.wall import touch_point
 from palpate.mesh import Mesh
@@ -82,6 +82,8 @@ def contact_lines(wall: WallSpec, spec: DeckSpec) -> Iterator[str]:
     """Lines of the contact law and the pair OUTER_FACE, WALL_FACE."""
     calculix = spec.dialect is Dialect.CALCULIX
     yield f"** Contact: linear penalty of {spec.penalty:g} MPa/mm"
+    if spec.element is DeckElement.SHELL:
+        yield "** the shell's thickness counts in contact, so first touch is that of the outer surface"
     yield "*SURFACE INTERACTION, NAME=TOUCH"
     yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
     yield f"{spec.penalty:.8g}, 1e-06, 0.001" if calculix else f"{spec.penalty:.8g}"

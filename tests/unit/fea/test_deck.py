@@ -110,6 +110,13 @@ def test_the_wall_travels_to_the_depth_with_an_image_every_step(dialect: str, el
     assert [row[3] for row in found["BOUNDARY"].data if len(row) > 3] == ["-4"]
 
 
+@pytest.mark.parametrize(("element", "held"), [("solid", ["1, 1"]), ("shell", ["1, 1", "5, 6"])])
+def test_the_mirror_plane_of_a_half_model_is_held(element: str, held: list[str]) -> None:
+    text = text_of("abaqus", element)
+    assert [line.removeprefix("MIRROR, ") for line in text.splitlines() if line.startswith("MIRROR, ")] == held
+    assert "MIRROR" not in text_of("abaqus", element, mesh=MeshSpec(cells=6, whole=True)).replace("MIRROR plane", "")
+
+
 def test_a_deck_ends_where_the_wall_reaches_the_clamp() -> None:
     mesh = mesh_dome(build_dome(DomeSpec(height=10, thickness=1)), MeshSpec(cells=6))
     text = deck_text(mesh, SILICONE, WallSpec(tilt_deg=10), DeckSpec())
@@ -183,6 +190,7 @@ def test_a_deck_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     assert (tmp_path / "press.inp").read_text().endswith("*END STEP\n")
     with pytest.raises(PalpateError, match="does not exist"):
         write_deck(tmp_path / "nowhere" / "press.inp", mesh, SILICONE, WallSpec())
+    (tmp_path / "taken").mkdir()
     with pytest.raises(PalpateError, match="cannot be written"):
-        write_deck(tmp_path, mesh, SILICONE, WallSpec())
-    assert [path.name for path in tmp_path.iterdir()] == ["press.inp"]
+        write_deck(tmp_path / "taken", mesh, SILICONE, WallSpec())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["press.inp", "taken"]
