@@ -9,7 +9,6 @@ apex gap are measured on its displaced surface, as for our own solver.
 from __future__ import annotations
 
 import os
-import resource
 import shutil
 import subprocess
 import tempfile
@@ -122,7 +121,7 @@ def solve_press_calculix(
 def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
     """Run ``ccx`` on ``press.inp`` in its folder with one thread; CPU-seconds and exit code."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_EQUATION_SOLVER"), "1")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    before = os.times()
     with (folder / "press.log").open("wb") as log:
         try:
             done = subprocess.run(
@@ -140,8 +139,9 @@ def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
                 f"CalculiX took longer than {timeout:g} s and was stopped.",
                 f"Use a coarser mesh or a smaller depth; its deck and log are in {folder}.",
             ) from None
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done.returncode
+    after = os.times()
+    spent = after.children_user + after.children_system - before.children_user - before.children_system
+    return spent, done.returncode
 
 
 def _last_error(log: Path) -> str:
