@@ -71,7 +71,7 @@ def make_pressing(grid: Grid, radius: float, material: Material, contact_radius:
     penalty = _STIFF * material.young_modulus / contact_radius
     tolerance = 1e-6 * material.law.shear_modulus * contact_radius**2
     solid = make_solid(grid, material, fixed)
-    return Pressing(solid, grid.outer_cells(outside), radius, penalty, tolerance, contact_radius)
+    return Pressing(solid, grid.outer_cells(outside), radius, penalty, 1e-5 * contact_radius, tolerance, contact_radius)
 
 
 def make_fine_ball(radius: float, contact_radius: float) -> Grid:

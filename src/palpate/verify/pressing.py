@@ -11,6 +11,7 @@ from palpate.core import PalpateError
 from palpate.fea import (
     ContactLaw,
     ContactProblem,
+    Damping,
     Equilibrium,
     OuterSurface,
     Plane,
@@ -24,9 +25,11 @@ from palpate.verify.mapped import FloatArray, IntArray
 
 DOWN = np.array([0.0, 0.0, 1.0])
 """Normal of the plane, away from the body below it."""
-_ITERATIONS = 30
+_ITERATIONS = 60
 _MIDDLE, _HOLD = 0.5, 0.01
 """Share of the radius of contact that is held, and the spring over the contact stiffness."""
+_RELAXATIONS, _FADED, _SLACK = 60, 1e-9, 1e3
+"""Most pseudo-time steps, the viscosity over E/size² at which it has faded, and the slack on their tolerance."""
 _SMALLEST = 1e-4
 """Smallest increment over the largest depth."""
 
@@ -45,6 +48,8 @@ class Pressing:
         Height of the plane at first touch, mm.
     penalty
         Contact stiffness, MPa/mm.
+    width
+        Width of its smooth start, mm.
     tolerance
         Greatest residual, N.
     size
@@ -57,6 +62,7 @@ class Pressing:
     outer: IntArray
     top: float
     penalty: float
+    width: float
     tolerance: float
     size: float
     held: bool = False
@@ -67,8 +73,7 @@ class Pressing:
     def __post_init__(self) -> None:
         nodes, faces = self.solid.nodes, self.solid.cells.nodes[self.outer][:, 18:27]
         surface = OuterSurface(nodes, faces, self.outer)
-        width = 1e-3 * self.solid.material.young_modulus / self.penalty
-        self.law = ContactLaw(stiffness=self.penalty, width=width, tangential_stiffness=1.0, friction=0.0)
+        self.law = ContactLaw(stiffness=self.penalty, width=self.width, tangential_stiffness=1.0, friction=0.0)
         linear = make_linear_solver()
         self.problem = ContactProblem(self.solid, surface, self.law, linear, self.tolerance, self.size)
         self.touch = untouched(len(surface.points))
@@ -112,6 +117,28 @@ class Pressing:
                 states.append(here.state)
                 self._hold(here.state, at[-1])
             found.append(here)
+        return found
+
+    def relax(self, start: State, depth: float) -> Equilibrium:
+        """Relax from a state that is no equilibrium, by pseudo-time steps of a viscosity that fades to nothing.
+
+        Raises
+        ------
+        PalpateError
+            If no equilibrium is found at the depth (mm).
+        """
+        stiffness = self.solid.material.young_modulus / self.size**2
+        coefficient, state, plane = 10 * stiffness, start, self.plane(depth)
+        for _ in range(_RELAXATIONS):
+            damping = Damping(coefficient, state.u)
+            here = self.problem.solve(state, plane, self.touch, _ITERATIONS, damping, _SLACK)
+            coefficient *= (0.1 if here.iterations <= 4 else 0.25) if here.converged else 3.0
+            state = here.state if here.converged else state
+            if coefficient < _FADED * stiffness:
+                break
+        found = self.solve(state, depth)
+        if not found.converged:
+            raise PalpateError(f"No equilibrium was found at {depth:.4g} mm: {found.outcome}.", "Refine the mesh.")
         return found
 
     def _hold(self, state: State, depth: float) -> None:

@@ -18,8 +18,8 @@ from palpate.verify.read_reference import read_reference
 
 RADIUS = 100.0
 """Mean radius, mm."""
-_PENALTY = 200.0
-"""Contact stiffness over E/h."""
+_PENALTY, _WIDTH = 120.0, 1e-3
+"""Contact stiffness over E/h and width of its start over h, as in a press of a dome."""
 
 
 def make_shell(thickness: float, cells: int) -> Grid:
@@ -45,7 +45,7 @@ def make_pressing(ratio: float, poisson: float, cells: int) -> Pressing:
     outside = np.abs(np.linalg.norm(grid.nodes, axis=1) - top) < 1e-6 * RADIUS
     solid = make_solid(grid, material, fixed)
     penalty = _PENALTY * material.young_modulus / thickness
-    return Pressing(solid, grid.outer_cells(outside), top, penalty, 1e-6 * thickness**2, thickness)
+    return Pressing(solid, grid.outer_cells(outside), top, penalty, _WIDTH * thickness, 1e-6 * thickness**2, thickness)
 
 
 def mirrored(pressing: Pressing, thickness: float, depth: float) -> FloatArray:
