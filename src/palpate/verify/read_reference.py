@@ -38,6 +38,10 @@ class Reference:
         """Rows whose value in a column lies in low…high."""
         return Reference([row for row in self._rows if low <= float(row[column]) <= high])
 
+    def at(self, column: str, values: list[float]) -> Reference:
+        """Rows whose value in a column is one of these."""
+        return Reference([row for row in self._rows if np.isclose(float(row[column]), values, rtol=1e-9).any()])
+
     def joined(self, other: Reference) -> Reference:
         """Rows of both."""
         return Reference([*self._rows, *other._rows])
