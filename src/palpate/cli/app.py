@@ -24,6 +24,7 @@ app.command("palpate.cli.press:press", name="press", help="Press one dome by a f
 app.command("palpate.cli.deck:deck", name="deck", help="Write the input file of a press for Abaqus or CalculiX.")
 app.command("palpate.cli.design:design", name="design", help="Radius, shape, markers and limits of a design.")
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
+app.command("palpate.cli.verify:verify", name="verify", help="Solve problems with known answers and compare.")
 app.command("palpate.cli.doctor:doctor", name="doctor", help="Say what is installed and what is missing.")
 
 

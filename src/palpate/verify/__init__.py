@@ -1,0 +1,18 @@
+"""Verify: problems with known answers, solved by the package's own element, contact and Newton's method."""
+
+from palpate.verify.case import Case, Row
+from palpate.verify.cases import CASES
+from palpate.verify.run_cases import Outcome, choose_cases, run_cases
+from palpate.verify.write_page import format_deviation, format_number, write_page
+
+__all__ = [
+    "CASES",
+    "Case",
+    "Outcome",
+    "Row",
+    "choose_cases",
+    "format_deviation",
+    "format_number",
+    "run_cases",
+    "write_page",
+]

@@ -1,0 +1,51 @@
+"""All cases of the suite, in the order of the page: material, solids, contact, shells, domes, properties."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from palpate.verify import ball, bending, cook, domes, inflation, laws, material, properties, shells
+from palpate.verify.case import Case
+
+_SHELL_CODE = "axisymmetric shell code"
+_SOLID_CODE = "axisymmetric solid code"
+
+CASES: tuple[Case, ...] = (
+    Case("yeoh_homogeneous", "exact", material.homogeneous),
+    Case("yeoh_simple_shear", "exact", material.simple_shear),
+    Case("yeoh_drucker_limits", "exact", material.drucker_limits),
+    Case("one_element", "exact, incompressible", material.one_element),
+    Case("one_element_in_shear", "exact", material.one_element_in_shear),
+    Case("sphere_inflation", "exact, Ogden 1984", inflation.sphere_pressure),
+    Case("sphere_inflation_limit_points", "exact, Ogden 1984", inflation.sphere_limit_points),
+    Case("sphere_inflation_wall_profile", "exact, Ogden 1984", inflation.sphere_wall_profile),
+    Case("cylinder_inflation", "exact, Ogden 1984", inflation.cylinder_pressure),
+    Case("torsion_solid_cylinder", "exact, Rivlin 1949", bending.torsion),
+    Case("block_bending", "exact, Rivlin 1949", bending.block_bending),
+    Case("elastica", "exact, elastica", bending.cantilever),
+    Case("cook_membrane", "Q2/P1 code", cook.cook_membrane),
+    Case("no_locking", "finer mesh", cook.no_locking),
+    Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
+    Case("sphere_compression", _SOLID_CODE, ball.compression, slow=True),
+    Case("shell_between_plates_flat", _SHELL_CODE, shells.flat_branch, slow=True),
+    Case("shell_between_plates_inverted", _SHELL_CODE, shells.inverted_branch, slow=True),
+    *(
+        Case(f"dome_H{height}_T{thickness}", _SOLID_CODE, partial(domes.flat_branch, height, thickness), slow=True)
+        for height, thickness in domes.FLAT_TO
+    ),
+    # The inverted branch of a dome has its references beside the others; its case stands in `domes` and here.
+    *(
+        Case(f"calculix_H20_T3_tilt{tilt}", "CalculiX 2.20", partial(domes.calculix, tilt), slow=True)
+        for tilt in (0, 10)
+    ),
+    Case("patch", "property", properties.patch),
+    Case("contact_patch", "property", properties.contact_patch),
+    Case("rigid_motion", "property", properties.rigid_motion),
+    Case("zero_energy_modes", "property", properties.zero_energy_modes),
+    Case("tangent", "property", properties.tangent),
+    Case("newton_rate", "property", properties.newton_rate),
+    Case("convergence_order", "property", properties.convergence_order),
+    Case("scaling", "property", laws.scaling),
+    Case("mirror", "property", laws.mirror),
+)
+"""The suite."""

@@ -1,0 +1,54 @@
+"""Laws that hold between presses: scaling with stiffness and size, and the mirror."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.design import DomeSpec, build_dome
+from palpate.fea import WallSpec, solve_press
+from palpate.material import Material, neo_hooke
+from palpate.mesh import MeshSpec, mesh_dome
+from palpate.verify.ball import make_ball, make_pressing
+from palpate.verify.case import Row, below, compare
+from palpate.verify.mapped import even
+from palpate.verify.properties import SILICONE
+
+_DEPTHS = (0.2, 0.5, 1.0)
+"""Travel of the plate over a tenth of the radius."""
+
+
+def scaling() -> list[Row]:
+    """Force of a compressed sphere: in proportion to the stiffness, and to the square of the size at equal strain."""
+    stiff = Material("threefold", neo_hooke(3 * 0.0141156))
+    soft = Material("once", neo_hooke(0.0141156))
+    once, thrice, twice_as_large = _compress(soft, 1.0), _compress(stiff, 1.0), _compress(soft, 2.0)
+    at = [f"d/R = {0.1 * depth:g}" for depth in _DEPTHS]
+    return [
+        compare("force of a material three times as stiff, N", thrice[0], 3 * once[0], 1e-8, at),
+        compare("force at twice the size, N", twice_as_large[0], 4 * once[0], 1e-8, at),
+        compare("energy at twice the size, mJ", twice_as_large[1], 8 * once[1], 1e-8, at),
+    ]
+
+
+def _compress(material: Material, size: float) -> np.ndarray:
+    """Forces (N) and energies (mJ), (2, n), of a coarse sphere of radius 10 mm times `size`."""
+    radius = 10.0 * size
+    pressing = make_pressing(make_ball(radius, even(4), even(2), 2), radius, material, 0.4 * radius)
+    found = pressing.follow([0.1 * radius * depth for depth in _DEPTHS])
+    return np.array([[item.loads.force[2], item.loads.elastic] for item in found]).T
+
+
+def mirror() -> list[Row]:
+    """A whole dome under two walls that are mirror images in x = 0: forces and displacements are, too."""
+    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=10, whole=True))
+    walls = [WallSpec(tilt_deg=6, azimuth_deg=azimuth, depth=2.4, contact="frictionless") for azimuth in (25.0, -25.0)]
+    one, other = (solve_press(mesh, SILICONE, wall) for wall in walls)
+    side = np.array([-1.0, 1.0, 1.0])
+    angle = np.radians([10.0, 100.0, 190.0, 280.0])
+    points = np.column_stack([8 * np.cos(angle), 8 * np.sin(angle), np.full(4, np.sqrt(400.0 - 64.0))])
+    moved = np.abs(one.positions(points)[-1] * side - other.positions(points * side)[-1]).max()
+    miss = np.abs(one.force[-1] * side - other.force[-1]).max() / np.linalg.norm(one.force[-1])
+    return [
+        below("positions, mm", float(moved), 1e-8),
+        below("force over its size", float(miss), 1e-8),
+    ]

@@ -1,0 +1,68 @@
+"""Run cases of the suite and keep what each one says."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatch
+
+from palpate.core import PalpateError
+from palpate.verify.case import Case, Row
+from palpate.verify.cases import CASES
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a case said.
+
+    Attributes
+    ----------
+    case
+        The case.
+    rows
+        Its rows; none where it failed.
+    cpu_s
+        CPU seconds.
+    failure
+        Why it ended without rows; empty where it did not.
+    """
+
+    case: Case
+    rows: tuple[Row, ...]
+    cpu_s: float
+    failure: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether every row is within its tolerance."""
+        return not self.failure and all(row.passed for row in self.rows)
+
+
+def choose_cases(only: str | None = None, *, quick: bool = False) -> tuple[Case, ...]:
+    """Choose the cases whose name holds a pattern (``*`` and ``?`` allowed); `quick`: without the slow ones.
+
+    Raises
+    ------
+    PalpateError
+        If none is left.
+    """
+    named = [case for case in CASES if only is None or fnmatch(case.name, f"*{only}*")]
+    if not named:
+        names = ", ".join(case.name for case in CASES)
+        raise PalpateError(f"No case of the verification suite is named like '{only}'.", f"There are {names}.")
+    chosen = tuple(case for case in named if not (quick and case.slow))
+    if not chosen:
+        raise PalpateError(f"All cases named like '{only}' are slow.", "Leave --quick out.")
+    return chosen
+
+
+def run_cases(cases: Iterable[Case]) -> Iterator[Outcome]:
+    """Run cases one by one; one that cannot be solved is an outcome without rows."""
+    for case in cases:
+        started = time.process_time()
+        try:
+            rows, failure = tuple(case.run()), ""
+        except PalpateError as error:
+            rows, failure = (), error.what
+        yield Outcome(case, rows, time.process_time() - started, failure)

@@ -1,0 +1,87 @@
+"""The page of the documentation that shows the suite, written from its outcomes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import date
+
+from palpate.core import provenance
+from palpate.verify.run_cases import Outcome
+
+_HEAD = """# Verification
+
+Problems with known answers, solved by the elements, contact and Newton's method of the package itself. Every row is
+the value that deviates most among those compared. A deviation is relative to the reference unless the quantity says
+over what it is taken. References marked *exact* are closed forms, quadratures or ordinary differential equations;
+codes are independent of this package; a *property* needs no number from outside.
+"""
+_NOTES = """
+## Notes
+
+* *Incompressible references* are solved at K/µ = 100 000. The default of the package, 2000, alone lowers the pressure
+  of a sphere inflated threefold by 0.4 %.
+* *Hertz* is the limit of a small patch: the sphere between plates is some 0.27 a/R stiffer (1.9 % at d/R = 0.005),
+  so the ratio carried to a/R = 0 stands beside the values.
+* *Shell between plates*: the reference is thin-shell theory. A solid differs from it by the order of h/R: 2 to 5 % at
+  R/h = 20, which therefore counts only in the ratio carried to h/R = 0.
+* *Domes* are pressed by the product's default mesh and contact, but for the thickest (two cells through the wall) and
+  the pair against CalculiX, whose reference is itself a coarse mesh with soft contact.
+"""
+_VERSIONS = ("palpate", "python", "numpy", "scipy", "py-mkl-pardiso", "rslab")
+"""What the page says it was made with."""
+
+
+def format_number(value: float) -> str:
+    """Format a value with five digits."""
+    return f"{value:.5g}"
+
+
+def format_deviation(value: float) -> str:
+    """Format a deviation or tolerance in percent, or as a power of ten where it is small."""
+    return f"{100 * value:.2f} %" if value >= 1e-4 else "0" if value == 0 else f"{value:.0e}"
+
+
+def write_page(outcomes: Sequence[Outcome], command: str) -> str:
+    """Write the page.
+
+    Parameters
+    ----------
+    outcomes
+        Of the cases, in their order.
+    command
+        The command that made it.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    passed = sum(row.passed for row in rows)
+    failed = sum(bool(outcome.failure) for outcome in outcomes)
+    versions = ", ".join(f"{name} {version}" for name, version in provenance().items() if name in _VERSIONS)
+    lines = [
+        _HEAD,
+        f"Made by `{command}` on {date.today().isoformat()} in {sum(item.cpu_s for item in outcomes):.0f} CPU-seconds "
+        f"on one core ({versions}). {passed} of {len(rows)} rows pass"
+        + (f"; {failed} cases could not be solved." if failed else "."),
+        "",
+        "| case | reference | quantity | values | ours | reference value | deviation | tolerance | pass |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for outcome in outcomes:
+        lines += _lines(outcome)
+    lines += ["", "| case | CPU s |", "|---|---|", *(f"| {item.case.name} | {item.cpu_s:.1f} |" for item in outcomes)]
+    return "\n".join(lines) + "\n" + _NOTES
+
+
+def _lines(outcome: Outcome) -> list[str]:
+    start = f"| {outcome.case.name} | {outcome.case.reference} |"
+    if outcome.failure:
+        return [f"{start} {outcome.failure} | | | | | | **no** |"]
+    return [
+        f"{start} {row.quantity}{f' at {row.at}' if row.at else ''} | {row.count} | {format_number(row.ours)} "
+        f"| {format_number(row.reference)} | {format_deviation(row.deviation)} | {format_deviation(row.tolerance)} "
+        f"| {'yes' if row.passed else '**no**'} |"
+        for row in outcome.rows
+    ]
