@@ -71,7 +71,9 @@ def make_pressing(grid: Grid, radius: float, material: Material, contact_radius:
     penalty = _STIFF * material.young_modulus / contact_radius
     tolerance = 1e-6 * material.law.shear_modulus * contact_radius**2
     solid = make_solid(grid, material, fixed)
-    return Pressing(solid, grid.outer_cells(outside), radius, penalty, 1e-5 * contact_radius, tolerance, contact_radius)
+    return Pressing(
+        solid, grid.outer_cells(outside), radius, penalty, 1e-5 * contact_radius, tolerance, contact_radius
+    )
 
 
 def make_fine_ball(radius: float, contact_radius: float) -> Grid:
@@ -91,8 +93,8 @@ def hertz() -> list[Row]:
     data = data.where(R_mm="10", approach_mm="0.05").joined(data.where(R_mm="22", approach_mm="0.05"))
     found = np.array([_press_lightly(*pose) for pose in zip(data["R_mm"], data["approach_mm"], strict=True)])
     force, reach, peak = found.T
-    at = [f"R = {radius:g}, d = {depth:g} mm" for radius, depth in zip(data["R_mm"], data["approach_mm"], strict=True)]
-    slope, limit = np.polyfit(np.sqrt(data["approach_mm"] / data["R_mm"]), force / data["force_N"], 1)
+    at = [f"R, d = {label} mm" for label in data.labels("R_mm", "approach_mm")]
+    _, limit = np.polyfit(np.sqrt(data["approach_mm"] / data["R_mm"]), force / data["force_N"], 1)
     return [
         compare("force, N", force, data["force_N"], 2e-2, at),
         compare("radius of contact, mm", reach, data["contact_radius_mm"], 2e-2, at),
@@ -124,7 +126,9 @@ def compression() -> list[Row]:
     """Force, energy and bulge of a sphere of radius 10 mm compressed by up to 0.4 R a plate."""
     radius, rows = 10.0, []
     for name, material in MATERIALS.items():
-        data = read_reference("sphere_compression").where(material=name, mesh_n="20").between("delta_over_R", 0.05, 0.4)
+        data = (
+            read_reference("sphere_compression").where(material=name, mesh_n="20").between("delta_over_R", 0.05, 0.4)
+        )
         grid = make_ball(radius, even(8, 1.3), even(6, 1.3), 4)
         pressing = make_pressing(grid, radius, material.with_bulk_ratio(2000.0), 5.0)
         depths = data["delta_over_R"] * radius

@@ -1,7 +1,8 @@
 """Torsion of a solid cylinder, bending of a block to a sector, and the cantilever that bends far.
 
 *Torsion* without axial strain (Rivlin 1949): a section at z turns by psi z, ``M = 4 pi psi ∫ W' r³ dr`` and
-``N = -psi M / 2``. *Bending* in plane strain (Rivlin 1949): ``r² = ri² + 2 A X``, ``theta = Y / A``, ``A = L / angle``.
+``N = -psi M / 2``. *Bending* in plane strain (Rivlin 1949): ``r² = ri² + 2 A X``, ``theta = Y / A``, with
+``A = L / angle``.
 The ends are prescribed from these solutions, the rest is free; moments and forces are those of the reactions.
 *Cantilever*: a slender one under a dead force across its end follows the elastica, ``EI theta'' = -P cos theta``.
 """

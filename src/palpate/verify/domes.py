@@ -55,7 +55,9 @@ def flat_branch(height: int, thickness: int) -> list[Row]:
     for k, name in enumerate(_PROBES):
         expected = np.stack([_at(data, f"inner_q{name}_{axis}", depth) for axis in ("ur", "uz")], axis=-1)
         distance = np.linalg.norm(moved[1:, k, 1:] - expected, axis=1)
-        rows.append(compare(f"probe at {name} % over the depth, mm", distance, 0 * depth, _SOLID_TOLERANCE, at, depth))
+        rows.append(
+            compare(f"probe at {name} % over the depth, mm", distance, 0 * depth, _SOLID_TOLERANCE, at, depth)
+        )
     return rows
 
 

@@ -49,7 +49,9 @@ def make_solid(grid: Grid, material: Material, fixed: BoolArray, load: FloatArra
     return solid
 
 
-def find_equilibrium(solid: Solid, displacement: FloatArray, tolerance: float | None = None) -> Equilibrium:
+def find_equilibrium(
+    solid: Solid, displacement: FloatArray, tolerance: float | None = None, pressure: FloatArray | None = None
+) -> Equilibrium:
     """Find the equilibrium of a solid near a displacement.
 
     Parameters
@@ -60,6 +62,8 @@ def find_equilibrium(solid: Solid, displacement: FloatArray, tolerance: float | 
         (n, 3) mm; its prescribed components stand.
     tolerance
         Greatest residual, N; without it, `TOLERANCE` times mu and the square of the body's size.
+    pressure
+        (n_cells, 4) MPa; none without it.
 
     Raises
     ------
@@ -70,7 +74,7 @@ def find_equilibrium(solid: Solid, displacement: FloatArray, tolerance: float | 
     tolerance = tolerance or TOLERANCE * solid.material.law.shear_modulus * size**2
     surface = OuterSurface(solid.nodes, np.empty((0, 9), np.int64), np.empty(0, np.int64))
     problem = ContactProblem(solid, surface, NO_CONTACT, make_linear_solver(), tolerance, size)
-    start = State(displacement, solid.rest().p)
+    start = State(displacement, solid.rest().p if pressure is None else pressure)
     found = problem.solve(start, NO_WALL, untouched(0), ITERATIONS)
     if not found.converged:
         raise PalpateError(
@@ -103,16 +107,23 @@ def follow_load(
     Returns
     -------
     list
-        The state at every factor, each started from the last two.
+        The state at every factor, each started from the last three.
     """
-    at, known = [0.0, 0.0], [np.zeros_like(grid.nodes)] * 2
-    states = []
+    at, states = [0.0], [State(np.zeros_like(grid.nodes), np.zeros((len(grid.cells), 4)))]
     for factor in factors:
-        slope = (known[-1] - known[-2]) / max(at[-1] - at[-2], 1e-300)
         solid = make_solid(grid, material, fixed, factor * load)
-        start = known[-1] + (factor - at[-1]) * slope
+        start = extrapolate(at[-3:], states[-3:], factor)
         tolerance = LOAD_TOLERANCE * factor * float(np.abs(load).max())
-        states.append(find_equilibrium(solid, start, tolerance).state)
-        known.append(states[-1].u)
+        states.append(find_equilibrium(solid, start.u, tolerance, start.p).state)
         at.append(float(factor))
-    return states
+    return states[1:]
+
+
+def extrapolate(at: list[float], states: list[State], to: float) -> State:
+    """Carry states, known at parameters `at` (load or depth in mm), by a polynomial to another parameter."""
+    u, p = np.zeros_like(states[0].u), np.zeros_like(states[0].p)
+    for k, state in enumerate(states):
+        others = np.delete(np.array(at), k)
+        share = float(np.prod((to - others) / (at[k] - others)))
+        u, p = u + share * state.u, p + share * state.p
+    return State(u, p)

@@ -41,7 +41,9 @@ def _compress(material: Material, size: float) -> np.ndarray:
 def mirror() -> list[Row]:
     """A whole dome under two walls that are mirror images in x = 0: forces and displacements are, too."""
     mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=10, whole=True))
-    walls = [WallSpec(tilt_deg=6, azimuth_deg=azimuth, depth=2.4, contact="frictionless") for azimuth in (25.0, -25.0)]
+    walls = [
+        WallSpec(tilt_deg=6, azimuth_deg=azimuth, depth=2.4, contact="frictionless") for azimuth in (25.0, -25.0)
+    ]
     one, other = (solve_press(mesh, SILICONE, wall) for wall in walls)
     side = np.array([-1.0, 1.0, 1.0])
     angle = np.radians([10.0, 100.0, 190.0, 280.0])

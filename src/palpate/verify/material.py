@@ -134,7 +134,7 @@ def drucker_limits() -> list[Row]:
 
 def _first_unstable(material: Material, mode: Mode, end: float) -> float:
     """First stretch on the way to `end` at which the Drucker matrix is singular; nan where there is none."""
-    path = end**_SCAN[1:]
+    path = end ** _SCAN[1:]
     smallest = np.array([_drucker(material, mode, stretch) for stretch in path])
     unstable = np.flatnonzero(smallest <= 0)
     if not len(unstable) or unstable[0] == 0:

@@ -21,6 +21,7 @@ from palpate.fea import (
     make_linear_solver,
     untouched,
 )
+from palpate.verify.equilibrium import extrapolate
 from palpate.verify.mapped import FloatArray, IntArray
 
 DOWN = np.array([0.0, 0.0, 1.0])
@@ -101,17 +102,20 @@ class Pressing:
         PalpateError
             If no increment, however small, leads to the next depth.
         """
-        at, states = map(list, zip(start or (0.0, self.solid.rest()), strict=True))
+        first, state = start or (0.0, self.solid.rest())
+        at, states = [first], [state]
         found = []
         for depth in depths:
             step = depth - at[-1]
             while abs(depth - at[-1]) > 1e-12:
                 step = min(step, depth - at[-1], key=abs)
-                here = self.solve(_extrapolated(at[-3:], states[-3:], at[-1] + step), at[-1] + step)
+                here = self.solve(extrapolate(at[-3:], states[-3:], at[-1] + step), at[-1] + step)
                 if not here.converged:
                     step /= 2
                     if abs(step) < _SMALLEST * max(map(abs, depths)):
-                        raise PalpateError(f"No equilibrium beyond {at[-1]:.4g} mm: {here.outcome}.", "Refine the mesh.")
+                        raise PalpateError(
+                            f"No equilibrium beyond {at[-1]:.4g} mm: {here.outcome}.", "Refine the mesh."
+                        )
                     continue
                 at.append(at[-1] + step)
                 states.append(here.state)
@@ -153,13 +157,3 @@ class Pressing:
         """Depth (n_points,) in mm of every contact point inside the plane, negative before it."""
         x = self.problem.surface.interpolate(self.solid.nodes + state.u)
         return x[:, 2] - self.plane(depth).point[2]
-
-
-def _extrapolated(at: list[float], states: list[State], depth: float) -> State:
-    """Polynomial in depth through the last states."""
-    u, p = np.zeros_like(states[0].u), np.zeros_like(states[0].p)
-    for k, state in enumerate(states):
-        others = np.delete(np.array(at), k)
-        share = float(np.prod((depth - others) / (at[k] - others)))
-        u, p = u + share * state.u, p + share * state.p
-    return State(u, p)

@@ -9,7 +9,7 @@ from palpate.material import get_material
 from palpate.verify.bending import SPAN, bend, make_block
 from palpate.verify.case import Row, below, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid
-from palpate.verify.mapped import FloatArray, Grid, even, join, map_block
+from palpate.verify.mapped import BoolArray, FloatArray, Grid, even, join, map_block
 from palpate.verify.pressing import Pressing
 from palpate.verify.rubber import YEOH
 
@@ -27,7 +27,7 @@ def distorted_cube(cells: int, *, inside: bool) -> Grid:
     return Grid(np.where(on_surface[:, None] & inside, grid.nodes, grid.nodes + noise), grid.cells)
 
 
-def _on_surface(grid: Grid) -> FloatArray:
+def _on_surface(grid: Grid) -> BoolArray:
     return np.any([grid.near(axis, value) for axis in range(3) for value in (0.0, 1.0)], axis=0)
 
 
@@ -91,7 +91,11 @@ def tangent() -> list[Row]:
         slope += weight * (ahead - behind) / (2 * step)
     exact = matrix @ direction.ravel()
     return [
-        below("slope of the residual over the greatest", float(np.abs(slope - exact).max() / np.abs(exact).max()), 1e-7),
+        below(
+            "error of the slope of the residual over it",
+            float(np.abs(slope - exact).max() / np.abs(exact).max()),
+            1e-7,
+        ),
     ]
 
 

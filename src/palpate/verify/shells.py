@@ -56,7 +56,9 @@ def make_pressing(ratio: float, poisson: float, cells: int) -> Pressing:
     outside = np.abs(np.linalg.norm(grid.nodes, axis=1) - top) < 1e-6 * RADIUS
     solid = make_solid(grid, material, fixed)
     penalty = _PENALTY * material.young_modulus / thickness
-    return Pressing(solid, grid.outer_cells(outside), top, penalty, _WIDTH * thickness, 1e-6 * thickness**2, thickness)
+    return Pressing(
+        solid, grid.outer_cells(outside), top, penalty, _WIDTH * thickness, 1e-6 * thickness**2, thickness
+    )
 
 
 def flat_branch() -> list[Row]:

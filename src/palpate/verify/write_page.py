@@ -60,9 +60,10 @@ def write_page(outcomes: Sequence[Outcome], command: str) -> str:
     passed = sum(row.passed for row in rows)
     failed = sum(bool(outcome.failure) for outcome in outcomes)
     versions = ", ".join(f"{name} {version}" for name, version in provenance().items() if name in _VERSIONS)
+    seconds = sum(item.cpu_s for item in outcomes)
     lines = [
         _HEAD,
-        f"Made by `{command}` on {date.today().isoformat()} in {sum(item.cpu_s for item in outcomes):.0f} CPU-seconds "
+        f"Made by `{command}` on {date.today().isoformat()} in {seconds:.0f} CPU-seconds "
         f"on one core ({versions}). {passed} of {len(rows)} rows pass"
         + (f"; {failed} cases could not be solved." if failed else "."),
         "",
