@@ -2,8 +2,9 @@
 
 The elements are 20-node bricks with 2 × 2 × 2 points (C3D20R), the contact is node to surface by a penalty. What
 CalculiX does not give is nan: contact energy, tension of the hold. Stored energy is that of its displacement at the
-2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes); contact area and
-apex gap are measured on its displaced surface, as for our own solver.
+2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes), work the axial force
+of the images integrated by monotone cubics. Contact area and apex gap are measured on its displaced surface, as for
+our own solver.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import PchipInterpolator
 
 from palpate.core import PalpateError, Spec, parameter
 from palpate.fea.arrays import FloatArray
@@ -179,7 +180,7 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: WallSp
         "force": force,
         "energy": parts * np.array([stored_energy(mesh, material, u) for u in displacement]),
         "contact_energy": nothing,
-        "work": cumulative_trapezoid(force[:, 2], depth, initial=0.0),
+        "work": PchipInterpolator(depth, force[:, 2]).antiderivative()(depth),
         "branch": np.where(gap > _INVERTED_GAP * mesh.dome.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], images.peak_stress]),
         "contact_area": parts * area,
