@@ -2,9 +2,9 @@
 
 The elements are 20-node bricks with 2 × 2 × 2 points (C3D20R), the contact is node to surface by a penalty. What
 CalculiX does not give is nan: contact energy, tension of the hold. Stored energy is that of its displacement at the
-2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes), work the axial force
-of the images integrated by monotone cubics. Contact area and apex gap are measured on its displaced surface, as for
-our own solver.
+2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes), work that
+of the images' axial force by monotone cubics. Contact area and apex gap are measured on its displaced surface, as
+for our own solver.
 """
 
 from __future__ import annotations
