@@ -92,7 +92,8 @@ def compare(
     measure = np.abs(there) if scale is None else np.broadcast_to(np.asarray(scale, float), there.shape)
     agree = (here == there) | (np.isnan(here) & np.isnan(there))
     distance = np.where(agree, 0.0, np.abs(here - there))
-    deviation = np.divide(distance, measure, out=np.zeros_like(distance), where=~agree)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        deviation = np.where(agree, 0.0, distance / measure)
     deviation[np.isnan(deviation)] = np.inf
     worst = int(np.argmax(deviation))
     return Row(

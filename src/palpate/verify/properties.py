@@ -90,13 +90,8 @@ def tangent() -> list[Row]:
         behind = _assemble(solid, state.moved(step * direction, dp, -1.0))[2]
         slope += weight * (ahead - behind) / (2 * step)
     exact = matrix @ direction.ravel()
-    return [
-        below(
-            "error of the slope of the residual over it",
-            float(np.abs(slope - exact).max() / np.abs(exact).max()),
-            1e-7,
-        ),
-    ]
+    error = np.abs(slope - exact).max() / np.abs(exact).max()
+    return [below("error of the slope of the residual over it", float(error), 1e-7)]
 
 
 def contact_patch() -> list[Row]:

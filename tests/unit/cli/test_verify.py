@@ -1,0 +1,46 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from palpate.cli import main, verify
+from palpate.verify import Case
+from palpate.verify.case import compare
+
+
+def call(*words: str) -> int:
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+def test_verify_prints_a_table_and_writes_the_page(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    assert call("verify", "--only", "yeoh", "--quick", "--markdown", str(page)) == 0
+    shown = capsys.readouterr()
+    assert "yeoh_drucker_limits" in shown.out
+    assert "18 of 18 rows pass" in shown.out
+    assert "yeoh_homogeneous: passed" in shown.err
+    assert "palpate verify --only yeoh --quick --markdown" in page.read_text()
+
+
+def test_verify_speaks_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("verify", "--only", "zero_energy_modes", "--json") == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["passed"]
+    assert shown["cases"][0]["rows"][0]["ours"] == 6
+
+
+def test_a_row_outside_its_tolerance_is_exit_code_1(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bad = Case("bad", "exact", lambda: [compare("force, N", 1.1, 1.0, 0.01)])
+    monkeypatch.setattr(verify, "choose_cases", lambda only, quick: (bad,))
+    assert call("verify") == 1
+    assert "0 of 1 rows pass" in capsys.readouterr().out
+
+
+def test_an_unknown_case_is_refused_with_the_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("verify", "--only", "doom") == 2
+    assert "dome_H20_T2" in capsys.readouterr().err

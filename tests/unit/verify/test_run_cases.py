@@ -1,0 +1,58 @@
+import pytest
+
+from palpate.core import PalpateError
+from palpate.verify import CASES, Case, Outcome, choose_cases, run_cases, write_page
+from palpate.verify.case import compare
+from palpate.verify.read_reference import read_reference
+
+
+def fails() -> list:
+    raise PalpateError("No equilibrium was found.", "Refine the mesh.")
+
+
+GOOD = Case("good", "exact", lambda: [compare("force, N", 1.0, 1.0, 0.01)])
+BAD = Case("bad", "exact", lambda: [compare("force, N", 1.1, 1.0, 0.01, ["d = 1 mm"])])
+LOST = Case("lost", "exact", fails)
+
+
+def test_names_are_unique() -> None:
+    assert len({case.name for case in CASES}) == len(CASES)
+
+
+def test_a_pattern_and_quick_choose_cases() -> None:
+    assert {case.name for case in choose_cases("calculix")} == {"calculix_H20_T3_tilt0", "calculix_H20_T3_tilt10"}
+    assert [case.name for case in choose_cases("dome_H?0_T4")] == ["dome_H20_T4"]
+    assert not any(case.slow for case in choose_cases(quick=True))
+
+
+def test_a_pattern_that_names_nothing_is_refused_with_the_names() -> None:
+    with pytest.raises(PalpateError, match="named like 'doom'") as refused:
+        choose_cases("doom")
+    assert "dome_H20_T2" in refused.value.remedy
+    with pytest.raises(PalpateError, match="slow"):
+        choose_cases("dome_H20_T2", quick=True)
+
+
+def test_a_case_that_cannot_be_solved_is_an_outcome() -> None:
+    outcomes = list(run_cases([GOOD, BAD, LOST]))
+    assert [outcome.passed for outcome in outcomes] == [True, False, False]
+    assert outcomes[2].failure == "No equilibrium was found."
+
+
+def test_the_page_shows_every_row_and_what_made_it() -> None:
+    page = write_page([*run_cases([GOOD, BAD, LOST])], "palpate verify --markdown page.md")
+    assert "Made by `palpate verify --markdown page.md`" in page
+    assert "1 of 2 rows pass; 1 cases could not be solved." in page
+    assert "| bad | exact | force, N at d = 1 mm | 1 | 1.1 | 1 | 10.00 % | 1.00 % | **no** |" in page
+    assert "| lost | exact | No equilibrium was found. |" in page
+
+
+def test_references_are_part_of_the_package() -> None:
+    data = read_reference("dome_H20_T2")
+    assert data.between("d_mm", 0.3, 0.5)["force_N"] == pytest.approx([0.01393417])
+    assert read_reference("hertz_sphere_plane").where(R_mm="22").labels("R_mm")[0] == "22"
+
+
+def test_an_outcome_without_rows_has_failed_only_with_a_reason() -> None:
+    assert Outcome(GOOD, (), 0.0).passed
+    assert not Outcome(GOOD, (), 0.0, "lost").passed

@@ -1,0 +1,14 @@
+"""Every case of the verification suite: each row within its tolerance."""
+
+import pytest
+
+from palpate.verify import CASES, Case
+
+MARKED = [pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.slow else []) for case in CASES]
+
+
+@pytest.mark.parametrize("case", MARKED)
+def test_every_row_is_within_its_tolerance(case: Case) -> None:
+    rows = case.run()
+    assert rows
+    assert [row for row in rows if not row.passed] == []
