@@ -23,7 +23,7 @@ _STIFF = 400.0
 """Penalty over E and the radius of contact: penetration stays near two thousandths of the depth."""
 
 
-def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int) -> Grid:
+def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int, turn: Turn) -> Grid:
     """Mesh an eighth of a sphere.
 
     Parameters
@@ -36,6 +36,8 @@ def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int) -> G
         Cell boundaries 0…1 from the surface down to the core.
     up
         Cells from the equator up to the core's top.
+    turn
+        Cells around.
     """
     inward, rise = 1 - below[::-1], even(up)
 
@@ -52,7 +54,6 @@ def make_ball(radius: float, along: FloatArray, below: FloatArray, up: int) -> G
         edge = _CORE * np.column_stack([np.ones_like(angle), 1 - q[:, 0]])
         return radius * _between(edge, np.column_stack([np.sin(angle), np.cos(angle)]), q[:, 1:])
 
-    turn = Turn(2)
     return join(
         revolve(core, (along, rise), turn, solid=True),
         revolve(upper, (along, inward), turn, solid=True),
@@ -80,7 +81,7 @@ def make_fine_ball(radius: float, contact_radius: float) -> Grid:
     """Mesh an eighth of a sphere with cells of 0.15 times the radius of contact (mm) under the contact."""
     cell = 0.15 * contact_radius / radius
     along, below = graded(cell / (0.25 * np.pi), 10, 20), graded(cell / (1 - _CORE), 3, 16)
-    return make_ball(radius, along, below, 4)
+    return make_ball(radius, along, below, 4, Turn(2))
 
 
 def hertz() -> list[Row]:
@@ -129,7 +130,7 @@ def compression() -> list[Row]:
         data = (
             read_reference("sphere_compression").where(material=name, mesh_n="20").between("delta_over_R", 0.05, 0.4)
         )
-        grid = make_ball(radius, even(8, 1.3), even(6, 1.3), 4)
+        grid = make_ball(radius, even(8, 1.3), even(6, 1.3), 4, Turn(1))
         pressing = make_pressing(grid, radius, material.with_bulk_ratio(2000.0), 5.0)
         depths = data["delta_over_R"] * radius
         found = pressing.follow([*np.linspace(0.1, 0.5, 5)[:-1], *depths])[4:]

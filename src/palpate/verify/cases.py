@@ -9,6 +9,8 @@ from palpate.verify.case import Case
 
 _SHELL_CODE = "axisymmetric shell code"
 _SOLID_CODE = "axisymmetric solid code"
+_BRANCHES = {"flat": "flat", "dimple": "inverted"}
+"""Branches of a shell between plates: the reference's word and ours."""
 
 CASES: tuple[Case, ...] = (
     Case("yeoh_homogeneous", "exact", material.homogeneous),
@@ -27,8 +29,15 @@ CASES: tuple[Case, ...] = (
     Case("no_locking", "finer mesh", cook.no_locking),
     Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
     Case("sphere_compression", _SOLID_CODE, ball.compression, slow=True),
-    Case("shell_between_plates_flat", _SHELL_CODE, shells.flat_branch, slow=True),
-    Case("shell_between_plates_inverted", _SHELL_CODE, shells.inverted_branch, slow=True),
+    *(
+        Case(f"shell_R{ratio:g}_{name}", _SHELL_CODE, partial(shells.against_shell, branch, ratio), slow=True)
+        for branch, name in _BRANCHES.items()
+        for ratio in shells.RATIOS
+    ),
+    *(
+        Case(f"shell_limit_{name}", _SHELL_CODE, partial(shells.thin_limit, branch), slow=True)
+        for branch, name in _BRANCHES.items()
+    ),
     *(
         Case(f"dome_H{height}_T{thickness}", _SOLID_CODE, partial(domes.flat_branch, height, thickness), slow=True)
         for height, thickness in domes.FLAT_TO

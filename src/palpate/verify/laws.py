@@ -10,7 +10,7 @@ from palpate.material import Material, neo_hooke
 from palpate.mesh import MeshSpec, mesh_dome
 from palpate.verify.ball import make_ball, make_pressing
 from palpate.verify.case import Row, below, compare
-from palpate.verify.mapped import even
+from palpate.verify.mapped import Turn, even
 from palpate.verify.properties import SILICONE
 
 _DEPTHS = (0.2, 0.5, 1.0)
@@ -33,7 +33,7 @@ def scaling() -> list[Row]:
 def _compress(material: Material, size: float) -> np.ndarray:
     """Forces (N) and energies (mJ), (2, n), of a coarse sphere of radius 10 mm times `size`."""
     radius = 10.0 * size
-    pressing = make_pressing(make_ball(radius, even(4), even(2), 2), radius, material, 0.4 * radius)
+    pressing = make_pressing(make_ball(radius, even(4), even(2), 2, Turn(1)), radius, material, 0.4 * radius)
     found = pressing.follow([0.1 * radius * depth for depth in _DEPTHS])
     return np.array([[item.loads.force[2], item.loads.elastic] for item in found]).T
 

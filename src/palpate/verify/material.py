@@ -21,8 +21,12 @@ from palpate.verify.rubber import YEOH
 
 _PRINTED = 5e-10
 """Half a unit of the tenth digit, the last that the files hold."""
-_STEP = 1e-5
-"""Step of the central differences of the Drucker matrix, in logarithmic strain."""
+_RATES = {
+    Mode.UNIAXIAL: np.array([1.0, -0.5]),
+    Mode.EQUIBIAXIAL: np.array([1.0, 1.0]),
+    Mode.PLANAR: np.array([1.0, 0.0]),
+}
+"""Logarithmic strain rates of the first two directions."""
 _SCAN = np.linspace(0.0, 1.0, 800)
 """Shares of the way, on a logarithmic scale, from no stretch to the ends of the scan, 0.1 and 8."""
 
@@ -30,15 +34,24 @@ _SCAN = np.linspace(0.0, 1.0, 800)
 def homogeneous() -> list[Row]:
     """Nominal and Cauchy stress and energy in uniaxial, equibiaxial and planar tension and compression."""
     rows = []
-    columns = {"nominal": "nominal1_Pa", "cauchy": "cauchy1_Pa", "cauchy_constraint": "cauchy2_Pa", "energy": "W_Pa"}
     for mode in Mode:
         data = read_reference("yeoh_homogeneous").where(mode=mode)
-        curve = trace_curve(YEOH, mode, data["stretch"])
-        at = [f"stretch {value:g}" for value in data["stretch"]]
-        for field, column in columns.items():
-            expected = data[column]
-            scale = np.maximum(np.abs(expected), 1.0)
-            rows.append(compare(f"{column}, {mode}", 1e6 * getattr(curve, field), expected, _PRINTED, at, scale))
+        stretch = data["stretch"]
+        curve = trace_curve(YEOH, mode, stretch)
+        difference, slope = _differences(YEOH, mode, stretch)
+        rate = slope[:, 0] @ _RATES[mode]
+        ours = {
+            "nominal1_Pa": curve.nominal,
+            "cauchy1_Pa": curve.cauchy,
+            "cauchy2_Pa": curve.cauchy_constraint,
+            "W_Pa": curve.energy,
+            "dnominal1_dstretch_Pa": (rate - difference[:, 0]) / stretch**2,
+            "drucker_min_eig_Pa": _drucker(YEOH, mode, stretch),
+        }
+        at = [f"stretch {value:g}" for value in stretch]
+        for column, values in ours.items():
+            scale = np.maximum(np.abs(data[column]), 1.0)
+            rows.append(compare(f"{column}, {mode}", 1e6 * values, data[column], _PRINTED, at, scale))
     return rows
 
 
@@ -135,23 +148,26 @@ def drucker_limits() -> list[Row]:
 def _first_unstable(material: Material, mode: Mode, end: float) -> float:
     """First stretch on the way to `end` at which the Drucker matrix is singular; nan where there is none."""
     path = end ** _SCAN[1:]
-    smallest = np.array([_drucker(material, mode, stretch) for stretch in path])
-    unstable = np.flatnonzero(smallest <= 0)
+    unstable = np.flatnonzero(_drucker(material, mode, path) <= 0)
     if not len(unstable) or unstable[0] == 0:
         return float("nan") if not len(unstable) else float(path[0])
     first = unstable[0]
-    return float(brentq(lambda stretch: _drucker(material, mode, stretch), path[first - 1], path[first], xtol=1e-10))
+    between = path[first - 1], path[first]
+    return float(brentq(lambda stretch: _drucker(material, mode, np.array([stretch]))[0], *between, xtol=1e-10))
 
 
-def _drucker(material: Material, mode: Mode, stretch: float) -> float:
-    """Smallest eigenvalue of the symmetric Drucker matrix, MPa."""
-    logarithm = np.log(stretches(mode, np.array([stretch]))[0])
-    moves = np.repeat(np.array([[1.0, 0.0, -1.0], [0.0, 1.0, -1.0]]), 2, axis=0) * np.array([[1], [-1], [1], [-1]])
-    tau = _principal(material, np.exp(logarithm + _STEP * moves))
-    D = (tau[0::2] - tau[1::2]).T / (2 * _STEP)
-    return float(np.linalg.eigvalsh(0.5 * (D + D.T))[0])
+def _drucker(material: Material, mode: Mode, stretch: FloatArray) -> FloatArray:
+    """Smallest eigenvalues (n,) MPa of the Drucker matrix at stretches (n,)."""
+    _, slope = _differences(material, mode, stretch)
+    return np.asarray(np.linalg.eigvalsh(slope)[:, 0])
 
 
-def _principal(material: Material, principal: FloatArray) -> FloatArray:
-    _, tau, _ = material.evaluate(principal[:, :, None] * np.eye(3))
-    return tau[:, :2] - tau[:, 2:3]
+def _differences(material: Material, mode: Mode, stretch: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """``tau_i - tau_3`` (n, 2) and its Drucker matrix (n, 2, 2), MPa.
+
+    In principal axes the spatial tangent is ``c_ij = d tau_i / d eps_j - 2 tau_i delta_ij``.
+    """
+    _, tau, c = material.evaluate(stretches(mode, stretch)[:, :, None] * np.eye(3))
+    slope = c[:, :3, :3] + 2 * tau[:, :3, None] * np.eye(3)
+    against_third = slope[:, :2] - slope[:, 2:]
+    return tau[:, :2] - tau[:, 2:3], against_third[:, :, :2] - against_third[:, :, 2:]

@@ -7,7 +7,7 @@ reached from the shell mirrored at the plate, and followed from deep back to whe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -26,11 +26,12 @@ _PENALTY, _WIDTH = 120.0, 1e-3
 
 
 _POISSON = (0.3, 0.5)
-_RATIOS = (20.0, 50.0, 100.0)
+RATIOS = (20.0, 50.0, 100.0)
+"""R/h of the shells."""
 _CELLS = {"flat": 40, "dimple": 110}
 """Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch."""
-Solve = Callable[[Pressing, FloatArray, list[FloatArray]], list[Equilibrium]]
-"""From a shell, depths (mm) and shapes of another material to the equilibria."""
+_TRAVEL = {"flat": [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "dimple": [4.0, 5.0, 6.0]}
+"""Travel of the plate over the thickness at which forces are compared."""
 
 
 def make_shell(thickness: float, cells: int) -> Grid:
@@ -61,40 +62,43 @@ def make_pressing(ratio: float, poisson: float, cells: int) -> Pressing:
     )
 
 
-def flat_branch() -> list[Row]:
-    """Force against the plate's travel while the cap stays flat on it, its middle held as in a press."""
-    return _against_shells("flat", [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], _follow_flat)
-
-
-def inverted_branch() -> list[Row]:
-    """Force while the cap is turned inside out and a ring bears the plate."""
-    return _against_shells("dimple", [4.0, 5.0, 6.0], _relax_inverted)
-
-
-def _against_shells(branch: str, travel: list[float], solve: Solve) -> list[Row]:
-    """Compare forces at R/h = 50 and 100, and their ratio to the reference carried to a shell without thickness.
-
-    The reference is a shell's: a solid differs from it by the order of h/R, 2 to 5 % at R/h = 20.
-    """
-    rows: list[Row] = []
-    shares: dict[float, list[FloatArray]] = {poisson: [] for poisson in _POISSON}
-    for ratio in _RATIOS:
-        shapes: list[FloatArray] = []
-        for poisson in _POISSON:
-            data = _reference(ratio, poisson, branch, travel)
-            pressing = make_pressing(ratio, poisson, _CELLS[branch])
-            found = solve(pressing, data["delta_over_h"] * RADIUS / ratio, shapes)
-            shapes = [item.state.u for item in found]
-            force = np.array([4 * item.loads.force[2] for item in found]) / _unit(pressing)
-            shares[poisson].append(force / data["FR_over_Eh3"])
-            at = [f"d/h = {value:g}" for value in data["delta_over_h"]]
-            if ratio > _RATIOS[0]:
-                title = f"F R / (E h³), R/h = {ratio:g}, nu = {poisson}"
-                rows.append(compare(title, force, data["FR_over_Eh3"], 2e-2, at))
-    for poisson, share in shares.items():
-        limit = np.polyfit(1 / np.array(_RATIOS), np.array(share), 1)[1]
-        rows.append(compare(f"ratio carried to h/R = 0, nu = {poisson}", limit, np.ones(len(limit)), 2e-2, at))
+def against_shell(branch: str, ratio: float) -> list[Row]:
+    """Force on the flat or the inverted (``dimple``) branch of a shell of R/h = `ratio`."""
+    rows = []
+    for poisson, (force, expected) in _solve(branch, ratio).items():
+        rows.append(compare(f"F R / (E h³), nu = {poisson}", force, expected, 2e-2, _labels(branch)))
     return rows
+
+
+def thin_limit(branch: str) -> list[Row]:
+    """Ratio to the reference, a shell without thickness, carried to h/R = 0 by a line through three shells."""
+    rows = []
+    for poisson in _POISSON:
+        shares = [np.divide(*_solve(branch, ratio)[poisson]) for ratio in RATIOS]
+        limit = np.polyfit(1 / np.array(RATIOS), np.array(shares), 1)[1]
+        title = f"ratio carried to h/R = 0, nu = {poisson}"
+        rows.append(compare(title, limit, np.ones(len(limit)), 2e-2, _labels(branch)))
+    return rows
+
+
+def _labels(branch: str) -> list[str]:
+    return [f"d/h = {value:g}" for value in _TRAVEL[branch]]
+
+
+@cache
+def _solve(branch: str, ratio: float) -> dict[float, tuple[FloatArray, FloatArray]]:
+    """Forces over ``E h³ / R``, ours and the reference's, by Poisson's ratio; 0.5 may start from 0.3."""
+    solve = {"flat": _follow_flat, "dimple": _relax_inverted}[branch]
+    shapes: list[FloatArray] = []
+    forces = {}
+    for poisson in _POISSON:
+        data = _reference(ratio, poisson, branch)
+        pressing = make_pressing(ratio, poisson, _CELLS[branch])
+        found = solve(pressing, data["delta_over_h"] * RADIUS / ratio, shapes)
+        shapes = [item.state.u for item in found]
+        unit = pressing.solid.material.young_modulus * pressing.size**3 / RADIUS
+        forces[poisson] = np.array([4 * item.loads.force[2] for item in found]) / unit, data["FR_over_Eh3"]
+    return forces
 
 
 def _follow_flat(pressing: Pressing, depths: FloatArray, _: list[FloatArray]) -> list[Equilibrium]:
@@ -109,15 +113,10 @@ def _relax_inverted(pressing: Pressing, depths: FloatArray, shapes: list[FloatAr
     return [pressing.relax(State(u, rest.p), depth) for u, depth in zip(starts, depths, strict=True)]
 
 
-def _unit(pressing: Pressing) -> float:
-    """Unit of force ``E h³ / R``, N."""
-    return pressing.solid.material.young_modulus * pressing.size**3 / RADIUS
-
-
-def _reference(ratio: float, poisson: float, branch: str, travel: list[float]) -> Reference:
+def _reference(ratio: float, poisson: float, branch: str) -> Reference:
     texts = {"R_over_h": f"{ratio:.1f}", "nu": f"{poisson}", "branch": branch}
     data = read_reference("sphere_shell_plate_compression").where(**texts)
-    return data.at("delta_over_h", travel)
+    return data.at("delta_over_h", _TRAVEL[branch])
 
 
 def _mirrored(pressing: Pressing, thickness: float, depth: float) -> FloatArray:

@@ -22,8 +22,8 @@ _NOTES = """
   of a sphere inflated threefold by 0.4 %.
 * *Hertz* is the limit of a small patch: the sphere between plates is some 0.27 a/R stiffer (1.9 % at d/R = 0.005),
   so the ratio carried to a/R = 0 stands beside the values.
-* *Shell between plates*: the reference is thin-shell theory. A solid differs from it by the order of h/R: 2 to 5 % at
-  R/h = 20, which therefore counts only in the ratio carried to h/R = 0.
+* *Shell between plates*: the reference is thin-shell theory. A solid differs from it by the order of h/R, 2 to 5 % at
+  R/h = 20, so those rows are outside 2 %; the ratio to the reference, carried to h/R = 0, is within.
 * *Domes* are pressed by the product's default mesh and contact, but for the thickest (two cells through the wall) and
   the pair against CalculiX, whose reference is itself a coarse mesh with soft contact.
 """

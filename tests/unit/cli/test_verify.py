@@ -20,7 +20,7 @@ def test_verify_prints_a_table_and_writes_the_page(capsys: pytest.CaptureFixture
     assert call("verify", "--only", "yeoh", "--quick", "--markdown", str(page)) == 0
     shown = capsys.readouterr()
     assert "yeoh_drucker_limits" in shown.out
-    assert "18 of 18 rows pass" in shown.out
+    assert "24 of 24 rows pass" in shown.out
     assert "yeoh_homogeneous: passed" in shown.err
     assert "palpate verify --only yeoh --quick --markdown" in page.read_text()
 
