@@ -25,6 +25,7 @@ _CORE = 0.5
 _JOIN = 1e-7
 """Distance over the body's size within which nodes are one."""
 _OUTER_FACE = np.arange(18, 27)
+_QUARTER_TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -161,11 +162,9 @@ def revolve(section: Map, cuts: tuple[FloatArray, FloatArray], turn: Turn, *, so
     rings = xi[1:] if solid else xi
     if len(rings) > 1:
         blocks.append(map_block((rings, around, eta), ring))
-    quarter = np.concatenate(blocks)
-    turns = [np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])] * (turn.quarters - 1)
-    quarters = [quarter]
-    for matrix in turns:
-        quarters.append(quarters[-1] @ matrix.T)
+    quarters = [np.concatenate(blocks)]
+    for _ in range(turn.quarters - 1):
+        quarters.append(quarters[-1] @ _QUARTER_TURN.T)
     return np.concatenate(quarters)
 
 
