@@ -23,12 +23,12 @@ from palpate.core import PalpateError, Spec, parameter
 from palpate.fea.arrays import FloatArray
 from palpate.fea.calculix_results import CalculixImages, read_counts, read_images
 from palpate.fea.contact import OuterSurface
-from palpate.fea.deck import deck_depths, deck_normal, deck_text
+from palpate.fea.deck import deck_depths, deck_text
 from palpate.fea.deck_spec import DeckSpec, Dialect
 from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
 from palpate.fea.serendipity import fill_nodes
 from palpate.fea.spec import SolverSpec, WallSpec
-from palpate.fea.wall import touch_point, wall_at
+from palpate.fea.wall import normal_in_mesh, touch_point, wall_at
 from palpate.material import Material
 from palpate.mesh import Mesh, gauss_points, shape_hexahedron
 
@@ -172,7 +172,7 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: WallSp
     moved = fill_nodes(mesh.cells, images.displacement)
     displacement = np.concatenate([np.zeros((1, *mesh.nodes.shape)), moved])
     force = np.concatenate([np.zeros((1, 3)), parts * side * images.wall_force]) @ turn.T
-    gap, area = _contact(mesh, deck_normal(mesh, wall), depth, displacement)
+    gap, area = _contact(mesh, normal_in_mesh(mesh, wall), depth, displacement)
     nothing = np.full(len(depth), np.nan)
     return {
         "depth": depth,

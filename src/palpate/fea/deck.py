@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import PalpateError, provenance
-from palpate.fea.arrays import FloatArray
 from palpate.fea.deck_material import material_lines
 from palpate.fea.deck_mesh import deck_mesh, mesh_lines
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
@@ -17,9 +16,9 @@ from palpate.fea.deck_step import boundary_lines, image_lines, step_lines
 from palpate.fea.deck_wall import contact_lines, deck_wall, wall_lines
 from palpate.fea.solve_press import image_depths
 from palpate.fea.spec import WallSpec, contact_text
-from palpate.fea.wall import clamp_depth, wall_normal
+from palpate.fea.wall import clamp_depth, normal_in_mesh
 from palpate.material import Material
-from palpate.mesh import Mesh, rim_angle
+from palpate.mesh import Mesh
 
 
 def write_deck(path: Path, mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | None = None) -> None:
@@ -75,7 +74,7 @@ def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | N
             "CalculiX turns shells into one layer of solids, 18 to 26 % too stiff here.",
             "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
         )
-    normal = deck_normal(mesh, wall)
+    normal = normal_in_mesh(mesh, wall)
     depths = deck_depths(mesh, wall)
     parts = deck_mesh(mesh, spec.dialect, spec.element)
     plate = deck_wall(mesh, normal, len(parts.elements), spec.dialect)
@@ -91,25 +90,6 @@ def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | N
         *step_lines(spec, depths),
     ]
     return "\n".join(lines) + "\n"
-
-
-def deck_normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
-    """Outward normal (3,) of the wall in the frame of the deck.
-
-    Raises
-    ------
-    PalpateError
-        If the wall touches the clamped rim before the dome.
-    """
-    tilt, azimuth = np.radians(wall.tilt_deg), np.radians(wall.azimuth_deg) if mesh.spec.whole else 0.0
-    rim = rim_angle(mesh.dome, mesh.dome.outer_radius, mesh.spec.rim)
-    if tilt >= rim:
-        raise PalpateError(
-            f"A wall tilted by {wall.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
-            "before the dome.",
-            "Tilt it less, or make the dome higher.",
-        )
-    return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
 
 
 def deck_depths(mesh: Mesh, wall: WallSpec) -> list[float]:

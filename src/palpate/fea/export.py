@@ -24,12 +24,11 @@ import numpy as np
 
 from palpate.core import MissingExtraError, PalpateError, provenance
 from palpate.fea.arrays import FloatArray
-from palpate.fea.deck import deck_normal
 from palpate.fea.press import Press, azimuth_rotation
 from palpate.fea.serendipity import BRICK
 from palpate.fea.solid import GAUSS, Solid, State
 from palpate.fea.stress import cauchy_stress, von_mises
-from palpate.fea.wall import wall_at
+from palpate.fea.wall import normal_in_mesh, wall_at
 from palpate.mesh import gauss_points, shape_hexahedron
 
 _VTK = np.concatenate([BRICK, [12, 14, 10, 16, 4, 22, 13]])
@@ -96,7 +95,7 @@ def _write_images(folder: Path, press: Press) -> list[str]:
     meshio = _meshio()
     mesh, turn = press.mesh, _turn(press)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
-    normal = deck_normal(mesh, press.wall)
+    normal = normal_in_mesh(mesh, press.wall)
     solid = None if press.solver.backend == "calculix" else _solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):

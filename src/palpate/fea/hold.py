@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from palpate.fea.arrays import FloatArray
 
 _SECTORS = 6
-_MIDDLE = 0.5
-"""Share of the patch's radius that is held."""
+_MIDDLE = 0.9
+"""Share of the patch's radius that is held; with less, points outside it leave and return without end at T = 1."""
 
 
 def patch_middle(place: FloatArray, normal: FloatArray, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -34,8 +34,8 @@ def patch_middle(place: FloatArray, normal: FloatArray, touching: NDArray[np.boo
     Returns
     -------
     (n,) bool
-        Points nearer to the patch's centre than half the radius at which contact ends, in the direction where
-        it ends soonest. Directions are folded about the tilt plane, so half and whole models agree.
+        Points nearer to the patch's centre than nine tenths of the radius at which contact ends, in the direction
+        where it ends soonest. Directions are folded about the tilt plane, so half and whole models agree.
     """
     if np.count_nonzero(touching) < 4 * _SECTORS:
         return np.zeros(len(place), bool)

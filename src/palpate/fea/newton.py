@@ -7,6 +7,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, assemble_contact
@@ -18,6 +19,8 @@ _TRIALS = 5
 """Most trials of a line search."""
 _SLOPE_FALL = 0.5
 """Share of the first slope to which a line search goes down."""
+_BLOW_UP = 10.0
+"""Share of the first slope to which a step along a rising one may raise it."""
 _FIRST_SHIFT, _SHIFTS = 1e-3, 8
 """First shift of an indefinite tangent, over mu/T² and the nodal volume, and how often it may grow."""
 
@@ -216,6 +219,29 @@ class ContactProblem:
             state, loads = self._search(state, step, float(residual @ step), plane, touch, damping)
         return self._end(Outcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
 
+    def glue(self, start: State, plane: Plane, touch: Touch, touching: NDArray[np.bool_]) -> State:
+        """One linear step in which points that are `touching` (n_points,) cannot leave the wall.
+
+        An extrapolated state has lost the wall here and there by micrometres; without those points the tangent
+        is nearly singular, and Newton's first steps are lost on it.
+        """
+        glued = touch._replace(hold=np.where(touching, self.law.stiffness, touch.hold))
+        if not np.isfinite(self.assemble(start, plane, glued).elastic):
+            return start
+        try:
+            _, step = self._direction(self._system.residual[self.solid.free], descend=False)
+        except SingularMatrixError:
+            return start
+        du = self._scatter(step)
+        factor = min(1.0, self.thickness / max(float(np.abs(du).max()), 1e-300))
+        return start.moved(du, self.solid.recover_pressure(du), factor)
+
+    def _scatter(self, step: FloatArray) -> FloatArray:
+        """Displacement (n, 3) mm of a step of the free degrees of freedom."""
+        du = np.zeros(self.solid.nodes.shape)
+        du.ravel()[self.solid.free] = step
+        return du
+
     def _assemble_all(self, state: State, plane: Plane, touch: Touch, damping: Damping | None) -> Loads:
         loads = self.assemble(state, plane, touch)
         if damping is not None and np.isfinite(loads.elastic):
@@ -244,8 +270,7 @@ class ContactProblem:
         damping: Damping | None,
     ) -> tuple[State, Loads]:
         """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
-        du = np.zeros(self.solid.nodes.shape)
-        du.ravel()[self.solid.free] = step
+        du = self._scatter(step)
         dp = self.solid.recover_pressure(du)
         factor = min(1.0, self.thickness / max(float(np.abs(du).max()), 1e-300))
         low, low_slope = 0.0, slope
@@ -256,7 +281,14 @@ class ContactProblem:
                 factor *= 0.5
                 continue
             here = float(self._system.residual[self.solid.free] @ step)
-            if slope >= 0 or here <= _SLOPE_FALL * abs(slope) or trial == _TRIALS - 1:
+            if trial == _TRIALS - 1:
+                break
+            if slope >= 0:  # toward a saddle there is no minimum to bracket; the step must only not blow up
+                if abs(here) <= _BLOW_UP * slope:
+                    break
+                factor *= 0.25
+                continue
+            if here <= _SLOPE_FALL * abs(slope):
                 break
             factor = max(low + (factor - low) * low_slope / (low_slope - here), 0.1 * factor)
         return moved, loads

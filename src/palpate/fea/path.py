@@ -43,7 +43,7 @@ _RELAXATIONS, _FADED = 40, 1e-3
 """Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
 _FOLDING_STRETCH = 0.544
 """Stretch at which a free surface under plane strain compression is unstable (Biot 1963); it creases from 0.647."""
-_SLACK = 1e3
+_SLACK = 1e2
 """Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
 _PASSES = 4
 """Most passes in which friction limits are corrected."""
@@ -140,7 +140,7 @@ class Path:
     def _increment(self, step: float) -> bool:
         last = self.points[-1]
         depth = last.depth + step
-        found = self._solve(depth, self._predict(depth))
+        found = self._solve(depth, self._glue(depth, self._predict(depth)))
         if self._acceptable(found, step):
             tension = self._tension(found.state, depth)
             if tension <= self.spec.adhesion * self.problem.solid.material.young_modulus:
@@ -156,7 +156,11 @@ class Path:
 
     def _next_step(self, step: float, iterations: int) -> float:
         factor = 2.0 if iterations <= 10 else 1.4 if iterations <= 15 else 0.8
-        return float(np.clip(max(step, self._step) * factor, 0, self.spec.largest_step))
+        largest = self.spec.largest_step
+        if self.problem.law.friction > 0:
+            share = self.spec.friction_share * self.points[-1].depth
+            largest = min(largest, max(share, self.spec.first_step))
+        return min(max(step, self._step) * factor, largest)
 
     def _solve(
         self, depth: float, start: State, damping: Damping | None = None, *, sliding: bool = False
@@ -181,6 +185,14 @@ class Path:
             touch = self.problem.surface.correct(law, touch, before, (self._surface_points(found.state), plane))
             start = found.state
             rough = passes < _PASSES and not _agree(self._touch.limit, touch.limit)
+
+    def _glue(self, depth: float, predicted: State) -> State:
+        """The predicted state, with the points that touch at the last equilibrium drawn to the wall."""
+        last = self.points[-1]
+        plane = self.wall(last.depth)
+        touching = (self._surface_points(last.state) - plane.point) @ plane.normal > 0
+        self.iterations += 1
+        return self.problem.glue(predicted, self.wall(depth), last.touch._replace(hold=self._hold), touching)
 
     def _surface_points(self, state: State) -> FloatArray:
         return self.problem.surface.interpolate(self.problem.solid.nodes + state.u)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from palpate.core import PalpateError
 from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, untouched
 from palpate.fea.linear import make_linear_solver
@@ -19,9 +18,9 @@ from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
 from palpate.fea.solid import Solid
 from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.fea.stress import cauchy_stress, von_mises
-from palpate.fea.wall import clamp_depth, touch_point, wall_at, wall_normal
+from palpate.fea.wall import clamp_depth, normal_in_mesh, touch_point, wall_at
 from palpate.material import Material
-from palpate.mesh import Mesh, rim_angle
+from palpate.mesh import Mesh
 
 
 def solve_press(
@@ -53,7 +52,7 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
-    normal = _normal(mesh, wall)
+    normal = normal_in_mesh(mesh, wall)
     problem = make_problem(mesh, material, wall.friction, solver)
     path = start_path(problem, mesh, normal, solver)
     reachable = clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)
@@ -127,19 +126,6 @@ def start_path(problem: ContactProblem, mesh: Mesh, normal: FloatArray, solver: 
     outer = problem.surface.points
     probe = int(np.argmin(np.linalg.norm(outer - touch_point(mesh.dome, normal), axis=1)))
     return Path(problem, plane, probe, solver, [Point(0.0, rest, Loads(0.0, 0.0, np.zeros(3)), touch)])
-
-
-def _normal(mesh: Mesh, wall: WallSpec) -> FloatArray:
-    tilt = np.radians(wall.tilt_deg)
-    outer_rim = rim_angle(mesh.dome, mesh.dome.outer_radius, mesh.spec.rim)
-    if tilt >= outer_rim:
-        raise PalpateError(
-            f"A wall tilted by {wall.tilt_deg:g}° touches the clamped rim (at {np.degrees(outer_rim):.1f}° from the "
-            "axis) before the dome.",
-            "Tilt it less, or make the dome higher.",
-        )
-    azimuth = np.radians(wall.azimuth_deg) if mesh.spec.whole else 0.0
-    return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
 
 
 def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> dict[str, Any]:

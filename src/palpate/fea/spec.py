@@ -53,13 +53,13 @@ class SolverSpec(Spec):
 
     backend: str = "auto"
     penalty_ratio: float = parameter(
-        120.0,
+        60.0,
         unit="1",
-        meaning="contact penalty over E/T; more changes the force by less than 0.01 %",
+        meaning="contact penalty over E/T; ten times more changes the force by less than 0.1 %",
         gt=1,
         le=1e6,
     )
-    tangential_ratio: float = parameter(0.2, unit="1", meaning="friction spring over contact penalty", gt=0, le=10)
+    tangential_ratio: float = parameter(1.0, unit="1", meaning="friction spring over contact penalty", gt=0, le=10)
     smoothing_ratio: float = parameter(
         1e-3, unit="1", meaning="width of the penalty's smooth start over the wall's thickness", gt=0, le=0.1
     )
@@ -70,9 +70,16 @@ class SolverSpec(Spec):
         ge=0,
         le=0.1,
     )
-    tolerance: float = parameter(1e-5, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
+    tolerance: float = parameter(1e-4, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
     first_step: float = parameter(0.2, unit="mm", meaning="first increment of the wall", gt=0, le=10)
     largest_step: float = parameter(0.8, unit="mm", meaning="largest increment of the wall", gt=0, le=10)
+    friction_share: float = parameter(
+        1 / 12,
+        unit="1",
+        meaning="largest increment over the depth where there is friction: points that slide within it lose energy",
+        gt=0.01,
+        le=1,
+    )
     smallest_step: float = parameter(
         1e-3, unit="mm", meaning="smallest increment before the press gives up", gt=0, le=1
     )

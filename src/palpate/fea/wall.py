@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import PalpateError
 from palpate.design import Dome
 from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import Plane
-from palpate.mesh import Rim, rim_angle
+from palpate.fea.spec import WallSpec
+from palpate.mesh import Mesh, Rim, rim_angle
 
 
 def wall_normal(rx: float, ry: float) -> FloatArray:
@@ -19,6 +21,25 @@ def wall_normal(rx: float, ry: float) -> FloatArray:
     if tilt == 0.0:
         return np.array([0.0, 0.0, 1.0])
     return np.array([np.sin(tilt) * ry / tilt, -np.sin(tilt) * rx / tilt, np.cos(tilt)])
+
+
+def normal_in_mesh(mesh: Mesh, wall: WallSpec) -> FloatArray:
+    """Outward normal (3,) of the wall in the frame of the mesh: a half model lies in the tilt plane.
+
+    Raises
+    ------
+    PalpateError
+        If the wall touches the clamped rim before the dome.
+    """
+    tilt, azimuth = np.radians(wall.tilt_deg), np.radians(wall.azimuth_deg) if mesh.spec.whole else 0.0
+    rim = rim_angle(mesh.dome, mesh.dome.outer_radius, mesh.spec.rim)
+    if tilt >= rim:
+        raise PalpateError(
+            f"A wall tilted by {wall.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
+            "before the dome.",
+            "Tilt it less, or make the dome higher.",
+        )
+    return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
 
 
 def wall_at(dome: Dome, normal: FloatArray, depth: float) -> Plane:

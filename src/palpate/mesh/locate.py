@@ -57,8 +57,8 @@ def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
     corners = mesh.inner_disc[faces]
     _, near = cKDTree(corners[:, 4]).query(place, k=min(_CANDIDATES, len(faces)))
     near = near.reshape(len(place), -1)
-    local = _invert(corners[near], place)
-    outside = np.abs(local).max(axis=-1)
+    local, miss = _invert(corners[near], place)
+    outside = np.abs(local).max(axis=-1) + miss
     best = np.argmin(outside, axis=1)
     row = np.arange(len(place))
     weights, _ = shape_quadrilateral(np.clip(local[row, best], -1, 1))
@@ -88,8 +88,11 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
     return np.minimum(s, 1.0)[:, None] * direction
 
 
-def _invert(corners: FloatArray, place: FloatArray) -> FloatArray:
-    """Local coordinates (m, k, 2) of places (m, 2) in candidate faces (m, k, 9, 2), by Newton's method."""
+def _invert(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Local coordinates (m, k, 2) of places (m, 2) in candidate faces (m, k, 9, 2), by Newton's method.
+
+    Also by how much each one misses its place, over the size of its face (m, k).
+    """
     m, k = corners.shape[:2]
     local = np.zeros((m * k, 2))
     flat = corners.reshape(m * k, 9, 2)
@@ -103,4 +106,7 @@ def _invert(corners: FloatArray, place: FloatArray) -> FloatArray:
         step = np.zeros_like(local)
         step[safe] = np.linalg.solve(jacobian[safe], gap[safe][..., None])[..., 0]
         local = np.clip(local + step, -3, 3)
-    return local.reshape(m, k, 2)
+    value, _ = shape_quadrilateral(local)
+    miss = np.linalg.norm(target - np.einsum("na,nai->ni", value, flat), axis=1)
+    size = np.linalg.norm(np.ptp(flat, axis=1), axis=1)
+    return local.reshape(m, k, 2), (miss / size).reshape(m, k)
