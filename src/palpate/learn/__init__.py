@@ -2,26 +2,36 @@
 
 from palpate.learn.estimator import LEARN_VERSION, Estimator
 from palpate.learn.io import read_estimator, write_estimator
-from palpate.learn.limit import DepthLimit, find_limits
-from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, measure_errors
+from palpate.learn.judge import PooledLimit, compare_with_limit, find_leak, pool_limits
+from palpate.learn.limit import LIMIT_VERSION, DepthLimit, find_limits
+from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
+from palpate.learn.predictor import Predictor, open_predictor
 from palpate.learn.search import search
 from palpate.learn.spec import SearchSpec, TrainSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
 
 __all__ = [
     "LEARN_VERSION",
+    "LIMIT_VERSION",
     "DepthErrors",
     "DepthLimit",
     "ErrorSummary",
     "Estimator",
     "Metrics",
+    "PooledLimit",
+    "Predictor",
     "SearchSpec",
+    "TiltErrors",
     "TrainSpec",
+    "compare_with_limit",
     "evaluate",
+    "find_leak",
     "find_limits",
     "fit_ridge",
     "measure_errors",
+    "open_predictor",
     "paper_training",
+    "pool_limits",
     "read_estimator",
     "search",
     "train",

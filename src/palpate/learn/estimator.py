@@ -14,7 +14,7 @@ from palpate.dataset import Normalisation
 
 Array = NDArray[np.float64]
 
-LEARN_VERSION = "2"
+LEARN_VERSION = "3"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
 
 OUTPUTS = ("rx_deg", "ry_deg", "depth_mm")
@@ -44,6 +44,9 @@ class Estimator:
         Images that it was trained and judged on.
     history
         For each member, the validation error (standardised) after each epoch; empty for a closed form.
+    repeat_rmse_deg
+        RMSE of the angle of every repeat on clean held-out images (degrees), also of repeats that were not kept;
+        empty for a closed form.
     version
         `LEARN_VERSION` of the code that trained it.
     """
@@ -60,6 +63,7 @@ class Estimator:
     training_images: int
     validation_images: int
     history: tuple[tuple[float, ...], ...] = ()
+    repeat_rmse_deg: tuple[float, ...] = ()
     version: str = LEARN_VERSION
 
     @property

@@ -1,40 +1,73 @@
-"""Estimators as HDF5: numbers and text only, so that opening a file runs nothing from it."""
+"""Estimators as ONNX: any runtime predicts with the file, and opening it runs nothing from it.
+
+The graph reads pixels and gives poses in units:
+
+    markers_px (n, m, 2) double → (· − rest) / scale → float → layers → · sd + mean → pose (n, 3) float
+
+The difference to the rest image is taken in double precision and the first bias moved to match, so that single
+precision after it costs less than 1e-5 degrees. Everything that is no weight stands in the model's metadata as text.
+"""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
+from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import MissingExtraError, PalpateError
 from palpate.dataset import Normalisation
-from palpate.learn.estimator import LEARN_VERSION, OUTPUTS, Estimator
+from palpate.learn.estimator import OUTPUTS, Estimator
 
-KIND = "palpate estimator"
+if TYPE_CHECKING:
+    from onnx import ModelProto, NodeProto
+
+Array = NDArray[np.float64]
+
+FORMAT, FORMAT_VERSION = "palpate estimator", "1"
+INPUT, POSE, MEMBERS = "markers_px", "pose", "member_poses"
+"""Names of the graph's input and outputs: the mean over the members, and each member (r, n, 3)."""
+OPSET, IR_VERSION = 17, 8
+"""Old enough for runtimes since 2022."""
+AGAIN = "Train the estimator again."
 
 
 def write_estimator(path: Path, estimator: Estimator) -> None:
-    """Write `estimator` to the HDF5 file `path`, replacing it."""
-    with h5py.File(path, "w") as file:
-        file.attrs["kind"] = KIND
-        file.attrs["version"] = estimator.version
-        file.attrs["activation"] = estimator.activation
-        file.attrs["offset_px"] = estimator.normalisation.offset_px
-        file.attrs["scale_px"] = estimator.normalisation.scale_px
-        file.attrs["outputs"] = list(OUTPUTS)
-        file.attrs["seed"] = estimator.seed
-        file.attrs["made_by"] = json.dumps(dict(estimator.made_by))
-        file.attrs["training_images"] = estimator.training_images
-        file.attrs["validation_images"] = estimator.validation_images
-        file.attrs["history"] = json.dumps(estimator.history)
-        for name in ("output_mean", "output_sd", "rest_px"):
-            file.create_dataset(name, data=getattr(estimator, name), track_times=False)
-        file["rest_px"].attrs["units"] = "px"
-        for number, (weight, bias) in enumerate(zip(estimator.weights, estimator.biases, strict=True)):
-            file.create_dataset(f"layer_{number}/weight", data=weight, track_times=False)
-            file.create_dataset(f"layer_{number}/bias", data=bias, track_times=False)
+    """Write `estimator` to the ONNX file `path`, replacing it.
+
+    Raises
+    ------
+    MissingExtraError
+        If onnx is not installed.
+    """
+    try:
+        from onnx import TensorProto, helper
+    except ImportError as error:
+        raise MissingExtraError("onnx", "predict") from error
+    markers = len(estimator.rest_px)
+    nodes, constants = _graph(estimator)
+    graph = helper.make_graph(
+        nodes,
+        "estimator",
+        [helper.make_tensor_value_info(INPUT, TensorProto.DOUBLE, ["image", markers, 2])],
+        [
+            helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", 3]),
+            helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", 3]),
+        ],
+        [_tensor(name, values) for name, values in constants.items()],
+    )
+    model = helper.make_model(
+        graph,
+        opset_imports=[helper.make_opsetid("", OPSET)],
+        ir_version=IR_VERSION,
+        producer_name="palpate",
+        producer_version=estimator.version,
+        doc_string="Pose of the wall (rx deg, ry deg, depth mm) from marker positions in pixels.",
+    )
+    helper.set_model_props(model, _metadata(estimator))
+    path.write_bytes(model.SerializeToString(deterministic=True))
 
 
 def read_estimator(path: Path) -> Estimator:
@@ -43,37 +76,132 @@ def read_estimator(path: Path) -> Estimator:
     Raises
     ------
     PalpateError
-        If the file is not an estimator, is of another version, or holds something that is not a number.
+        If the file is not an estimator, is of another format, or holds something that is not a number.
+    MissingExtraError
+        If onnx is not installed.
     """
     try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("kind") != KIND or file.attrs.get("version") != LEARN_VERSION:
-                raise PalpateError(
-                    f"{path} is not an estimator of version {LEARN_VERSION}.", "Train the estimator again."
-                )
-            estimator = _read(file)
-    except (OSError, KeyError, ValueError) as error:
-        raise PalpateError(f"{path} is not an estimator: {error}.", "Train the estimator again.") from error
+        import onnx
+        from google.protobuf.message import DecodeError
+    except ImportError as error:
+        raise MissingExtraError("onnx", "predict") from error
+    try:
+        model = onnx.load_model_from_string(path.read_bytes())
+        estimator = _read(model, check_format(path, {item.key: item.value for item in model.metadata_props}))
+    except (OSError, DecodeError, KeyError, ValueError, TypeError) as error:
+        raise PalpateError(f"{path} is not an estimator: {error}.", AGAIN) from error
     if not all(np.isfinite(part).all() for part in (*estimator.weights, *estimator.biases)):
-        raise PalpateError(f"{path} holds a weight that is not a number.", "Train the estimator again.")
+        raise PalpateError(f"{path} holds a weight that is not a number.", AGAIN)
     return estimator
 
 
-def _read(file: h5py.File) -> Estimator:
-    layers = [file[f"layer_{number}"] for number in range(sum(name.startswith("layer_") for name in file))]
-    offset, scale = (tuple(float(v) for v in file.attrs[name]) for name in ("offset_px", "scale_px"))
+def check_format(path: Path, metadata: dict[str, str]) -> dict[str, str]:
+    """The metadata of a model, after a model that is no estimator of this format was refused."""
+    if metadata.get("format") != FORMAT or metadata.get("format_version") != FORMAT_VERSION:
+        raise PalpateError(f"{path} is not an estimator of format {FORMAT_VERSION}.", AGAIN)
+    return metadata
+
+
+def _graph(estimator: Estimator) -> tuple[list[NodeProto], dict[str, NDArray[Any]]]:
+    """Nodes in order, and the arrays that they read."""
+    from onnx import TensorProto, helper
+
+    constants: dict[str, NDArray[Any]] = {
+        "rest_px": estimator.rest_px,
+        "scale_px": np.array(estimator.normalisation.scale_px),
+        "flat": np.array([-1, 2 * len(estimator.rest_px)]),
+        "output_sd": estimator.output_sd.astype(np.float32),
+        "output_mean": estimator.output_mean.astype(np.float32),
+    }
+    nodes = [
+        helper.make_node("Sub", [INPUT, "rest_px"], ["moved_px"]),
+        helper.make_node("Div", ["moved_px", "scale_px"], ["moved"]),
+        helper.make_node("Cast", ["moved"], ["single"], to=TensorProto.FLOAT),
+        helper.make_node("Reshape", ["single", "flat"], ["hidden_0"]),
+    ]
+    last = len(estimator.weights) - 1
+    for number, (weight, bias) in enumerate(zip(estimator.weights, estimator.biases, strict=True)):
+        single = weight.astype(np.float32)
+        shift = _rest_input(estimator.normalisation, estimator.rest_px) @ single if number == 0 else 0.0
+        constants[f"weight_{number}"] = single
+        constants[f"bias_{number}"] = (bias + shift).astype(np.float32)[:, None, :]
+        nodes.append(helper.make_node("MatMul", [f"hidden_{number}", f"weight_{number}"], [f"product_{number}"]))
+        nodes.append(helper.make_node("Add", [f"product_{number}", f"bias_{number}"], [f"sum_{number}"]))
+        if number < last:
+            nodes.extend(_activation(estimator.activation, number))
+    nodes.append(helper.make_node("Mul", [f"sum_{last}", "output_sd"], ["scaled"]))
+    nodes.append(helper.make_node("Add", ["scaled", "output_mean"], [MEMBERS]))
+    nodes.append(helper.make_node("ReduceMean", [MEMBERS], [POSE], axes=[0], keepdims=0))
+    return nodes, constants
+
+
+def _activation(name: str, number: int) -> list[NodeProto]:
+    from onnx import helper
+
+    values, hidden = f"sum_{number}", f"hidden_{number + 1}"
+    if name == "relu":
+        return [helper.make_node("Relu", [values], [hidden])]
+    gate = helper.make_node("Sigmoid", [values], [f"gate_{number}"])
+    return [gate, helper.make_node("Mul", [values, f"gate_{number}"], [hidden])]
+
+
+def _rest_input(normalisation: Normalisation, rest_px: Array) -> Array:
+    """What the first layer reads at rest, (2m,)."""
+    return normalisation.apply(rest_px).reshape(-1)
+
+
+def _tensor(name: str, values: NDArray[Any]) -> Any:
+    from onnx import numpy_helper
+
+    return numpy_helper.from_array(np.ascontiguousarray(values), name)
+
+
+def _metadata(estimator: Estimator) -> dict[str, str]:
+    content = {
+        "inputs": ["u_px", "v_px"],
+        "outputs": list(OUTPUTS),
+        "units": {INPUT: "px", **{name: name.rsplit("_", 1)[1] for name in OUTPUTS}},
+        "marker_order_px": estimator.rest_px.tolist(),
+        "activation": estimator.activation,
+        "offset_px": estimator.normalisation.offset_px,
+        "scale_px": estimator.normalisation.scale_px,
+        "seed": estimator.seed,
+        "made_by": dict(estimator.made_by),
+        "training_images": estimator.training_images,
+        "validation_images": estimator.validation_images,
+        "history": estimator.history,
+        "repeat_rmse_deg": estimator.repeat_rmse_deg,
+        "version": estimator.version,
+    }
+    words = {name: json.dumps(value) for name, value in content.items()}
+    return {"format": FORMAT, "format_version": FORMAT_VERSION, **words}
+
+
+def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
+    from onnx import TensorProto, numpy_helper
+
+    if any(item.data_location == TensorProto.EXTERNAL for item in model.graph.initializer):
+        raise ValueError("its weights are said to lie in another file")
+    arrays = {item.name: numpy_helper.to_array(item) for item in model.graph.initializer}
+    said = {name: json.loads(text) for name, text in metadata.items() if not name.startswith("format")}
+    layers = range(sum(name.startswith("weight_") for name in arrays))
+    weights = tuple(arrays[f"weight_{number}"].astype(float) for number in layers)
+    biases = [arrays[f"bias_{number}"].astype(float)[:, 0, :] for number in layers]
+    normalisation = Normalisation(tuple(said["offset_px"]), tuple(said["scale_px"]))
+    biases[0] = biases[0] - _rest_input(normalisation, arrays["rest_px"]) @ weights[0]
     return Estimator(
-        normalisation=Normalisation((offset[0], offset[1]), (scale[0], scale[1])),
-        weights=tuple(layer["weight"][...] for layer in layers),
-        biases=tuple(layer["bias"][...] for layer in layers),
-        activation=str(file.attrs["activation"]),
-        output_mean=file["output_mean"][...],
-        output_sd=file["output_sd"][...],
-        rest_px=file["rest_px"][...],
-        seed=int(file.attrs["seed"]),
-        made_by=json.loads(file.attrs["made_by"]),
-        training_images=int(file.attrs["training_images"]),
-        validation_images=int(file.attrs["validation_images"]),
-        history=tuple(tuple(errors) for errors in json.loads(file.attrs["history"])),
-        version=str(file.attrs["version"]),
+        normalisation=normalisation,
+        weights=weights,
+        biases=tuple(biases),
+        activation=said["activation"],
+        output_mean=arrays["output_mean"].astype(float),
+        output_sd=arrays["output_sd"].astype(float),
+        rest_px=arrays["rest_px"],
+        seed=said["seed"],
+        made_by=said["made_by"],
+        training_images=said["training_images"],
+        validation_images=said["validation_images"],
+        history=tuple(tuple(errors) for errors in said["history"]),
+        repeat_rmse_deg=tuple(said["repeat_rmse_deg"]),
+        version=said["version"],
     )

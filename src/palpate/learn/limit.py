@@ -30,8 +30,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LIMIT_VERSION = "1"
+"""Version of the code that decides a limit; part of an artefact's key."""
+
 POSES = 48
 """Poses over the disc of tilts at which the bounds are averaged."""
+FEWEST_IMAGES = 3
+"""Fewer images than these say nothing about the change with depth."""
 DRAWS = 6
 """Draws of jitter at each pose."""
 ILL_POSED = 1e8
@@ -50,6 +55,8 @@ class DepthLimit:
         Depth of the wall.
     poses
         Number of poses that could be judged.
+    share
+        Share of the dataset's poses that have an image at this depth.
     least_squares_deg
         Over rx and ry, as the paper's RMSE.
     least_squares_depth_mm
@@ -62,6 +69,7 @@ class DepthLimit:
 
     depth_mm: float
     poses: int
+    share: float
     least_squares_deg: float
     least_squares_depth_mm: float
     pitman_deg: float
@@ -90,20 +98,32 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
         By rising depth; a depth at which no pose could be judged is left out, as where one or two markers cannot
         tell three unknowns apart.
     """
-    radius = spec.max_tilt_deg
-    poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=radius, seed=seed))
-    limits = []
+    limits: list[DepthLimit] = []
+    if len(field.depths_mm) < FEWEST_IMAGES:
+        return ()
+    sampled = np.hypot(*sample_poses(spec).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
+        radius = min(spec.max_tilt_deg, _reach(field, image))
+        if radius <= 0:
+            continue
+        poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=radius, seed=seed))
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]
         if len(known):
             disc = np.column_stack([poses[known], np.full(len(known), radius)])
-            limits.append(_limit(float(field.depths_mm[image]), jacobian[known], disc, spec.jitter_px, seed))
+            share = float((field.labels(sampled, image)[0] != "").mean())
+            depth = float(field.depths_mm[image])
+            limits.append(_limit(depth, share, jacobian[known], disc, spec.jitter_px, seed))
     return tuple(limits)
 
 
-def _limit(depth_mm: float, jacobians: Array, discs: Array, jitter_px: float, seed: int) -> DepthLimit:
+def _reach(field: MarkerField, image: int) -> float:
+    """Greatest tilt (degrees) that an unbroken run of tilts covers at one depth; 0 where there is none."""
+    return max((run.last_deg for run in field.runs[image] if run.last_deg > run.first_deg), default=0.0)
+
+
+def _limit(depth_mm: float, share: float, jacobians: Array, discs: Array, jitter_px: float, seed: int) -> DepthLimit:
     covariance = jitter_px**2 / 3 * np.linalg.inv(np.swapaxes(jacobians, 1, 2) @ jacobians)
     variance = np.diagonal(covariance, axis1=1, axis2=2).mean(axis=0)
     rng = generator(seed, "limit", depth_mm)
@@ -113,6 +133,7 @@ def _limit(depth_mm: float, jacobians: Array, discs: Array, jitter_px: float, se
     return DepthLimit(
         depth_mm=depth_mm,
         poses=len(jacobians),
+        share=share,
         least_squares_deg=float(np.sqrt(variance[:2].mean())),
         least_squares_depth_mm=float(np.sqrt(variance[2])),
         pitman_deg=pitman,

@@ -10,6 +10,7 @@ the two normals. Depth is estimated as well and reported by itself.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
@@ -19,6 +20,11 @@ from numpy.typing import NDArray
 from palpate.core import PalpateError
 
 Array = NDArray[np.float64]
+
+TILT_STEP_DEG = 2.0
+"""Width of the intervals of tilt, as the paper's step."""
+ROUNDING = 1e-9
+"""A tilt so near to the end of an interval (in intervals) stands on it."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +85,26 @@ class DepthErrors:
 
 
 @dataclass(frozen=True)
+class TiltErrors:
+    """Errors of the images whose wall has a tilt in one interval.
+
+    Attributes
+    ----------
+    from_deg, to_deg
+        The interval of true tilts (degrees), its lower end included; the last one includes both.
+    images
+        Number of images.
+    angle
+        Errors of both components pooled (degrees).
+    """
+
+    from_deg: float
+    to_deg: float
+    images: int
+    angle: ErrorSummary
+
+
+@dataclass(frozen=True)
 class Metrics:
     """Errors on a set of images.
 
@@ -94,6 +120,8 @@ class Metrics:
         Errors of the estimated depth (mm).
     by_depth
         The same for the images of each depth, by rising depth.
+    by_tilt
+        The angle's errors in intervals of `TILT_STEP_DEG`, by rising tilt; an interval without images is left out.
     """
 
     images: int
@@ -102,6 +130,7 @@ class Metrics:
     ry: ErrorSummary
     depth: ErrorSummary
     by_depth: tuple[DepthErrors, ...]
+    by_tilt: tuple[TiltErrors, ...]
 
     @property
     def rmse_deg(self) -> float:
@@ -129,7 +158,8 @@ class Metrics:
             )
             for item in data["by_depth"]
         )
-        return cls(images=data["images"], by_depth=by_depth, **summaries)
+        by_tilt = tuple(TiltErrors(**{**item, "angle": ErrorSummary(**item["angle"])}) for item in data["by_tilt"])
+        return cls(images=data["images"], by_depth=by_depth, by_tilt=by_tilt, **summaries)
 
 
 _AXES = ("angle", "rx", "ry", "depth")
@@ -146,7 +176,7 @@ def measure_errors(estimates: Array, poses: Array) -> Metrics:
     Returns
     -------
     Metrics
-        Errors over all images, and by the true depth.
+        Errors over all images, by the true depth and by the true tilt.
 
     Raises
     ------
@@ -166,7 +196,18 @@ def measure_errors(estimates: Array, poses: Array) -> Metrics:
         DepthErrors(depth_mm=float(depth), images=int((depths == depth).sum()), **_by_axis(errors[depths == depth]))
         for depth in np.unique(depths)
     )
-    return Metrics(images=len(errors), by_depth=by_depth, **_by_axis(errors))
+    every = _by_axis(errors)
+    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1])))
+    return Metrics(images=len(errors), by_depth=by_depth, by_tilt=by_tilt, **every)
+
+
+def _by_tilt(errors: Array, tilt_deg: Array) -> Iterator[TiltErrors]:
+    last = max(int(np.ceil(tilt_deg.max() / TILT_STEP_DEG - ROUNDING)), 1) - 1
+    interval = np.minimum(np.floor(tilt_deg / TILT_STEP_DEG + ROUNDING), last)
+    for number in np.unique(interval):
+        angle = errors[interval == number, :2]
+        ends = (float(number * TILT_STEP_DEG), float((number + 1) * TILT_STEP_DEG))
+        yield TiltErrors(*ends, images=len(angle), angle=ErrorSummary.of(angle))
 
 
 def _by_axis(errors: Array) -> dict[str, ErrorSummary]:

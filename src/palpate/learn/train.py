@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +84,7 @@ def train(
         validation_images=len(held.poses),
         history=trained.history,
     )
+    estimator = replace(estimator, repeat_rmse_deg=_judge_members(estimator, held))
     if spec.members == "all":
         return estimator
     kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
@@ -141,6 +143,11 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     if jitter_seed is not None:
         images = draw_jitter(images, dataset.spec.jitter_px, generator(jitter_seed, "evaluate"))
     return measure_errors(estimator.predict(images), held.poses)
+
+
+def _judge_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
+    """RMSE of the angle of every member by itself (degrees) on clean images."""
+    return tuple(measure_errors(poses, held.poses).rmse_deg for poses in estimator.predict_members(held.images_px))
 
 
 def _normalised(dataset: Dataset, images_px: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,9 @@ from palpate.core import ArtefactStore, provenance
 from palpate.dataset import DATASET_VERSION
 from palpate.design import build_dome
 from palpate.fea import FEA_VERSION, read_press
-from palpate.learn import LEARN_VERSION, Metrics
-from palpate.study.result import Counts, DesignResult, PressSummary
-from palpate.study.task import LearningTask, Task
+from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Metrics
+from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
+from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
 from palpate.study.worker import Outcome
 
 
@@ -38,26 +39,46 @@ def collect_designs(
     recipes = {press.recipe.key: press.recipe for task in tasks for press in task.dataset.presses}
     paths = {key: store.find(recipe) for key, recipe in recipes.items()}
     presses = {key: _summarise_press(path) for key, path in paths.items() if path is not None}
-    versions = {**provenance(), "fea": FEA_VERSION, "dataset": DATASET_VERSION, "learn": LEARN_VERSION}
-    return tuple(
-        _collect_design(task, _read_tally(store.find(task.recipe, task.suffix)), outcomes, presses, seed, versions)
-        for task in tasks
-    )
+    known = _Known(store, outcomes, presses, _versions(), seed)
+    return tuple(_collect_design(task, known) for task in tasks)
 
 
-def _collect_design(
-    task: LearningTask,
-    tally: dict[str, Any],
-    outcomes: Mapping[str, Outcome],
-    presses: Mapping[str, PressSummary],
-    seed: int,
-    versions: Mapping[str, str],
-) -> DesignResult:
+def collect_limits(
+    tasks: Sequence[LimitTask], store: ArtefactStore, outcomes: Mapping[str, Outcome]
+) -> tuple[DesignLimits, ...]:
+    """Collect the limits of designs from the store; `outcomes` is how the tasks of this run ended, by key."""
+    found = []
+    for task in tasks:
+        path = store.find(task.recipe, task.suffix)
+        design = (task.dataset.dome, task.dataset.markers)
+        if path is not None:
+            found.append(DesignLimits(*design, read_limits(path)))
+        else:
+            found.append(DesignLimits(*design, (), _reason((task, *task.needs), outcomes)))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What the records of all designs are made from.
+
+    `outcomes` and `presses` go by key, `seed` is that of the study.
+    """
+
+    store: ArtefactStore
+    outcomes: Mapping[str, Outcome]
+    presses: Mapping[str, PressSummary]
+    versions: Mapping[str, str]
+    seed: int
+
+
+def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
     dataset = task.dataset
+    tally = _read_tally(known.store.find(task.recipe, task.suffix))
+    limits = known.store.find(task.limit.recipe, task.limit.suffix)
     keys = tuple(press.recipe.key for press in dataset.presses)
-    summaries = tuple(presses[key] for key in keys if key in presses)
-    failed: tuple[Task, ...] = (task, dataset, *dataset.presses)
-    reasons = [outcomes[item.recipe.key].reason for item in failed if item.recipe.key in outcomes]
+    summaries = tuple(known.presses[key] for key in keys if key in known.presses)
+    parts: tuple[Task, ...] = (dataset, task.limit, task.estimator, task)
     return DesignResult(
         dome=dataset.dome,
         markers=dataset.markers,
@@ -69,15 +90,41 @@ def _collect_design(
         peak_stress_mpa=max((press.peak_stress_mpa for press in summaries), default=float("nan")),
         presses=summaries,
         counts=Counts(**tally["counts"]) if tally else None,
-        seed=seed,
-        versions=versions,
-        artefacts={
-            "press": keys,
-            "dataset": (dataset.recipe.key,),
-            "learning": (task.recipe.key,),
-        },
-        failure="" if tally else next((reason for reason in reasons if reason), "it was not computed"),
+        seed=known.seed,
+        versions=known.versions,
+        artefacts={"press": keys, **{part.recipe.kind: (part.recipe.key,) for part in parts}},
+        limits=read_limits(limits) if limits is not None else (),
+        repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
+        spec=_spec(dataset, task),
+        failure="" if tally else _reason((*reversed(parts), *dataset.presses), known.outcomes),
     )
+
+
+def _versions() -> dict[str, str]:
+    stages = {"fea": FEA_VERSION, "dataset": DATASET_VERSION, "limit": LIMIT_VERSION, "learn": LEARN_VERSION}
+    return {**provenance(), **stages}
+
+
+def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
+    """What was chosen beside dome and markers; every press of a design shares it but for the tilt."""
+    press = dataset.presses[0]
+    wall = press.wall.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})
+    return {
+        "mesh": press.mesh.model_dump(mode="json"),
+        "material": press.material.key_data(),
+        "tilts_deg": [item.wall.tilt_deg for item in dataset.presses],
+        "wall": wall,
+        "solver": press.solver.model_dump(mode="json"),
+        "camera": dataset.camera.model_dump(mode="json"),
+        "dataset": dataset.spec.model_dump(mode="json"),
+        "learning": task.spec.model_dump(mode="json"),
+    }
+
+
+def _reason(tasks: Sequence[Task], outcomes: Mapping[str, Outcome]) -> str:
+    """Why the first of these tasks gave nothing."""
+    reasons = (outcomes[task.recipe.key].reason for task in tasks if task.recipe.key in outcomes)
+    return next((reason for reason in reasons if reason), "it was not computed")
 
 
 def _summarise_press(path: Path) -> PressSummary:

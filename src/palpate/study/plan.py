@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from palpate.core import PalpateError
@@ -25,11 +25,11 @@ class Plan:
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        unique: dict[str, Task] = {}
-        for design in self.designs:
-            for task in _needs_first(design):
-                unique.setdefault(task.recipe.key, task)
-        return tuple(unique.values())
+        return _once(self.designs)
+
+    def limit_tasks(self) -> tuple[Task, ...]:
+        """What the limits of all designs need, each once, after those it needs."""
+        return _once([design.limit for design in self.designs])
 
 
 def plan_study(study: Study) -> Plan:
@@ -38,7 +38,7 @@ def plan_study(study: Study) -> Plan:
     Returns
     -------
     Plan
-        One press a dome and tilt; one dataset and one learning a design.
+        One press a dome and tilt; one dataset, limit, estimator and learning a design.
 
     Raises
     ------
@@ -81,6 +81,14 @@ def _checked(dome_spec: DomeSpec, markers: MarkerSpec) -> MarkerSpec:
     except PalpateError as error:
         raise PalpateError(f"Design {dome_name(dome_spec)}: {error.what}", error.remedy) from None
     return markers.model_copy(update={"count": len(layout)})
+
+
+def _once(last: Sequence[Task]) -> tuple[Task, ...]:
+    unique: dict[str, Task] = {}
+    for end in last:
+        for task in _needs_first(end):
+            unique.setdefault(task.recipe.key, task)
+    return tuple(unique.values())
 
 
 def _needs_first(task: Task) -> Iterator[Task]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from palpate.design import DomeShape, DomeSpec, MarkerSpec
-from palpate.learn import Metrics
+from palpate.learn import DepthLimit, Metrics
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,13 @@ class DesignResult:
     versions
         Versions of palpate, of its stages and of the libraries that matter.
     artefacts
-        Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``learning``.
+        Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``limit``, ``estimator``, ``learning``.
+    limits
+        Bounds on the error of any estimator, by depth; empty where the chain broke before.
+    repeat_rmse_deg
+        Clean RMSE of the angle of every training by itself (degrees); empty where there is none.
+    spec
+        What was chosen about press, camera, dataset and learning, as JSON data by stage; seeds among it.
     failure
         Why there is no result; empty where there is one.
     """
@@ -102,6 +109,29 @@ class DesignResult:
     seed: int
     versions: Mapping[str, str]
     artefacts: Mapping[str, tuple[str, ...]]
+    limits: tuple[DepthLimit, ...] = ()
+    repeat_rmse_deg: tuple[float, ...] = ()
+    spec: Mapping[str, Any] = field(default_factory=dict)
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class DesignLimits:
+    """How good any estimator of one design could be.
+
+    Attributes
+    ----------
+    dome, markers
+        What was designed.
+    limits
+        Bounds by rising depth.
+    failure
+        Why there are none; empty where there are.
+    """
+
+    dome: DomeSpec
+    markers: MarkerSpec
+    limits: tuple[DepthLimit, ...]
     failure: str = ""
 
 

@@ -9,13 +9,13 @@ from collections import Counter
 from pathlib import Path
 
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
-from palpate.study.collect import collect_designs
+from palpate.study.collect import collect_designs, collect_limits
 from palpate.study.observer import Observer, Silence
 from palpate.study.plan import plan_study
-from palpate.study.result import StudyResult, TaskFailure
+from palpate.study.result import DesignLimits, StudyResult, TaskFailure
 from palpate.study.schedule import do_tasks
 from palpate.study.study import Study
-from palpate.study.task import LearningTask, Task
+from palpate.study.task import EstimatorTask, Task
 from palpate.study.worker import Outcome
 
 TRACES = "failures.log"
@@ -55,12 +55,8 @@ def run_study(study: Study, out: Path, workers: int | None = None, observer: Obs
     plan = plan_study(study)
     tasks = plan.tasks()
     store = ArtefactStore(_writable(out) / "store")
-    made = {task.recipe.key for task in tasks if store.find(task.recipe, task.suffix) is not None}
-    todo = tuple(task for task in tasks if task.recipe.key not in made)
-    if any(isinstance(task, LearningTask) for task in todo):
-        _refuse_missing_libraries()
-    observer.planned(len(todo), len(made), sum(task.cost for task in todo))
-    outcomes = do_tasks(todo, made, store, workers or available_cores(), observer)
+    made, todo = _sort_out(tasks, store)
+    outcomes = _do(todo, made, store, workers, observer)
     _write_traces(out / TRACES, todo, outcomes)
     names = {task.recipe.key: task.name for task in tasks}
     return StudyResult(
@@ -71,6 +67,41 @@ def run_study(study: Study, out: Path, workers: int | None = None, observer: Obs
         reused=Counter(task.recipe.kind for task in tasks if task.recipe.key in made),
         wall_s=time.perf_counter() - started,
     )
+
+
+def run_limits(
+    study: Study, out: Path, workers: int | None = None, observer: Observer | None = None
+) -> tuple[DesignLimits, ...]:
+    """Bound the errors of every design of `study`, without any training; missing presses are solved.
+
+    Parameters and errors are those of `run_study`, whose artefacts are used and made.
+
+    Returns
+    -------
+    tuple[DesignLimits, ...]
+        One record a design, in the order of the study.
+    """
+    plan = plan_study(study)
+    store = ArtefactStore(_writable(out) / "store")
+    made, todo = _sort_out(plan.limit_tasks(), store)
+    outcomes = _do(todo, made, store, workers, observer or Silence())
+    _write_traces(out / TRACES, todo, outcomes)
+    return collect_limits([design.limit for design in plan.designs], store, outcomes)
+
+
+def _sort_out(tasks: tuple[Task, ...], store: ArtefactStore) -> tuple[set[str], tuple[Task, ...]]:
+    """Keys of the artefacts that exist, and the tasks still to be done."""
+    made = {task.recipe.key for task in tasks if store.find(task.recipe, task.suffix) is not None}
+    return made, tuple(task for task in tasks if task.recipe.key not in made)
+
+
+def _do(
+    todo: tuple[Task, ...], made: set[str], store: ArtefactStore, workers: int | None, observer: Observer
+) -> dict[str, Outcome]:
+    if any(isinstance(task, EstimatorTask) for task in todo):
+        _refuse_missing_libraries()
+    observer.planned(len(todo), len(made), sum(task.cost for task in todo))
+    return do_tasks(todo, made, store, workers or available_cores(), observer)
 
 
 def available_cores() -> int:
@@ -95,7 +126,7 @@ def _writable(out: Path) -> Path:
 
 
 def _refuse_missing_libraries() -> None:
-    for library in ("torch", "optuna"):
+    for library in ("torch", "optuna", "onnx"):
         if importlib.util.find_spec(library) is None:
             raise MissingExtraError(library, "learn")
 

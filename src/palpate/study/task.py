@@ -1,24 +1,31 @@
-"""The tasks of a study: press, dataset, learning. Each is a pure function of its inputs, kept under a key."""
+"""The tasks of a study, from press to learning. Each is a pure function of its inputs, kept under a key."""
 
 from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.dataset import DATASET_VERSION, DatasetSpec, generate_dataset, read_dataset, write_dataset
+from palpate.dataset import (
+    DATASET_VERSION,
+    DatasetSpec,
+    build_field,
+    generate_dataset,
+    read_dataset,
+    write_dataset,
+)
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.fea import FEA_VERSION, SolverSpec, WallSpec, read_press, solve_press, write_press
-from palpate.learn import LEARN_VERSION, SearchSpec
+from palpate.learn import LEARN_VERSION, LIMIT_VERSION, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_dome
 
-TASK_VERSION = "1"
+TASK_VERSION = "2"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""
 
 
@@ -132,8 +139,80 @@ class DatasetTask(Task):
 
 
 @dataclass(frozen=True)
+class LimitTask(Task):
+    """Bound the errors of any estimator of one design, from the presses of its dome alone."""
+
+    dataset: DatasetTask
+
+    suffix = ".json"
+
+    @property
+    def name(self) -> str:
+        return f"limit {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        dataset = self.dataset.recipe
+        version = f"{LIMIT_VERSION}/{DATASET_VERSION}"
+        return Recipe(kind="limit", spec=dataset.spec, inputs=dataset.inputs, version=version)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return self.dataset.presses
+
+    @property
+    def cost(self) -> float:
+        return 0.5
+
+    def make(self, store: ArtefactStore) -> None:
+        from palpate.learn import find_limits  # here, so that a study already judged compiles nothing
+
+        dataset = self.dataset
+        presses = [read_press(find_made(store, task)) for task in dataset.presses]
+        field = build_field(presses, place_markers(build_dome(dataset.dome), dataset.markers))
+        limits = find_limits(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
+        store.write(self.recipe, lambda path: _write_json(path, [asdict(limit) for limit in limits]), self.suffix)
+
+
+@dataclass(frozen=True)
+class EstimatorTask(Task):
+    """Train one design's estimator; the artefact is a model file that predicts by itself."""
+
+    dataset: DatasetTask
+    spec: SearchSpec
+
+    suffix = ".onnx"
+
+    @property
+    def name(self) -> str:
+        return f"estimator {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        spec = self.spec.model_dump(mode="json")
+        return Recipe(kind="estimator", spec=spec, inputs=(self.dataset.recipe.key,), version=LEARN_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.dataset,)
+
+    @property
+    def cost(self) -> float:
+        return 100.0
+
+    def make(self, store: ArtefactStore) -> None:
+        from palpate.learn import search, write_estimator  # here, so that a study already learned needs no torch
+
+        dataset = read_dataset(find_made(store, self.dataset))
+        journal = store.path(self.recipe, ".journal")
+        journal.parent.mkdir(parents=True, exist_ok=True)
+        estimator = search(dataset, self.spec, journal)
+        store.write(self.recipe, lambda path: write_estimator(path, estimator), self.suffix)
+
+
+@dataclass(frozen=True)
 class LearningTask(Task):
-    """Learn one design's pose from its images, and measure the errors on the held-out presses."""
+    """Measure the errors of one design's estimator on the held-out presses; one too good to be true is refused."""
 
     dataset: DatasetTask
     spec: SearchSpec
@@ -145,32 +224,45 @@ class LearningTask(Task):
         return f"learning {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
 
     @cached_property
+    def limit(self) -> LimitTask:
+        """The bounds that the errors are held against."""
+        return LimitTask(self.dataset)
+
+    @cached_property
+    def estimator(self) -> EstimatorTask:
+        """What is judged."""
+        return EstimatorTask(self.dataset, self.spec)
+
+    @cached_property
     def recipe(self) -> Recipe:
         return Recipe(
             kind="learning",
-            spec=self.spec.model_dump(mode="json"),
-            inputs=(self.dataset.recipe.key,),
-            version=f"{LEARN_VERSION}/{TASK_VERSION}",
+            spec={"seed": self.spec.seed},
+            inputs=tuple(task.recipe.key for task in self.needs),
+            version=TASK_VERSION,
         )
 
     @property
     def needs(self) -> tuple[Task, ...]:
-        return (self.dataset,)
+        return (self.dataset, self.limit, self.estimator)
 
     @property
     def cost(self) -> float:
-        return 100.0
+        return 1.0
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import evaluate, search  # here, so that a study already learned needs no torch
+        from palpate.learn import evaluate, find_leak, read_estimator
 
         dataset = read_dataset(find_made(store, self.dataset))
-        journal = store.path(self.recipe, ".journal")
-        journal.parent.mkdir(parents=True, exist_ok=True)
-        estimator = search(dataset, self.spec, journal)
+        estimator = read_estimator(find_made(store, self.estimator))
+        clean, jittered = evaluate(estimator, dataset, None), evaluate(estimator, dataset, self.spec.seed)
+        leak = find_leak(jittered, read_limits(find_made(store, self.limit)), dataset.spec)
+        if leak:
+            raise PalpateError(leak, "Look for a press, or a pose, that stands on both sides of the split.")
         tally = {
-            "clean": evaluate(estimator, dataset, None).as_dict(),
-            "jittered": evaluate(estimator, dataset, self.spec.seed).as_dict(),
+            "clean": clean.as_dict(),
+            "jittered": jittered.as_dict(),
+            "repeat_rmse_deg": estimator.repeat_rmse_deg,
             "travel_mm": dataset.full_depth_travel_mm(),
             "counts": {
                 "presses": dataset.solved_presses,
@@ -181,6 +273,11 @@ class LearningTask(Task):
             },
         }
         store.write(self.recipe, lambda path: _write_json(path, tally), self.suffix)
+
+
+def read_limits(path: Path) -> tuple[DepthLimit, ...]:
+    """Read the artefact of a `LimitTask`, by rising depth."""
+    return tuple(DepthLimit(**item) for item in json.loads(path.read_text()))
 
 
 def find_made(store: ArtefactStore, task: Task) -> Path:

@@ -1,7 +1,9 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from palpate.learn.limit import posterior_rmse
+from palpate.learn.limit import _reach, posterior_rmse
 
 NOWHERE = np.array([[0.0, 0.0, np.inf]])
 
@@ -57,3 +59,8 @@ def test_coordinates_mixed_by_another_unknown_make_it_harder():
     all_unknown, _ = posterior_rmse(three, 2.0, NOWHERE, rng(), draws=1000)
     depth_known, _ = posterior_rmse(three[..., :2].copy(), 2.0, NOWHERE, rng(), draws=1000)
     assert depth_known < 0.95 * all_unknown
+
+
+def test_the_prior_reaches_as_far_as_an_unbroken_run_of_tilts():
+    runs = ((SimpleNamespace(first_deg=0.0, last_deg=6.0), SimpleNamespace(first_deg=8.0, last_deg=8.0)), ())
+    assert [_reach(SimpleNamespace(runs=runs), image) for image in (0, 1)] == [6.0, 0.0]

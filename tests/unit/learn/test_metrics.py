@@ -54,3 +54,18 @@ def test_metrics_survive_json():
     rng = np.random.default_rng(0)
     metrics = measure_errors(rng.normal(size=(6, 3)), np.repeat([[0, 0, 1.0], [1, 0, 2.0]], 3, axis=0))
     assert Metrics.from_dict(metrics.as_dict()) == metrics
+
+
+def test_errors_are_sorted_into_intervals_of_true_tilt():
+    poses = np.array([[0, 0, 2.4], [0, 1.9, 2.4], [2.0, 0, 2.4], [0, -11.0, 2.4], [12.0, 0, 2.4]])
+    estimates = poses + np.array([[1, 1, 0], [1, 1, 0], [3, 3, 0], [2, 2, 0], [2, 2, 0]])
+    found = [
+        (part.from_deg, part.to_deg, part.images, part.angle.rmse)
+        for part in measure_errors(estimates, poses).by_tilt
+    ]
+    assert found == [(0, 2, 2, pytest.approx(1)), (2, 4, 1, pytest.approx(3)), (10, 12, 2, pytest.approx(2))]
+
+
+def test_straight_presses_alone_are_one_interval():
+    (only,) = measure_errors(np.ones((2, 3)), np.zeros((2, 3))).by_tilt
+    assert (only.from_deg, only.to_deg, only.images) == (0, 2, 2)

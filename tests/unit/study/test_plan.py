@@ -6,6 +6,8 @@ from palpate.core import PalpateError
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 
+AFTER_PRESS = {"dataset", "limit", "estimator", "learning"}
+
 
 def plan_of(**choices: object) -> dict[str, str]:
     """Key of every task by its name."""
@@ -20,7 +22,13 @@ def kinds_changed(**choices: object) -> set[str]:
 
 def test_first_shares_its_presses_between_layouts() -> None:
     kinds = [task.recipe.kind for task in plan_study(read_study("first")).tasks()]
-    assert (kinds.count("press"), kinds.count("dataset"), kinds.count("learning")) == (14, 8, 8)
+    counts = {kind: kinds.count(kind) for kind in kinds}
+    assert counts == {"press": 14, "dataset": 8, "limit": 8, "estimator": 8, "learning": 8}
+
+
+def test_limits_need_presses_and_nothing_else() -> None:
+    kinds = [task.recipe.kind for task in plan_study(read_study("first")).limit_tasks()]
+    assert {kind: kinds.count(kind) for kind in kinds} == {"press": 14, "limit": 8}
 
 
 def test_paper_needs_84_presses_for_48_designs() -> None:
@@ -42,12 +50,13 @@ def test_the_same_study_has_the_same_keys() -> None:
 @pytest.mark.parametrize(
     ("choices", "changed"),
     [
-        ({"wall": {"depth": 7.0}}, {"press", "dataset", "learning"}),
-        ({"material": {"bulk_ratio": 20}}, {"press", "dataset", "learning"}),
-        ({"camera": {"distance": 50}}, {"dataset", "learning"}),
-        ({"dataset": {"jitter_px": 1.0}}, {"dataset", "learning"}),
-        ({"seed": 1}, {"dataset", "learning"}),
-        ({"learning": {"seed": 1}}, {"learning"}),
+        ({"wall": {"depth": 7.0}}, {"press", *AFTER_PRESS}),
+        ({"material": {"bulk_ratio": 20}}, {"press", *AFTER_PRESS}),
+        ({"camera": {"distance": 50}}, AFTER_PRESS),
+        ({"dataset": {"jitter_px": 1.0}}, AFTER_PRESS),
+        ({"seed": 1}, AFTER_PRESS),
+        ({"learning": {"seed": 1}}, {"estimator", "learning"}),
+        ({"learning": {"preset": "best"}}, {"estimator", "learning"}),
         ({"name": "b"}, set()),
     ],
 )
@@ -63,6 +72,8 @@ def test_the_content_of_a_layout_file_changes_the_dataset(tmp_path: Path) -> Non
         keys.append(plan_of(designs={"markers": [{"file": str(dots)}]}))
     assert [name for name in keys[0] if keys[0][name] != keys[1][name]] == [
         "dataset H20 T2 2 markers",
+        "limit H20 T2 2 markers",
+        "estimator H20 T2 2 markers",
         "learning H20 T2 2 markers",
     ]
 
