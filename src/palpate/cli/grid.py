@@ -1,55 +1,97 @@
-"""`palpate grid`: look at the specification grid of a finished study."""
+"""`palpate grid`: show, plot, export and compare specification grids of finished studies."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 
-COLUMNS = (
-    "height_mm",
-    "thickness_mm",
-    "markers",
-    "rmse_deg",
-    "max_error_deg",
-    "rmse_jitter_deg",
-    "max_error_jitter_deg",
-    "travel_mm",
-    "peak_stress_mpa",
-    "force_n",
-    "presses",
-    "samples",
-)
-"""Columns of the printed table; the files hold every column."""
+if TYPE_CHECKING:
+    from palpate.grid import Comparison
 
 app = App(name="grid", help="Look at a specification grid.")
 
+Directory = Annotated[Path, Parameter(help="Result folder of a study, with its grid.")]
+Where = Annotated[str | None, Parameter(help="Keep rows, e.g. 'markers >= 91 and rmse_deg < 0.5'.")]
+Sort = Annotated[
+    str | None, Parameter(allow_leading_hyphen=True, help="Column to sort by; a leading minus reverses.")
+]
+
 
 @app.command
-def show(
-    directory: Annotated[Path, Parameter(help="Result folder of a study, with its grid.json.")],
-    *,
-    where: Annotated[str | None, Parameter(help="Keep rows, e.g. 'markers >= 91 and rmse_deg < 0.5'.")] = None,
-    sort: Annotated[
-        str | None, Parameter(allow_leading_hyphen=True, help="Column to sort by; a leading minus reverses.")
-    ] = None,
-    json: JsonFlag = False,
-) -> None:
+def show(directory: Directory, *, where: Where = None, sort: Sort = None, json: JsonFlag = False) -> None:
     """Show the grid of a result folder, its rows chosen and sorted."""
-    from palpate.grid import filter_rows, read_grid, sort_rows
-
-    rows = read_grid(directory).rows
-    rows = rows if where is None else filter_rows(rows, where)
-    rows = rows if sort is None else sort_rows(rows, sort)
+    rows = _choose(directory, where, sort).rows
     if json:
         print_json(rows)
     else:
         print_grid(str(directory), rows)
+
+
+@app.command
+def plot(
+    directory: Directory,
+    *,
+    metric: Annotated[str | None, Parameter(help="Column to draw; without it rmse_deg, or travel_mm.")] = None,
+    kind: Annotated[
+        Literal["heat", "travel", "depth", "tilt", "markers"],
+        Parameter(help="Heat maps over height and thickness, or curves against thickness, depth, tilt or markers."),
+    ] = "heat",
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], help="Folder; without it, the result's.")] = None,
+    where: Where = None,
+    json: JsonFlag = False,
+) -> None:
+    """Draw one metric of a grid as PNG and SVG."""
+    from palpate.grid import plot_grid
+
+    metric = metric or ("travel_mm" if kind == "travel" else "rmse_deg")
+    paths = plot_grid(_choose(directory, where, None), kind, metric, out or directory)
+    if json:
+        print_json({"files": [str(path) for path in paths]})
+    else:
+        print("\n".join(str(path) for path in paths))
+
+
+@app.command
+def export(
+    directory: Directory,
+    *,
+    to: Annotated[Path, Parameter(help="File that ends in .csv, .parquet or .md.")],
+    where: Where = None,
+    sort: Sort = None,
+) -> None:
+    """Write a grid for other programs: CSV, Parquet or Markdown."""
+    from palpate.grid import export_grid
+
+    grid = _choose(directory, where, sort)
+    export_grid(to, grid)
+    print(f"{to}: {len(grid.rows)} designs")
+
+
+@app.command
+def compare(
+    first: Directory,
+    second: Directory,
+    *,
+    metric: Annotated[
+        tuple[str, ...] | None, Parameter(negative="", help="Columns to compare; without it, the main errors.")
+    ] = None,
+    json: JsonFlag = False,
+) -> None:
+    """Put two grids side by side: ratios of the same designs, and what differs in spec, seeds and versions."""
+    from palpate.grid import METRICS, compare_grids, read_grid
+
+    metrics = metric or METRICS
+    comparison = compare_grids(read_grid(first), read_grid(second), metrics)
+    if json:
+        print_json(_describe(comparison))
+    else:
+        _print_comparison(comparison, metrics, (str(first), str(second)))
 
 
 def print_grid(title: str, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -62,8 +104,47 @@ def print_grid(title: str, rows: Sequence[Mapping[str, Any]]) -> None:
     rows
         One mapping a design, from column to value.
     """
-    columns = [name for name in COLUMNS if any(name in row for row in rows)]
+    from palpate.grid import MAIN_COLUMNS
+
+    columns = [name for name in MAIN_COLUMNS if any(name in row for row in rows)]
     print_table(title, [name.replace("_", " ") for name in columns], [_cells(row, columns) for row in rows])
+
+
+def _choose(directory: Path, where: str | None, sort: str | None) -> Any:
+    """The grid of a folder with its rows chosen and sorted."""
+    from dataclasses import replace
+
+    from palpate.grid import filter_rows, read_grid, sort_rows
+
+    grid = read_grid(directory)
+    rows = grid.rows if where is None else filter_rows(grid.rows, where)
+    return replace(grid, rows=rows if sort is None else sort_rows(rows, sort))
+
+
+def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> None:
+    print(f"A is {names[0]}, B is {names[1]}.")
+    columns = ["height_mm", "thickness_mm", "markers"]
+    columns += [f"{metric}_{part}" for metric in metrics for part in ("a", "b", "ratio")]
+    heads = [name.replace("_", " ").replace("ratio", "B/A") for name in columns]
+    print_table("designs of both", heads, [_cells(row, columns) for row in comparison.rows])
+    for name, rows in zip("AB", (comparison.only_first, comparison.only_second), strict=True):
+        designs = ", ".join(f"H{r['height_mm']:g} T{r['thickness_mm']:g} {r['markers']}" for r in rows)
+        if designs:
+            print(f"Only {name} has {designs}.")
+    differences = [[item.name, item.first, item.second] for item in comparison.differences]
+    if differences:
+        print_table("what differs", ["", "A", "B"], differences)
+    else:
+        print("Spec, seeds and versions are the same.")
+
+
+def _describe(comparison: Comparison) -> dict[str, Any]:
+    return {
+        "designs": comparison.rows,
+        "only_a": comparison.only_first,
+        "only_b": comparison.only_second,
+        "differences": [{"name": item.name, "a": item.first, "b": item.second} for item in comparison.differences],
+    }
 
 
 def _cells(row: Mapping[str, Any], columns: Sequence[str]) -> list[str]:

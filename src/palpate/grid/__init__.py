@@ -1,21 +1,41 @@
 """Grid: the specification grid of a study, its questions and its pictures."""
 
+from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
 from palpate.grid.evaluate_grid import evaluate_grid
-from palpate.grid.grid import Cell, Row, SpecificationGrid, unit_of
+from palpate.grid.export import export_grid
+from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, unit_of
 from palpate.grid.io import read_grid, write_grid
-from palpate.grid.panel import DepthPanel, Panel, cut_depth_panels, cut_panels
+from palpate.grid.panel import (
+    CurvePanel,
+    Panel,
+    cut_depth_panels,
+    cut_marker_panels,
+    cut_panels,
+    cut_tilt_panels,
+)
+from palpate.grid.plot import KINDS, plot_grid
 from palpate.grid.query import filter_rows, sort_rows
 
 __all__ = [
+    "KINDS",
+    "MAIN_COLUMNS",
+    "METRICS",
     "Cell",
-    "DepthPanel",
+    "Comparison",
+    "CurvePanel",
+    "Difference",
     "Panel",
     "Row",
     "SpecificationGrid",
+    "compare_grids",
     "cut_depth_panels",
+    "cut_marker_panels",
     "cut_panels",
+    "cut_tilt_panels",
     "evaluate_grid",
+    "export_grid",
     "filter_rows",
+    "plot_grid",
     "read_grid",
     "sort_rows",
     "unit_of",

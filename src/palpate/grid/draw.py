@@ -1,4 +1,4 @@
-"""Pictures of a grid: heat maps as in the paper's Fig. 12, marker travel as in its Fig. 11, error by depth."""
+"""Pictures of a grid: heat maps as in the paper's Fig. 12, marker travel as in its Fig. 11, curves."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from palpate.grid.panel import DepthPanel, Panel
+from palpate.grid.panel import CurvePanel, Panel
 
 CELL_INCH = 0.85
 PANEL_INCH = 1.9
@@ -59,15 +59,17 @@ def draw_heat_maps(panels: Sequence[Panel], title: str, unit: str) -> Figure:
     return figure
 
 
-def draw_travel(panels: Sequence[Panel], title: str) -> Figure:
-    """Draw marker travel against thickness, one panel a layout and one line a height.
+def draw_travel(panels: Sequence[Panel], title: str, label: str = "mean marker travel (mm)") -> Figure:
+    """Draw marker travel, or another figure, against thickness, one panel a layout and one line a height.
 
     Parameters
     ----------
     panels
-        At least one, of distances in mm.
+        At least one.
     title
         What is shown.
+    label
+        Name of the figure with its unit.
     """
     figure = _empty_figure(2.4 * len(panels) + 1.4, 3.2)
     axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
@@ -84,14 +86,14 @@ def draw_travel(panels: Sequence[Panel], title: str) -> Figure:
         axis.spines[["top", "right"]].set_visible(False)
     greatest = max((float(np.nanmax(p.values)) for p in panels if np.isfinite(p.values).any()), default=1.0)
     axes[0].set_ylim(0.0, 1.1 * greatest)
-    axes[0].set_ylabel("mean marker travel (mm)")
+    axes[0].set_ylabel(label)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
     figure.suptitle(title.replace(", ", "\n"), fontsize=11)
     return figure
 
 
-def draw_errors_by_depth(panels: Sequence[DepthPanel], title: str) -> Figure:
-    """Draw RMSE against the depth of the wall, one panel a layout and one line a dome.
+def draw_curves(panels: Sequence[CurvePanel], title: str, across: str, label: str) -> Figure:
+    """Draw a figure against depth, tilt or number of markers, one line a dome.
 
     A colour is a height, a mark and a kind of line a thickness.
 
@@ -101,6 +103,8 @@ def draw_errors_by_depth(panels: Sequence[DepthPanel], title: str) -> Figure:
         At least one.
     title
         What is shown.
+    across, label
+        Names of the two axes with their units.
     """
     figure = _empty_figure(2.6 * len(panels) + 1.8, 3.6)
     axes = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
@@ -109,18 +113,18 @@ def draw_errors_by_depth(panels: Sequence[DepthPanel], title: str) -> Figure:
     colours = mpl.colormaps[COLOURS](np.linspace(0.0, 0.85, len(heights)))
     lines: dict[tuple[float, float], Any] = {}
     for axis, panel in zip(axes, panels, strict=True):
-        for dome, errors in zip(panel.domes_mm, panel.values_deg, strict=True):
+        for dome, errors in zip(panel.domes_mm, panel.values, strict=True):
             number = thicknesses.index(dome[1])
             style = {"linestyle": LINES[number % len(LINES)], "marker": MARKS[number % len(MARKS)], "markersize": 4}
             colour = colours[heights.index(dome[0])]
-            lines[dome] = axis.plot(panel.depths_mm, errors, color=colour, linewidth=1.2, **style)[0]
+            lines[dome] = axis.plot(panel.places, errors, color=colour, linewidth=1.2, **style)[0]
         axis.set_title(panel.title, fontsize=10)
-        axis.set_xlabel("depth of the wall (mm)")
+        axis.set_xlabel(across)
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-    greatest = max((float(np.nanmax(p.values_deg)) for p in panels if np.isfinite(p.values_deg).any()), default=1.0)
+    greatest = max((float(np.nanmax(p.values)) for p in panels if np.isfinite(p.values).any()), default=1.0)
     axes[0].set_ylim(0.0, 1.1 * greatest)
-    axes[0].set_ylabel("RMSE of the angle (deg)")
+    axes[0].set_ylabel(label)
     labels = [f"H {height:g}, T {thickness:g} mm" for height, thickness in domes]
     figure.legend([lines[dome] for dome in domes], labels, loc="outside right upper", frameon=False, fontsize=9)
     figure.suptitle(title.replace(", ", "\n"), fontsize=11)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
+import statistics
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from palpate.grid.grid import Cell, SpecificationGrid, depth_text
-from palpate.learn import Metrics
+from palpate.learn import Metrics, compare_with_limit, pool_limits
 from palpate.study import DesignResult
 
 
@@ -30,7 +32,15 @@ def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
     return SpecificationGrid(rows=tuple({name: row.get(name) for name in columns} for row in rows), columns=columns)
 
 
-_LAST = ("seed", "versions", "press_key", "dataset_key", "learning_key", "failure")
+_LAST = (
+    "seed",
+    "dataset_seed",
+    "learning_seed",
+    "versions",
+    "spec",
+    *(f"{kind}_key" for kind in ("press", "dataset", "limit", "estimator", "learning")),
+    "failure",
+)
 
 
 def _row(design: DesignResult) -> dict[str, Cell]:
@@ -42,6 +52,8 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         "markers": design.markers.count,
         **_errors(design.clean, ""),
         **_errors(design.jittered, "_jitter"),
+        **_spread(design),
+        **_limits(design),
         "travel_mm": _finite(design.travel_mm),
         "peak_stress_mpa": _finite(design.peak_stress_mpa),
         "force_n": _finite(design.force_n),
@@ -49,7 +61,9 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         **_details(design.clean, ""),
         **_details(design.jittered, "_jitter"),
         "seed": design.seed,
+        **{f"{stage}_seed": design.spec.get(stage, {}).get("seed") for stage in ("dataset", "learning")},
         "versions": " ".join(f"{name}={version}" for name, version in sorted(design.versions.items())),
+        "spec": json.dumps(design.spec, sort_keys=True),
         **{f"{kind}_key": " ".join(keys) for kind, keys in design.artefacts.items()},
         "failure": design.failure,
     }
@@ -62,8 +76,38 @@ def _errors(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
     }
 
 
+def _spread(design: DesignResult) -> dict[str, Cell]:
+    """Standard deviation of the clean RMSE over the repeats, which takes two."""
+    repeats = design.repeat_rmse_deg
+    return {
+        "rmse_spread_deg": statistics.stdev(repeats) if len(repeats) > 1 else None,
+        "repeats": len(repeats) or None,
+    }
+
+
+def _limits(design: DesignResult) -> dict[str, Cell]:
+    """Bounds on the jittered RMSE and how near it comes, over all depths and by depth."""
+    judged = compare_with_limit(design.jittered, design.limits) if design.jittered else None
+    pooled = judged[0] if judged else pool_limits(design.limits)
+    found: dict[str, Cell] = {
+        "limit_deg": pooled.least_squares_deg if pooled else None,
+        "limit_pitman_deg": pooled.pitman_deg if pooled else None,
+        "rmse_over_limit": judged[1] if judged else None,
+    }
+    by_depth = design.jittered.by_depth if design.jittered else ()
+    rmse = {depth_text(errors.depth_mm): errors.angle.rmse for errors in by_depth}
+    for limit in design.limits:
+        depth = depth_text(limit.depth_mm)
+        found[f"limit_at_{depth}mm_deg"] = limit.least_squares_deg
+        found[f"limit_pitman_at_{depth}mm_deg"] = limit.pitman_deg
+        found[f"limit_floor_at_{depth}mm_deg"] = limit.floor_deg
+        if depth in rmse and limit.least_squares_deg > 0:
+            found[f"rmse_over_limit_at_{depth}mm"] = rmse[depth] / limit.least_squares_deg
+    return found
+
+
 def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
-    """Every summary figure per axis, and RMSE and maximum of the angle by depth."""
+    """Every summary figure per axis, and RMSE and maximum of the angle by depth and by tilt."""
     if metrics is None:
         return {}
     found: dict[str, Cell] = {}
@@ -77,6 +121,12 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
         depth = f"{depth_text(errors.depth_mm)}mm"
         found[f"rmse_at_{depth}{suffix}_deg"] = errors.angle.rmse
         found[f"max_error_at_{depth}{suffix}_deg"] = errors.angle.max
+        found[f"validation_samples_at_{depth}"] = errors.images
+    for part in metrics.by_tilt:
+        tilts = f"tilt_{part.from_deg:g}_to_{part.to_deg:g}"
+        found[f"rmse_at_{tilts}{suffix}_deg"] = part.angle.rmse
+        found[f"max_error_at_{tilts}{suffix}_deg"] = part.angle.max
+        found[f"validation_samples_at_{tilts}"] = part.images
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,6 +10,27 @@ Cell = float | int | str | None
 """A figure, a word, or nothing where the chain broke or the figure does not apply."""
 
 Row = Mapping[str, Cell]
+
+MAIN_COLUMNS = (
+    "height_mm",
+    "thickness_mm",
+    "markers",
+    "rmse_deg",
+    "max_error_deg",
+    "rmse_jitter_deg",
+    "max_error_jitter_deg",
+    "rmse_spread_deg",
+    "limit_deg",
+    "rmse_over_limit",
+    "travel_mm",
+    "peak_stress_mpa",
+    "force_n",
+    "samples",
+)
+"""Columns that a person reads first."""
+
+_AT_DEPTH = re.compile(r"_at_(\d+)_(\d+)mm")
+_AT_TILT = re.compile(r"_at_tilt_(\d+)_to_(\d+)")
 
 UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 
@@ -27,11 +49,14 @@ class SpecificationGrid:
     Notes
     -----
     ``rmse_deg`` and ``max_error_deg`` pool both components of the angle, as in the paper, over the images of the
-    held-out presses; ``_jitter`` is the same with jittered pixels. ``rmse_rx_deg``, …, ``bias_ry_deg`` and
-    ``rmse_depth_mm`` are per axis, ``rmse_at_2_4mm_deg``, … per depth (here 2.4 mm). ``travel_mm`` is the
-    distance in space of a marker from rest, as mean over the markers and over the sampled poses at the greatest
-    depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press, ``force_n`` the wall's
-    force in the deepest image of the press of least tilt.
+    held-out presses; ``_jitter`` is the same with jittered pixels. ``rmse_spread_deg`` is the standard deviation of
+    ``rmse_deg`` over the repeats of the training, each by itself. ``limit_deg`` is the least-squares bound on
+    ``rmse_jitter_deg`` over the same images, ``limit_pitman_deg`` that of the posterior mean, ``rmse_over_limit`` the
+    jittered RMSE over the first. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis,
+    ``rmse_at_2_4mm_deg``, … per depth (here 2.4 mm), ``rmse_at_tilt_0_to_2_deg``, … per interval of true tilt.
+    ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
+    poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,
+    ``force_n`` the wall's force in the deepest image of the press of least tilt. ``spec`` is JSON.
     """
 
     rows: tuple[Row, ...]
@@ -52,3 +77,15 @@ def depth_text(depth_mm: float) -> str:
 def unit_of(column: str) -> str:
     """Unit of a column by its suffix; empty for a pure number or a word."""
     return next((unit for suffix, unit in UNITS.items() if column.endswith(suffix)), "")
+
+
+def depth_of(column: str) -> tuple[str, float] | None:
+    """Figure and depth (mm) of a column by depth, ``rmse_at_2_4mm_deg`` gives ``("rmse_deg", 2.4)``; else `None`."""
+    match = _AT_DEPTH.search(column)
+    return (column.replace(match[0], ""), float(f"{match[1]}.{match[2]}")) if match else None
+
+
+def tilts_of(column: str) -> tuple[str, float, float] | None:
+    """Figure and interval of tilt (degrees) of a column such as ``rmse_at_tilt_0_to_2_deg``; else `None`."""
+    match = _AT_TILT.search(column)
+    return (column.replace(match[0], ""), float(match[1]), float(match[2])) if match else None

@@ -1,43 +1,46 @@
-"""A grid as a folder: numbers as CSV and JSON, pictures as PNG and SVG."""
+"""A grid as a folder: numbers as SQLite, CSV and JSON, pictures as PNG and SVG."""
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import tempfile
 from pathlib import Path
 
 from palpate.core import PalpateError
+from palpate.grid.database import read_database, write_database
+from palpate.grid.export import write_csv
 from palpate.grid.grid import SpecificationGrid, unit_of
-from palpate.grid.panel import cut_depth_panels, cut_panels
+from palpate.grid.plot import draw_plot, name_plot
 
 FORMAT, FORMAT_VERSION = "palpate specification grid", 1
 
-HEAT_MAPS = {
-    "rmse_deg": "RMSE of the contact angle, clean images",
-    "max_error_deg": "Greatest error of the contact angle, clean images",
-    "rmse_jitter_deg": "RMSE of the contact angle, jittered images",
-    "max_error_jitter_deg": "Greatest error of the contact angle, jittered images",
-}
-TRAVEL = "travel_mm"
-DEPTH_CURVES = {
-    "": "RMSE of the contact angle by depth, clean images",
-    "_jitter": "RMSE of the contact angle by depth, jittered images",
-}
+DATABASE = "grid.sqlite"
+
+PICTURES = (
+    ("heat", "rmse_deg"),
+    ("heat", "max_error_deg"),
+    ("heat", "rmse_jitter_deg"),
+    ("heat", "max_error_jitter_deg"),
+    ("travel", "travel_mm"),
+    ("depth", "rmse_deg"),
+    ("depth", "rmse_jitter_deg"),
+)
+"""Kind and metric of the pictures that every grid gets."""
 
 
 def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     """Write a grid into a folder, replacing an older one.
 
-    Every file is made aside and renamed when all of them are whole, so a run that stops half-way leaves the older
-    grid as it was.
+    Every file is made aside and renamed when all of them are whole, and the database changes in one transaction, so
+    a run that stops half-way leaves the older grid as it was.
 
     Parameters
     ----------
     directory
-        Made if it does not exist. Gets ``grid.csv``, ``grid.json``, one ``heat_map_….png`` and ``.svg`` for each
-        of the four errors, and ``marker_travel``, ``error_by_depth`` and ``error_by_depth_jitter`` as both.
+        Made if it does not exist. Gets ``grid.sqlite``, ``grid.csv``, ``grid.json``, one ``heat_map_….png`` and
+        ``.svg`` for each of the four errors, and ``marker_travel``, ``error_by_depth`` and
+        ``error_by_depth_jitter`` as both.
     grid
         At least one row; a grid without rows has no pictures.
 
@@ -50,10 +53,11 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".writing-", dir=directory) as name:
             drafts = Path(name)
-            _write_csv(drafts / "grid.csv", grid)
+            write_csv(drafts / "grid.csv", grid)
             _write_json(drafts / "grid.json", grid)
             if grid.rows:
                 _write_pictures(drafts, grid)
+            write_database(directory / DATABASE, grid)
             for draft in sorted(drafts.iterdir()):
                 os.replace(draft, directory / draft.name)
     except OSError as error:
@@ -63,13 +67,15 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
 
 
 def read_grid(directory: Path) -> SpecificationGrid:
-    """Read the ``grid.json`` of a folder written by `write_grid`.
+    """Read the grid of a folder written by `write_grid`, from its ``grid.sqlite`` or, without one, ``grid.json``.
 
     Raises
     ------
     PalpateError
         If there is none, or it is not a grid.
     """
+    if (directory / DATABASE).is_file():
+        return read_database(directory / DATABASE)
     path = directory / "grid.json"
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -82,13 +88,6 @@ def read_grid(directory: Path) -> SpecificationGrid:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise PalpateError(f"{path} cannot be read as a grid: {error}.", "Run the study again.") from error
     return SpecificationGrid(rows=rows, columns=columns)
-
-
-def _write_csv(path: Path, grid: SpecificationGrid) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, grid.columns)
-        writer.writeheader()
-        writer.writerows({name: "" if cell is None else cell for name, cell in row.items()} for row in grid.rows)
 
 
 def _write_json(path: Path, grid: SpecificationGrid) -> None:
@@ -104,13 +103,7 @@ def _write_json(path: Path, grid: SpecificationGrid) -> None:
 
 def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:
     # imported here because a drawing library loads slowly
-    from palpate.grid.draw import draw_errors_by_depth, draw_heat_maps, draw_travel, write_picture
+    from palpate.grid.draw import write_picture
 
-    for column, title in HEAT_MAPS.items():
-        figure = draw_heat_maps(cut_panels(grid, column), title, unit_of(column))
-        write_picture(directory / f"heat_map_{column.removesuffix('_deg')}", figure)
-    travel = draw_travel(cut_panels(grid, TRAVEL), "Marker travel from rest at the greatest depth")
-    write_picture(directory / "marker_travel", travel)
-    for suffix, title in DEPTH_CURVES.items():
-        curves = draw_errors_by_depth(cut_depth_panels(grid, suffix), title)
-        write_picture(directory / f"error_by_depth{suffix}", curves)
+    for kind, metric in PICTURES:
+        write_picture(directory / name_plot(kind, metric), draw_plot(grid, kind, metric))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.grid.grid import Row, SpecificationGrid, depth_text
+from palpate.grid.grid import Row, SpecificationGrid, depth_of, tilts_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,25 +33,25 @@ class Panel:
 
 
 @dataclass(frozen=True, eq=False)
-class DepthPanel:
-    """RMSE of the angle against the depth of the wall, of all domes with the same markers.
+class CurvePanel:
+    """One figure of several domes along depth, tilt or number of markers.
 
     Attributes
     ----------
     title
-        Number of markers, e.g. ``"169 markers"``.
+        What the domes share, e.g. ``"169 markers"`` or ``"H = 20 mm"``.
     domes_mm
         (d, 2) height and thickness of each dome (mm), rising.
-    depths_mm
-        (n,) depths of the images (mm), rising.
-    values_deg
-        (d, n) RMSE (degrees); NaN where a dome has none at that depth.
+    places
+        (n,) depths (mm), middles of intervals of tilt (degrees) or numbers of markers, rising.
+    values
+        (d, n) figures; NaN where a dome has none at that place.
     """
 
     title: str
     domes_mm: tuple[tuple[float, float], ...]
-    depths_mm: tuple[float, ...]
-    values_deg: NDArray[np.float64]
+    places: tuple[float, ...]
+    values: NDArray[np.float64]
 
 
 def cut_panels(grid: SpecificationGrid, column: str) -> tuple[Panel, ...]:
@@ -79,29 +78,55 @@ def cut_panels(grid: SpecificationGrid, column: str) -> tuple[Panel, ...]:
     )
 
 
-def cut_depth_panels(grid: SpecificationGrid, suffix: str = "") -> tuple[DepthPanel, ...]:
-    """Cut the RMSE by depth into panels by rising number of markers; layouts as in `cut_panels`.
+def cut_depth_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
+    """Cut one figure by depth (mm) into panels by rising number of markers; layouts as in `cut_panels`.
 
     Parameters
     ----------
     grid
         At least one row.
-    suffix
-        Empty for clean images, ``"_jitter"`` for jittered ones.
+    column
+        Name of a figure that has columns by depth, as ``rmse_deg`` has ``rmse_at_2_4mm_deg``.
     """
-    pattern = re.compile(rf"rmse_at_(\d+)_(\d+)mm{suffix}_deg")
-    found = (pattern.fullmatch(name) for name in grid.columns)
-    depths = tuple(sorted(float(f"{match[1]}.{match[2]}") for match in found if match))
+    found = {name: depth_of(name) for name in grid.columns}
+    return _cut_curves(grid, {at[1]: name for name, at in found.items() if at and at[0] == column})
+
+
+def cut_tilt_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
+    """Cut one figure by the middles of the intervals of tilt (degrees); parameters as of `cut_depth_panels`."""
+    found = {name: tilts_of(name) for name in grid.columns}
+    return _cut_curves(grid, {(at[1] + at[2]) / 2: name for name, at in found.items() if at and at[0] == column})
+
+
+def cut_marker_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
+    """Cut one column of numbers by the number of markers into panels by rising height.
+
+    Of two layouts with the same number of markers on the same dome the first counts.
+    """
+    counts = tuple(sorted({int(_number(row["markers"])) for row in grid.rows}))
+    curves: dict[float, dict[tuple[float, float], list[float]]] = {}
+    for row, dome, markers, layout in _designs(grid):
+        if layout == 0:
+            curve = curves.setdefault(dome[0], {}).setdefault(dome, [float("nan")] * len(counts))
+            curve[counts.index(markers)] = _number(row[column])
+    places = tuple(float(count) for count in counts)
+    return tuple(_curve_panel(f"H = {height:g} mm", curves[height], places) for height in sorted(curves))
+
+
+def _cut_curves(grid: SpecificationGrid, columns: dict[float, str]) -> tuple[CurvePanel, ...]:
+    """One panel a layout, with the columns by the place where each stands on the axis."""
+    places = tuple(sorted(columns))
     curves: dict[tuple[int, int], dict[tuple[float, float], list[float]]] = {}
     for row, dome, markers, layout in _designs(grid):
-        curve = [_number(row[f"rmse_at_{depth_text(depth)}mm{suffix}_deg"]) for depth in depths]
+        curve = [_number(row[columns[place]]) for place in places]
         curves.setdefault((markers, layout), {})[dome] = curve
-    panels = []
-    for (markers, layout), curve_of in sorted(curves.items()):
-        domes = tuple(sorted(curve_of))
-        values = np.array([curve_of[dome] for dome in domes], dtype=float).reshape(len(domes), len(depths))
-        panels.append(DepthPanel(_title(markers, layout), domes, depths, values))
-    return tuple(panels)
+    return tuple(_curve_panel(_title(*key), curves[key], places) for key in sorted(curves))
+
+
+def _curve_panel(title: str, curves: dict[tuple[float, float], list[float]], places: tuple[float, ...]) -> CurvePanel:
+    domes = tuple(sorted(curves))
+    values = np.array([curves[dome] for dome in domes], dtype=float).reshape(len(domes), len(places))
+    return CurvePanel(title, domes, places, values)
 
 
 def _designs(grid: SpecificationGrid) -> Iterator[tuple[Row, tuple[float, float], int, int]]:

@@ -120,11 +120,11 @@ class Study(Spec):
     @field_validator("wall")
     @classmethod
     def _tilts_belong_to_the_study(cls, wall: WallSpec) -> WallSpec:
-        for name in {"tilt_deg", "azimuth_deg"} & wall.model_fields_set:
+        for name in {"tilt_deg", "azimuth_deg", "unload"} & wall.model_fields_set:
             raise PydanticCustomError(
                 "tilt_in_wall",
-                "{name} is not chosen here: the study presses every one of tilts_deg, and one press serves "
-                "every azimuth.",
+                "{name} is not chosen here: the study presses every one of tilts_deg to full depth, and one press "
+                "serves every azimuth.",
                 {"name": name},
             )
         return wall

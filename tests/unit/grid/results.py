@@ -3,8 +3,13 @@
 import numpy as np
 
 from palpate.design import DomeSpec, MarkerSpec, build_dome
-from palpate.learn import measure_errors
+from palpate.learn import DepthLimit, measure_errors
 from palpate.study import Counts, DesignResult, PressSummary
+
+LIMITS = (
+    DepthLimit(2.4, 48, 1.0, 1.2, 0.2, 0.7, 0.02, 0.3, 0.01),
+    DepthLimit(8.0, 48, 1.0, 0.2, 0.1, 0.1, 0.01, 0.05, 0.01),
+)
 
 
 def make_metrics(size, seed=0):
@@ -31,7 +36,16 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
         counts=None if failure else Counts(2, 60, 460, 92, {"wall reached the clamped rim": 20}),
         seed=3,
         versions={"palpate": "0.1.0", "fea": "1"},
-        artefacts={"press": ("aa", "bb"), "dataset": ("cc",), "learning": ("dd",)},
+        artefacts={
+            "press": ("aa", "bb"),
+            "dataset": ("cc",),
+            "limit": ("ee",),
+            "estimator": ("ff",),
+            "learning": ("dd",),
+        },
+        limits=LIMITS,
+        repeat_rmse_deg=() if failure else (size, size + 0.1, size - 0.1),
+        spec={"dataset": {"seed": 4}},
         failure=failure,
     )
 

@@ -31,6 +31,16 @@ PROMISED = {
     "presses",
     "samples",
     "seed",
+    "dataset_seed",
+    "learning_seed",
+    "spec",
+    "repeats",
+    "rmse_spread_deg",
+    "limit_deg",
+    "limit_pitman_deg",
+    "limit_at_2_4mm_deg",
+    "rmse_over_limit",
+    "estimator_key",
 }
 PICTURES = (
     "heat_map_rmse",
@@ -57,6 +67,31 @@ def test_a_row_holds_the_figures_of_its_design():
     assert row["dropped_reasons"] == "wall reached the clamped rim: 20"
     assert row["press_key"] == "aa bb"
     assert "fea=1" in row["versions"]
+    assert row["rmse_spread_deg"] == pytest.approx(0.1)
+    assert (row["repeats"], row["dataset_seed"], row["learning_seed"]) == (3, 4, None)
+
+
+def test_a_row_holds_the_limit_and_how_near_the_error_comes():
+    design = make_design()
+    row = evaluate_grid([design]).rows[0]
+    assert row["limit_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
+    assert row["limit_pitman_deg"] == pytest.approx(np.sqrt((0.7**2 + 0.1**2) / 2))
+    assert row["rmse_over_limit"] == pytest.approx(row["rmse_jitter_deg"] / row["limit_deg"])
+    assert (row["limit_at_2_4mm_deg"], row["limit_floor_at_8_0mm_deg"]) == (1.2, 0.05)
+    assert row["rmse_over_limit_at_8_0mm"] == pytest.approx(design.jittered.by_depth[1].angle.rmse / 0.2)
+
+
+def test_a_design_without_an_estimator_still_has_its_limit():
+    row = evaluate_grid([make_design(failure="stopped"), make_design()]).rows[0]
+    assert row["limit_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
+    assert row["rmse_over_limit"] is None
+
+
+def test_a_row_holds_the_errors_by_tilt():
+    row = evaluate_grid([make_design()]).rows[0]
+    assert row["rmse_at_tilt_4_to_6_deg"] == make_design().clean.by_tilt[0].angle.rmse
+    assert row["max_error_at_tilt_4_to_6_jitter_deg"] == make_design().jittered.by_tilt[0].angle.max
+    assert row["validation_samples_at_tilt_4_to_6"] == 4
 
 
 def test_every_row_has_every_column_even_where_the_chain_broke():
@@ -148,12 +183,12 @@ def test_two_layouts_of_as_many_markers_get_a_panel_each():
     assert [panel.title for panel in panels] == ["169 markers", "169 markers, layout 2"]
 
 
-@pytest.mark.parametrize(("suffix", "metrics"), [("", "clean"), ("_jitter", "jittered")])
-def test_depth_panels_follow_each_dome_through_its_depths(suffix, metrics):
-    panels = cut_depth_panels(evaluate_grid(PAPER[::-1]), suffix)
+@pytest.mark.parametrize(("column", "metrics"), [("rmse_deg", "clean"), ("rmse_jitter_deg", "jittered")])
+def test_depth_panels_follow_each_dome_through_its_depths(column, metrics):
+    panels = cut_depth_panels(evaluate_grid(PAPER[::-1]), column)
     assert [panel.title for panel in panels] == ["7 markers", "37 markers", "91 markers", "169 markers"]
-    assert panels[3].depths_mm == (2.4, 8.0)
-    curve = panels[3].values_deg[panels[3].domes_mm.index((30.0, 4.0))]
+    assert panels[3].places == (2.4, 8.0)
+    curve = panels[3].values[panels[3].domes_mm.index((30.0, 4.0))]
     errors = getattr(make_design(30.0, 4.0, 169), metrics)
     assert curve.tolist() == [depth.angle.rmse for depth in errors.by_depth]
 
@@ -162,8 +197,8 @@ def test_depth_panels_are_empty_where_the_chain_broke():
     broken = make_design(thickness=3.0, failure="stopped")
     panel = cut_depth_panels(evaluate_grid([broken, make_design()]))[0]
     assert panel.domes_mm == ((20.0, 2.0), (20.0, 3.0))
-    assert np.isnan(panel.values_deg).tolist() == [[False, False], [True, True]]
-    assert cut_depth_panels(evaluate_grid([broken]))[0].values_deg.shape == (1, 0)
+    assert np.isnan(panel.values).tolist() == [[False, False], [True, True]]
+    assert cut_depth_panels(evaluate_grid([broken]))[0].values.shape == (1, 0)
 
 
 def test_a_grid_that_cannot_be_finished_leaves_the_older_one_as_it_was(tmp_path, monkeypatch):

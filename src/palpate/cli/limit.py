@@ -1,0 +1,116 @@
+"""`palpate limit`: how good any estimator of a design could be, without training one."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from palpate.cli.flag import JsonFlag
+from palpate.cli.output import print_json, print_table
+from palpate.cli.progress import Lines
+from palpate.cli.run import RESULTS
+from palpate.core import PalpateError
+
+if TYPE_CHECKING:
+    from palpate.study import DesignLimits
+
+_SOURCE = "YAML file of a study, a preset (first, paper), or the result folder of a finished study."
+_COLUMNS = ["height mm", "thickness mm", "markers", "depth mm", "least squares deg", "Pitman deg", "floor deg"]
+_AT_DEPTH = re.compile(r"limit_at_(\d+)_(\d+)mm_deg")
+
+
+def limit(
+    source: Annotated[str, Parameter(help=_SOURCE)],
+    *,
+    out: Annotated[Path | None, Parameter(help="Result folder of the study; without it, results/NAME.")] = None,
+    workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None,
+    json: JsonFlag = False,
+) -> int:
+    """Bound the error of any estimator for every design and depth, from the simulated Jacobian alone.
+
+    Presses that an earlier run left in the result folder are used; missing ones are solved. Nothing is trained.
+    """
+    folder = Path(source)
+    designs = _read(folder) if folder.is_dir() else _compute(source, out, workers)
+    if json:
+        print_json({"designs": designs})
+    else:
+        _print(source, designs)
+    failed = [design for design in designs if design["failure"]]
+    for design in failed:
+        name = f"H{design['height_mm']:g} T{design['thickness_mm']:g} {design['markers']} markers"
+        print(f"{name}: {design['failure']}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[str, Any]]:
+    from palpate.study import available_cores, read_study, run_limits
+
+    study = read_study(source)
+    if workers is not None and not 1 <= workers <= 1024:
+        raise PalpateError(f"--workers is {workers}.", f"Give 1 to 1024; this machine has {available_cores()} cores.")
+    return [_describe(design) for design in run_limits(study, out or RESULTS / study.name, workers, Lines())]
+
+
+def _describe(design: DesignLimits) -> dict[str, Any]:
+    from palpate.learn import pool_limits
+
+    pooled = pool_limits(design.limits)
+    return {
+        "height_mm": design.dome.height,
+        "base_radius_mm": design.dome.base_radius,
+        "thickness_mm": design.dome.thickness,
+        "markers": design.markers.count,
+        "limit_deg": pooled.least_squares_deg if pooled else None,
+        "limit_pitman_deg": pooled.pitman_deg if pooled else None,
+        "by_depth": [asdict(bound) for bound in design.limits],
+        "failure": design.failure,
+    }
+
+
+def _read(folder: Path) -> list[dict[str, Any]]:
+    """The limits that stand in the grid of a finished study."""
+    from palpate.grid import read_grid
+
+    grid = read_grid(folder)
+    depths = [match for name in grid.columns if (match := _AT_DEPTH.fullmatch(name))]
+    if not depths:
+        raise PalpateError(f"The grid of {folder} holds no limits.", "Give the study's YAML file, or run it again.")
+    return [_describe_row(row, depths) for row in grid.rows]
+
+
+def _describe_row(row: Mapping[str, Any], depths: list[re.Match[str]]) -> dict[str, Any]:
+    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "limit_deg", "limit_pitman_deg")
+    by_depth = [
+        {
+            "depth_mm": float(f"{at[1]}.{at[2]}"),
+            "least_squares_deg": row[at[0]],
+            "pitman_deg": row[at[0].replace("limit", "limit_pitman")],
+            "floor_deg": row[at[0].replace("limit", "limit_floor")],
+        }
+        for at in sorted(depths, key=lambda at: float(f"{at[1]}.{at[2]}"))
+        if row[at[0]] is not None
+    ]
+    return {
+        **{name: row[name] for name in names},
+        "by_depth": by_depth,
+        "failure": "" if by_depth else row["failure"],
+    }
+
+
+def _print(title: str, designs: list[dict[str, Any]]) -> None:
+    rows = []
+    for design in designs:
+        head = [f"{design[name]:g}" for name in ("height_mm", "thickness_mm", "markers")]
+        for bound in design["by_depth"]:
+            bounds = (bound[name] for name in ("least_squares_deg", "pitman_deg", "floor_deg"))
+            rows.append([*head, f"{bound['depth_mm']:g}", *(f"{value:.3f}" for value in bounds)])
+        if design["limit_deg"] is not None:
+            rows.append([*head, "all", f"{design['limit_deg']:.3f}", f"{design['limit_pitman_deg']:.3f}", ""])
+    print_table(title, _COLUMNS, rows)

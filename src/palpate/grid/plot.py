@@ -1,0 +1,144 @@
+"""Pictures of any metric of a grid, by kind."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.grid.grid import SpecificationGrid, depth_of, tilts_of, unit_of
+from palpate.grid.panel import (
+    CurvePanel,
+    cut_depth_panels,
+    cut_marker_panels,
+    cut_panels,
+    cut_tilt_panels,
+)
+from palpate.grid.query import check_column
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KINDS = ("heat", "travel", "depth", "tilt", "markers")
+TITLES = {
+    "rmse_deg": "RMSE of the contact angle, clean images",
+    "max_error_deg": "Greatest error of the contact angle, clean images",
+    "rmse_jitter_deg": "RMSE of the contact angle, jittered images",
+    "max_error_jitter_deg": "Greatest error of the contact angle, jittered images",
+    "rmse_spread_deg": "Spread of the RMSE over the repeats, clean images",
+    "limit_deg": "Least-squares limit of the contact angle, jittered images",
+    "limit_pitman_deg": "Pitman limit of the contact angle, jittered images",
+    "limit_floor_deg": "Floor of the error of the contact angle, jittered images",
+    "rmse_over_limit": "RMSE over the least-squares limit, jittered images",
+    "travel_mm": "Marker travel from rest at the greatest depth",
+}
+LABELS = {"travel_mm": "mean marker travel (mm)"}
+_CURVES: dict[str, tuple[Callable[[SpecificationGrid, str], tuple[CurvePanel, ...]], str]] = {
+    "depth": (cut_depth_panels, "depth of the wall (mm)"),
+    "tilt": (cut_tilt_panels, "tilt of the wall (deg)"),
+    "markers": (cut_marker_panels, "number of markers"),
+}
+_NAMES = {
+    ("travel", "travel_mm"): "marker_travel",
+    ("depth", "rmse_deg"): "error_by_depth",
+    ("depth", "rmse_jitter_deg"): "error_by_depth_jitter",
+}
+
+
+def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) -> tuple[Path, ...]:
+    """Draw one metric of a grid into a folder, as PNG and SVG.
+
+    Parameters
+    ----------
+    grid
+        What is drawn.
+    kind
+        ``"heat"``: heights against thicknesses, as the paper's Fig. 12; ``"travel"``: against thickness, as its
+        Fig. 11; ``"depth"``, ``"tilt"``, ``"markers"``: curves against these.
+    metric
+        Name of a column of numbers; for depth and tilt one that is known by depth or by tilt.
+    directory
+        Made if it does not exist.
+
+    Returns
+    -------
+    tuple[Path, ...]
+        The files.
+
+    Raises
+    ------
+    PalpateError
+        If there is no such kind or metric, no design has the figure, or the folder cannot be written.
+    """
+    from palpate.grid.draw import write_picture
+
+    _refuse_unknown(grid, kind, metric)
+    name = name_plot(kind, metric)
+    figure = draw_plot(grid, kind, metric)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".writing-", dir=directory) as folder:
+            write_picture(Path(folder) / name, figure)
+            drafts = sorted(Path(folder).iterdir())
+            for draft in drafts:
+                os.replace(draft, directory / draft.name)
+    except OSError as error:
+        raise PalpateError(
+            f"The picture cannot be written to {directory}: {error.strerror or error}.", "Choose another with -o."
+        ) from error
+    return tuple(directory / draft.name for draft in drafts)
+
+
+def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
+    """Draw one metric of a grid; `kind` and `metric` as of `plot_grid`, the grid has at least one row."""
+    from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel
+
+    title, unit = TITLES.get(metric, _words(metric)), unit_of(metric)
+    label = LABELS.get(metric, f"{_words(metric)} ({unit})" if unit else _words(metric))
+    if kind == "heat":
+        return draw_heat_maps(cut_panels(grid, metric), title, unit)
+    if kind == "travel":
+        return draw_travel(cut_panels(grid, metric), title, label)
+    cut, across = _CURVES[kind]
+    return draw_curves(cut(grid, metric), f"{title}, by {across.rsplit(' (', 1)[0]}", across, label)
+
+
+def name_plot(kind: str, metric: str) -> str:
+    """Name of a picture's file without its ending."""
+    short = metric.removesuffix("_deg")
+    return _NAMES.get((kind, metric), f"heat_map_{short}" if kind == "heat" else f"{short}_by_{_BY[kind]}")
+
+
+_BY = {"travel": "thickness", "depth": "depth", "tilt": "tilt", "markers": "markers"}
+
+
+def _refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
+    if kind not in KINDS:
+        raise PalpateError(f"There is no kind of picture '{kind}'.", f"Choose one of {', '.join(KINDS)}.")
+    if not grid.rows:
+        raise PalpateError("The grid has no design.", "Give the result folder of a finished study.")
+    columns = [metric]
+    if kind in ("depth", "tilt"):
+        at = depth_of if kind == "depth" else tilts_of
+        found = {name: place[0] for name in grid.columns if (place := at(name))}
+        if metric not in found.values():
+            known = ", ".join(dict.fromkeys(found.values())) or "none"
+            raise PalpateError(f"The grid has no '{metric}' by {kind}.", f"By {kind} it has: {known}.")
+        columns = [name for name, figure in found.items() if figure == metric]
+    else:
+        check_column(metric, grid.rows[0])
+    cells = [row[name] for row in grid.rows for name in columns]
+    if any(isinstance(cell, str) for cell in cells):
+        raise PalpateError(f"'{metric}' is a text and cannot be drawn.", "Choose a column of numbers.")
+    if not any(isinstance(cell, int | float) and np.isfinite(cell) for cell in cells):
+        raise PalpateError(f"No design has a figure for '{metric}'.", "Choose another metric.")
+
+
+def _words(metric: str) -> str:
+    unit = unit_of(metric)
+    return metric.removesuffix(f"_{unit.lower()}").replace("_", " ") if unit else metric.replace("_", " ")

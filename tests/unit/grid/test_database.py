@@ -1,0 +1,122 @@
+import json
+import sqlite3
+from contextlib import closing
+
+import pytest
+from results import FIRST, LIMITS, make_design
+
+from palpate.core import PalpateError
+from palpate.grid import evaluate_grid, read_grid, write_grid
+from palpate.grid.database import read_database, write_database
+
+
+def ask(path, question):
+    with closing(sqlite3.connect(path)) as database:
+        return database.execute(question).fetchall()
+
+
+@pytest.fixture
+def grid():
+    return evaluate_grid([*FIRST, make_design(thickness=4.0, failure="stopped")])
+
+
+@pytest.fixture
+def path(tmp_path, grid):
+    write_database(tmp_path / "grid.sqlite", grid)
+    return tmp_path / "grid.sqlite"
+
+
+def test_database_gives_the_same_grid_back(path, grid):
+    again = read_database(path)
+    assert again == grid
+    assert [type(cell) for cell in again.rows[0].values()] == [type(cell) for cell in grid.rows[0].values()]
+
+
+def test_other_programs_can_ask_it(path, grid):
+    found = ask(path, "SELECT markers, rmse_deg FROM design WHERE rmse_deg < 1 AND height_mm <= 20 ORDER BY rmse_deg")
+    expected = sorted((row["rmse_deg"], row["markers"]) for row in grid.rows if (row["rmse_deg"] or 9) < 1)
+    assert [(rmse, markers) for markers, rmse in found] == expected
+
+
+def test_depths_and_tilts_are_rows(path, grid):
+    found = ask(path, "SELECT depth_mm, rmse_jitter_deg, limit_deg FROM by_depth WHERE design = 0 ORDER BY depth_mm")
+    row = grid.rows[0]
+    assert found == [
+        (2.4, row["rmse_at_2_4mm_jitter_deg"], LIMITS[0].least_squares_deg),
+        (8.0, row["rmse_at_8_0mm_jitter_deg"], LIMITS[1].least_squares_deg),
+    ]
+    found = ask(path, "SELECT tilt_from_deg, tilt_to_deg, validation_samples FROM by_tilt WHERE design = 0")
+    assert found == [(4, 6, 4)]
+
+
+def test_provenance_goes_down_to_the_press(path):
+    facts = ask(path, "SELECT kind, value FROM provenance WHERE design = 0")
+    assert [value for kind, value in facts if kind == "press_key"] == ["aa", "bb"]
+    assert ("versions", "fea=1") in facts
+    assert ("estimator_key", "ff") in facts
+    assert [json.loads(value) for kind, value in facts if kind == "spec"] == [{"dataset": {"seed": 4}}]
+
+
+def test_a_version_with_a_space_in_it_survives(tmp_path):
+    from dataclasses import replace
+
+    grid = evaluate_grid([replace(make_design(), versions={"fea": "1", "platform": "Linux x86_64", "py-x": "2"})])
+    write_database(tmp_path / "grid.sqlite", grid)
+    assert ("versions", "platform=Linux x86_64") in ask(
+        tmp_path / "grid.sqlite", "SELECT kind, value FROM provenance"
+    )
+    assert read_database(tmp_path / "grid.sqlite") == grid
+
+
+def test_it_is_in_wal_mode_and_leaves_no_second_file(path):
+    assert ask(path, "PRAGMA journal_mode") == [("wal",)]
+    assert [item.name for item in path.parent.iterdir()] == ["grid.sqlite"]
+
+
+def test_a_reader_keeps_the_older_grid_while_a_new_one_is_written(path, grid):
+    with closing(sqlite3.connect(path, isolation_level=None)) as reader:
+        reader.execute("BEGIN")
+        before = reader.execute("SELECT count(*) FROM design").fetchone()
+        write_database(path, evaluate_grid([make_design()]))
+        assert reader.execute("SELECT count(*) FROM design").fetchone() == before == (len(grid.rows),)
+        reader.execute("COMMIT")
+        assert reader.execute("SELECT count(*) FROM design").fetchone() == (1,)
+
+
+def test_a_file_that_is_no_database_is_replaced(tmp_path, grid):
+    (tmp_path / "grid.sqlite").write_bytes(b"not a database" * 100)
+    write_database(tmp_path / "grid.sqlite", grid)
+    assert read_database(tmp_path / "grid.sqlite") == grid
+
+
+def test_another_schema_is_refused(path):
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("PRAGMA user_version = 99")
+    with pytest.raises(PalpateError, match="it is not a grid of schema 1"):
+        read_database(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a database" * 100])
+def test_a_broken_file_is_reported(tmp_path, content):
+    (tmp_path / "grid.sqlite").write_bytes(content)
+    with pytest.raises(PalpateError, match="cannot be read as a grid"):
+        read_grid(tmp_path)
+
+
+def test_a_folder_that_may_not_be_written_is_read(path, grid):
+    path.parent.chmod(0o555)
+    try:
+        assert read_grid(path.parent) == grid
+    finally:
+        path.parent.chmod(0o755)
+
+
+def test_a_folder_without_a_database_is_read_from_its_json(tmp_path, grid):
+    write_grid(tmp_path, grid)
+    (tmp_path / "grid.sqlite").unlink()
+    assert read_grid(tmp_path) == grid
+
+
+def test_an_empty_grid_is_kept(tmp_path):
+    write_database(tmp_path / "grid.sqlite", evaluate_grid([]))
+    assert read_database(tmp_path / "grid.sqlite").rows == ()

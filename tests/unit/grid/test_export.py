@@ -1,0 +1,53 @@
+import csv
+import sys
+
+import pytest
+from results import make_design
+
+from palpate.core import MissingExtraError, PalpateError
+from palpate.grid import evaluate_grid, export_grid
+
+GRID = evaluate_grid([make_design(), make_design(markers=7, failure="stopped")])
+
+
+def test_csv_holds_every_column(tmp_path):
+    export_grid(tmp_path / "g.csv", GRID)
+    with (tmp_path / "g.csv").open(newline="") as file:
+        assert tuple(next(csv.reader(file))) == GRID.columns
+
+
+def test_markdown_is_a_table_for_people(tmp_path):
+    export_grid(tmp_path / "g.md", GRID)
+    head, rule, first, second = (tmp_path / "g.md").read_text().splitlines()
+    assert head.startswith("| height (mm) | thickness (mm) | markers | rmse (deg) |")
+    assert len({line.count("|") for line in (head, rule, first, second)}) == 1
+    assert "–" in second
+
+
+def test_parquet_keeps_kinds_units_and_empty_cells(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    export_grid(tmp_path / "g.parquet", GRID)
+    table = parquet.read_table(tmp_path / "g.parquet")
+    assert tuple(table.column_names) == GRID.columns
+    assert table.column("rmse_deg").to_pylist() == [row["rmse_deg"] for row in GRID.rows]
+    assert table.schema.field("travel_mm").metadata[b"unit"] == b"mm"
+    kinds = [str(table.schema.field(name).type) for name in ("markers", "rmse_deg", "shape")]
+    assert kinds == ["int64", "double", "string"]
+
+
+def test_missing_pyarrow_is_named_and_nothing_is_written(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtraError, match=r"needs pyarrow.*palpate\[parquet\]"):
+        export_grid(tmp_path / "g.parquet", GRID)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["g.xlsx", "g", "csv"])
+def test_another_ending_is_refused(tmp_path, name):
+    with pytest.raises(PalpateError, match=r"\.csv, \.parquet, \.md"):
+        export_grid(tmp_path / name, GRID)
+
+
+def test_a_folder_that_is_not_there_is_reported(tmp_path):
+    with pytest.raises(PalpateError, match="cannot be written"):
+        export_grid(tmp_path / "nowhere" / "g.csv", GRID)
