@@ -4,11 +4,15 @@ import csv
 import json
 import os
 import signal
+import sqlite3
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from command_line import finish, start
+
+from palpate.learn import open_predictor
 
 COLUMNS = {
     "height_mm",
@@ -24,6 +28,12 @@ COLUMNS = {
     "presses",
     "samples",
     "seed",
+    "dataset_seed",
+    "learning_seed",
+    "limit_deg",
+    "limit_at_2_4mm_deg",
+    "rmse_over_limit",
+    "rmse_spread_deg",
 }
 
 
@@ -61,6 +71,43 @@ def test_a_study_leaves_table_and_pictures(finished: Path) -> None:
     assert json.loads((finished / "grid.json").read_text())
     assert list(finished.glob("*.png"))
     assert list(finished.glob("*.svg"))
+    with closing(sqlite3.connect(finished / "grid.sqlite")) as database:
+        assert database.execute("SELECT markers FROM design ORDER BY design").fetchall() == [(7,), (19,)]
+        presses = database.execute("SELECT count(DISTINCT value) FROM provenance WHERE kind = 'press_key'").fetchone()
+    assert presses == (3,)
+
+
+def test_limits_need_no_training_and_are_those_of_the_grid(tiny_study: Path, finished: Path) -> None:
+    before = artefacts(finished)
+    done = finish(["limit", tiny_study, "--out", finished, "--json"])
+    assert done.returncode == 0, done.stderr
+    computed = json.loads(done.stdout)["designs"]
+    assert artefacts(finished) == before
+    read = json.loads(finish(["limit", finished, "--json"]).stdout)["designs"]
+    for one, other in zip(computed, read, strict=True):
+        assert one["limit_deg"] == pytest.approx(other["limit_deg"], rel=1e-6)
+        assert [part["floor_deg"] for part in one["by_depth"]] == [part["floor_deg"] for part in other["by_depth"]]
+        assert [round(part["depth_mm"], 9) for part in one["by_depth"]] == [2.4, 3.2, 4.0]
+
+
+def test_the_model_of_a_study_predicts_by_itself(finished: Path) -> None:
+    models = sorted((finished / "store" / "estimator").rglob("*.onnx"))
+    assert sorted(open_predictor(path).markers for path in models) == [7, 19]
+
+
+def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:
+    done = finish(["grid", "plot", finished, "--kind", "depth", "--metric", "limit_deg", "-o", tmp_path, "--json"])
+    assert [Path(name).name for name in json.loads(done.stdout)["files"]] == [
+        "limit_by_depth.png",
+        "limit_by_depth.svg",
+    ]
+    assert (
+        finish(["grid", "export", finished, "--to", tmp_path / "grid.md", "--where", "markers < 10"]).returncode == 0
+    )
+    assert len((tmp_path / "grid.md").read_text().splitlines()) == 3
+    shown = json.loads(finish(["grid", "compare", finished, finished, "--json"]).stdout)
+    assert [row["rmse_deg_ratio"] for row in shown["designs"]] == [1.0, 1.0]
+    assert shown["differences"] == []
 
 
 def test_a_second_run_makes_nothing_and_gives_the_same_grid(tiny_study: Path, finished: Path) -> None:

@@ -37,7 +37,7 @@ POSES = 48
 """Poses over the disc of tilts at which the bounds are averaged."""
 FEWEST_IMAGES = 3
 """Fewer images than these say nothing about the change with depth."""
-DRAWS = 6
+DRAWS = 4
 """Draws of jitter at each pose."""
 ILL_POSED = 1e8
 """Condition number of a Jacobian beyond which the pose is not determined."""

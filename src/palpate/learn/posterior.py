@@ -64,12 +64,10 @@ def walk_polytopes(
                 for k in range(dimensions):
                     slope += jacobian[i, k] * directions[walk, step, k]
                 change[i] = slope
-                if slope > 0.0:
-                    low = max(low, (rest[i] - half_width) / slope)
-                    high = min(high, (rest[i] + half_width) / slope)
-                elif slope < 0.0:
-                    low = max(low, (rest[i] + half_width) / slope)
-                    high = min(high, (rest[i] - half_width) / slope)
+                if slope != 0.0:
+                    inverse = 1.0 / slope
+                    centre, reach = rest[i] * inverse, abs(half_width * inverse)
+                    low, high = max(low, centre - reach), min(high, centre + reach)
             if disc[2] < np.inf:  # |p + t v|² ≤ R²
                 vx, vy = directions[walk, step, 0], directions[walk, step, 1]
                 px, py = disc[0] + offset[0], disc[1] + offset[1]

@@ -58,6 +58,12 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("run", "first", "--workers", "0"), "--workers is 0"),
         (("run",), "study"),
         (("grid", "show", "nowhere"), "nowhere"),
+        (("grid", "plot", "nowhere"), "nowhere"),
+        (("grid", "plot", "nowhere", "--kind", "pie"), "--kind"),
+        (("grid", "export", "nowhere"), "--to"),
+        (("grid", "compare", "nowhere", "nowhere"), "nowhere"),
+        (("limit", "nowhere.yaml"), "first, paper"),
+        (("limit", "first", "--workers", "0"), "--workers is 0"),
     ],
 )
 def test_bad_input_is_one_sentence_and_exit_code_2(

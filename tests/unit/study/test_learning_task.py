@@ -1,0 +1,82 @@
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.core import ArtefactStore, PalpateError
+from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
+from palpate.learn import DepthLimit, fit_ridge, write_estimator
+from palpate.study import Study
+from palpate.study.collect import collect_designs
+from palpate.study.plan import plan_study
+from palpate.study.task import LearningTask
+from palpate.study.worker import perform
+
+
+def make_dataset(markers: int = 7, presses: int = 200) -> Dataset:
+    """Images that are a linear map of the pose, at one depth, so that ridge regression is nearly exact."""
+    spec = DatasetSpec(n_presses=presses, jitter_px=0.5)
+    poses = np.column_stack([sample_poses(spec), np.full(presses, 4.0)])
+    rest = np.random.default_rng(0).uniform(100, 200, (markers, 2))
+    moved = poses[:, :2] @ np.random.default_rng(1).normal(0, 3.0, (2, 2 * markers))
+    return Dataset(
+        spec=spec,
+        images_px=rest + moved.reshape(presses, markers, 2),
+        poses=poses,
+        press=np.arange(presses),
+        validation=np.arange(presses) % 2 == 0,
+        branch=np.full(presses, "flat"),
+        travel_mm=np.full(presses, 1.0),
+        rest_px=rest,
+        image_size_px=(346, 260),
+        solved_presses=1,
+        dropped={},
+    )
+
+
+def prepare(store: ArtefactStore, floor_deg: float) -> LearningTask:
+    """A learning task whose inputs lie in the store, judged against a floor of this height."""
+    study = Study.model_validate({"name": "a", "tilts_deg": [0], "designs": {"markers": [7]}})
+    (task,) = plan_study(study).designs
+    dataset = make_dataset()
+    limit = DepthLimit(4.0, 48, 1.0, 2 * floor_deg, 0.1, floor_deg, 0.001, floor_deg, 0.001)
+    store.write(task.dataset.recipe, lambda path: write_dataset(path, dataset))
+    store.write(task.estimator.recipe, lambda path: write_estimator(path, fit_ridge(dataset)), ".onnx")
+    store.write(task.limit.recipe, lambda path: _write(path, [asdict(limit)]), ".json")
+    return task
+
+
+def _write(path: Path, content: object) -> None:
+    path.write_text(json.dumps(content))
+
+
+def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
+    store = ArtefactStore(tmp_path)
+    task = prepare(store, floor_deg=0.01)
+    task.make(store)
+    (design,) = collect_designs([task], store, {}, seed=0)
+    assert design.clean is not None
+    assert design.clean.rmse_deg < 0.1
+    assert design.limits[0].floor_deg == 0.01
+    assert set(design.artefacts) == {"press", "dataset", "limit", "estimator", "learning"}
+    assert design.spec["dataset"]["seed"] == task.dataset.spec.seed
+    assert design.spec["tilts_deg"] == [0.0]
+
+
+def test_an_estimator_better_than_any_can_be_is_refused_as_leakage(tmp_path: Path) -> None:
+    store = ArtefactStore(tmp_path)
+    task = prepare(store, floor_deg=3.0)
+    with pytest.raises(PalpateError, match=r"Leakage: the jittered RMSE at 4 mm is .* below 3°"):
+        task.make(store)
+    assert store.find(task.recipe, task.suffix) is None
+
+
+def test_the_design_of_a_leak_fails_with_its_reason_and_keeps_its_limit(tmp_path: Path) -> None:
+    store = ArtefactStore(tmp_path)
+    task = prepare(store, floor_deg=3.0)
+    (design,) = collect_designs([task], store, {task.recipe.key: perform(task, store)}, seed=0)
+    assert design.failure.startswith("Leakage")
+    assert design.clean is design.jittered is None
+    assert design.limits[0].least_squares_deg == 6.0
