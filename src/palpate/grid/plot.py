@@ -141,4 +141,5 @@ def _refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
 
 def _words(metric: str) -> str:
     unit = unit_of(metric)
-    return metric.removesuffix(f"_{unit.lower()}").replace("_", " ") if unit else metric.replace("_", " ")
+    short = metric.removesuffix(f"_{unit.lower()}") if unit else metric
+    return short.replace("_", " ").replace("rmse", "RMSE")
