@@ -16,7 +16,19 @@ from multiprocessing import get_context
 from pathlib import Path
 
 HEIGHTS, THICKNESSES, TILTS = (10, 20, 30), (1, 2, 3, 4), (0, 2, 4, 6, 8, 10, 12)
-COLUMNS = ["height_mm", "thickness_mm", "tilt_deg", "contact", "ended", "ended_depth_mm", "jump_depth_mm", "cpu_s", "unknowns", "iterations", "worst_balance_percent"]
+COLUMNS = [
+    "height_mm",
+    "thickness_mm",
+    "tilt_deg",
+    "contact",
+    "ended",
+    "ended_depth_mm",
+    "jump_depth_mm",
+    "cpu_s",
+    "unknowns",
+    "iterations",
+    "worst_balance_percent",
+]
 
 
 def solve(height: float, thickness: float, tilt: float, contact: str) -> dict[str, object]:

@@ -44,6 +44,8 @@ FRONT_DOORS = {
         "deck_text",
         "export_press",
         "read_press",
+        "Stability",
+        "find_stability",
         "solve_press",
         "solve_press_calculix",
         "write_deck",

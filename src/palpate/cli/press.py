@@ -15,13 +15,23 @@ from palpate.cli.flag import JsonFlag, default, flag
 from palpate.cli.output import print_json, print_table
 from palpate.core import PalpateError
 from palpate.design import Dome, DomeSpec, build_dome, read_points
-from palpate.fea import Press, WallSpec, check_export, export_press, read_contact, solve_press, solve_press_calculix
+from palpate.fea import (
+    Branch,
+    Press,
+    WallSpec,
+    check_export,
+    export_press,
+    read_contact,
+    solve_press,
+    solve_press_calculix,
+)
 from palpate.material import Material
 from palpate.mesh import Mesh, MeshSpec, Rim, mesh_dome
 from palpate.study import MaterialSpec
 
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
 _SOLVER = "Who solves: palpate itself, or CalculiX (apt install calculix-ccx)."
+_BRANCH = "The state that is pressed from rest, or the one with its apex turned inside out, where it exists."
 _EXPORT = "New folder for the images as .vtu files with a .pvd series, and force.csv."
 
 
@@ -50,6 +60,7 @@ class PressFlags:
     rim: Annotated[Rim, Parameter(help="Base cut flat at z = 0, or radially from the sphere's centre.")] = Rim.FLAT
     whole: Annotated[bool, Parameter(negative="", help="Solve the whole dome, not its half.")] = False
     cells: Annotated[int | None, flag(MeshSpec, "cells")] = None
+    unload: Annotated[bool, Parameter(negative="", help="Draw the wall back to first touch as well.")] = False
 
     def dome(self) -> Dome:
         """The dome of these flags."""
@@ -64,6 +75,7 @@ class PressFlags:
             depth=self.depth,
             image_step=self.step,
             contact=read_contact(self.contact),
+            unload=self.unload,
         )
         return mesh_dome(self.dome(), MeshSpec(cells=self.cells, rim=self.rim, whole=self.whole)), material, wall
 
@@ -74,6 +86,7 @@ def press(
     points: Annotated[Path | None, Parameter(help=_POINTS)] = None,
     solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE,
     export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
+    branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT,
     json: JsonFlag = False,
 ) -> None:
     """Press one dome by a flat wall and follow it image by image."""
@@ -82,13 +95,24 @@ def press(
     problem = flags.problem()
     if export is not None:
         check_export(export)
-    solved = solve_press_calculix(*problem) if solver is Solver.CALCULIX else solve_press(*problem)
+    solved = _solve(problem, solver, branch)
     if export is not None:
         export_press(export, solved)
     if json:
         print_json(describe_press(solved, followed))
     else:
         _print_press(solved)
+
+
+def _solve(problem: tuple[Mesh, Material, WallSpec], solver: Solver, branch: Branch) -> Press:
+    if solver is Solver.PALPATE:
+        return solve_press(*problem, branch=branch)
+    if branch is Branch.INVERTED or problem[2].unload:
+        raise PalpateError(
+            "CalculiX presses the flat branch from rest to full depth.",
+            "Leave out --branch and --unload, or --solver.",
+        )
+    return solve_press_calculix(*problem)
 
 
 def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> dict[str, Any]:
@@ -106,6 +130,8 @@ def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> d
             "depth_mm": float(press.depth[i]),
             "force_n": press.force[i].tolist(),
             "energy_mj": float(press.energy[i]),
+            "contact_energy_mj": float(press.contact_energy[i]),
+            "dissipation_mj": float(press.dissipation[i]),
             "work_mj": float(press.work[i]),
             "branch": str(press.branch[i]),
             "peak_stress_mpa": float(press.peak_stress[i]),
@@ -118,6 +144,9 @@ def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> d
             image["points_mm"] = moved.tolist()
     return {
         "ended": str(press.ended),
+        "ended_depth_mm": float(press.ended_depth),
+        "jump_depth_mm": float(press.jump_depth),
+        "message": press.message,
         "cpu_s": float(press.cpu_s),
         "unknowns": int(press.unknowns),
         "newton_iterations": int(press.newton_iterations),

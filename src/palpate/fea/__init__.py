@@ -13,6 +13,7 @@ from palpate.fea.press import FEA_VERSION, Branch, Ended, Press
 from palpate.fea.solid import Solid, State
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import SolverSpec, WallSpec, contact_text, read_contact
+from palpate.fea.stability import Stability, find_stability
 from palpate.fea.stress import cauchy_stress
 
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "Press",
     "Solid",
     "SolverSpec",
+    "Stability",
     "State",
     "System",
     "Touch",
@@ -41,6 +43,7 @@ __all__ = [
     "contact_text",
     "deck_text",
     "export_press",
+    "find_stability",
     "make_linear_solver",
     "read_contact",
     "read_press",

@@ -76,9 +76,9 @@ def solve_press_calculix(
     Returns
     -------
     Press
-        At the 27-node mesh: face and centre nodes are interpolated. `contact_energy` and `hold_tension` are nan,
-        `negative_pivots` -1; `jump_depth` is the first image whose apex has left the wall. Its `solver` says
-        ``calculix``.
+        At the 27-node mesh: face and centre nodes are interpolated. `contact_energy`, `dissipation` and
+        `hold_tension` are nan, `negative_pivots` -1; `jump_depth` is the first image whose apex has left the wall.
+        Its `solver` says ``calculix``.
 
     Raises
     ------
@@ -180,6 +180,7 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: WallSp
         "force": force,
         "energy": parts * np.array([stored_energy(mesh, material, u) for u in displacement]),
         "contact_energy": nothing,
+        "dissipation": nothing,
         "work": PchipInterpolator(depth, force[:, 2]).antiderivative()(depth),
         "branch": np.where(gap > _INVERTED_GAP * mesh.dome.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], images.peak_stress]),

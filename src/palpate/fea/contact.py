@@ -176,6 +176,15 @@ class OuterSurface:
         kept = np.divide(touch.limit, length, out=np.ones_like(length), where=length > touch.limit)
         return Touch(place - kept[:, None] * spring, _friction_limit(law, reach), touch.hold)
 
+    def dissipate(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> float:
+        """Work in mJ of friction in the increment that ends at x (n_points, 3) mm: traction times slip."""
+        if not 0 < law.friction < np.inf:
+            return 0.0
+        _, place = _in_plane(x, plane)
+        length = np.linalg.norm(place - touch.place, axis=1)
+        slip = np.maximum(length - touch.limit / law.tangential_stiffness, 0.0)
+        return float((self.faces.weight.ravel() * touch.limit * slip).sum())
+
     def states(self, law: ContactLaw, touch: Touch, x: FloatArray, plane: Plane) -> IntArray:
         """State of every point at x (n_points, 3) mm: `FREE`, `STICK` or `SLIP` (frictionless contact slips)."""
         reach, place = _in_plane(x, plane)

@@ -22,6 +22,7 @@ _ARRAYS = {
     "force": "N",
     "energy": "mJ",
     "contact_energy": "mJ",
+    "dissipation": "mJ",
     "work": "mJ",
     "peak_stress": "MPa",
     "contact_area": "mm2",

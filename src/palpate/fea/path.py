@@ -76,6 +76,8 @@ class Point:
         Unstable modes of the equilibrium; -1 where the linear solver cannot tell.
     tension
         MPa, greatest tension of the springs that hold the flat patch.
+    dissipated
+        mJ of friction in the modelled part, from the start of the path.
     """
 
     depth: float
@@ -85,6 +87,7 @@ class Point:
     jumped: bool = False
     negative_pivots: int = 0
     tension: float = 0.0
+    dissipated: float = 0.0
 
 
 @dataclass
@@ -105,6 +108,8 @@ class Path:
         Accepted equilibria; the first is the start.
     iterations
         Newton iterations spent so far, rejected increments included.
+    jumps
+        Whether the path jumps where its branch ends.
     ended, message
         Why the path could not go on, and that in one sentence; `Ended.DEPTH_REACHED` while it can.
     """
@@ -115,12 +120,15 @@ class Path:
     spec: SolverSpec
     points: list[Point]
     iterations: int = 0
+    jumps: bool = True
     ended: Ended = Ended.DEPTH_REACHED
     message: str = ""
     _step: float = field(default=0.0, init=False)
     _touch: Touch = field(init=False)
     _hold: FloatArray = field(init=False)
     _released: bool = field(default=False, init=False)
+    _way: float = field(default=1.0, init=False)
+    _since: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._step = self.spec.first_step
@@ -128,20 +136,38 @@ class Path:
         self._hold = self._touch.hold
 
     def advance(self, depth: float) -> bool:
-        """Follow the branch to a depth in mm; False where it could not be reached (see `ended`)."""
-        while (left := depth - self.points[-1].depth) > 1e-9:
-            step = min(self._step, left)
-            if step < left < 1.5 * step:
-                step = left / 2
-            if not self._increment(step):
+        """Follow the branch to a depth in mm, deeper or back; False where it could not be reached (see `ended`)."""
+        while abs(left := depth - self.points[-1].depth) > 1e-9:
+            step = min(self._step, abs(left))
+            if step < abs(left) < 1.5 * step:
+                step = abs(left) / 2
+            way = 1.0 if left > 0 else -1.0
+            if way != self._way:
+                self._way, self._since = way, len(self.points) - 1
+            if not self._increment(step, way):
                 return False
         return True
 
-    def _increment(self, step: float) -> bool:
+    def invert(self, push: float) -> bool:
+        """Push the apex off the wall by `push` mm at the depth reached; whether it rests there, inverted.
+
+        On success the path goes on from the inverted state and does not jump.
+        """
         last = self.points[-1]
-        depth = last.depth + step
+        self._released, self._hold = True, np.zeros_like(self._hold)
+        found = self._relax(last.depth, push)
+        if not found.converged or not self.inverted(found.state, last.depth):
+            return False
+        self._accept(found, last.depth, jumped=True)
+        self.points, self.jumps, self._since = [self.points[-1]], False, 0
+        self._step = min(self.spec.first_step, self.spec.largest_step)
+        return True
+
+    def _increment(self, step: float, way: float) -> bool:
+        last = self.points[-1]
+        depth = last.depth + way * step
         found = self._solve(depth, self._glue(depth, self._predict(depth)))
-        if self._acceptable(found, step):
+        if self._acceptable(found, depth):
             tension = self._tension(found.state, depth)
             if tension <= self.spec.adhesion * self.problem.solid.material.young_modulus:
                 self._accept(found, depth, jumped=False)
@@ -152,7 +178,7 @@ class Path:
         self._step = step / 2 if found.iterations < self.spec.iterations else step / 3
         if self._step >= self.spec.smallest_step and not (found.converged and step <= _JUMP_STEP_MM):
             return True
-        return self._jump(last.depth + min(step, _JUMP_STEP_MM))
+        return self._jump(last.depth + way * min(step, _JUMP_STEP_MM))
 
     def _next_step(self, step: float, iterations: int) -> float:
         factor = 2.0 if iterations <= 10 else 1.4 if iterations <= 15 else 0.8
@@ -198,9 +224,8 @@ class Path:
         return self.problem.surface.interpolate(self.problem.solid.nodes + state.u)
 
     def _predict(self, depth: float) -> State:
-        """Extrapolate the last equilibria of this branch by a polynomial in depth."""
-        since = max((k for k, point in enumerate(self.points) if point.jumped), default=0)
-        known = self.points[max(since, len(self.points) - _ORDER - 1) :]
+        """Extrapolate the last equilibria, since a jump or a turn of the wall, by a polynomial in depth."""
+        known = self.points[max(self._since, len(self.points) - _ORDER - 1) :]
         at = np.array([point.depth for point in known])
         u, p = np.zeros_like(known[0].state.u), np.zeros_like(known[0].state.p)
         for k, point in enumerate(known):
@@ -210,14 +235,13 @@ class Path:
             p += share * point.state.p
         return State(u, p)
 
-    def _acceptable(self, found: Equilibrium, step: float) -> bool:
+    def _acceptable(self, found: Equilibrium, depth: float) -> bool:
         last = self.points[-1]
-        depth = last.depth + step
         if not found.converged or self.inverted(found.state, depth) != self.inverted(last.state, last.depth):
             return False
         if len(self.points) < 3:
             return True
-        work = 0.5 * (found.loads.force[2] + last.loads.force[2]) * step
+        work = 0.5 * (found.loads.force[2] + last.loads.force[2]) * (depth - last.depth)
         gained = sum(found.loads[:2]) - sum(last.loads[:2])
         tolerance = _IMBALANCE if self.problem.law.friction == 0 else 3 * _IMBALANCE
         return bool(abs(gained - work) <= tolerance * abs(work) + 1e-9)
@@ -234,16 +258,18 @@ class Path:
     def _accept(self, found: Equilibrium, depth: float, *, jumped: bool) -> None:
         plane = self.wall(depth)
         x = self._surface_points(found.state)
-        touch = self.problem.surface.settle(self.problem.law, self._touch, x, plane)
+        surface, law = self.problem.surface, self.problem.law
+        slipped = surface.dissipate(law, self._touch, x, plane)
         self.points.append(
             Point(
                 depth,
                 found.state,
-                found.loads,
-                touch,
+                found.loads._replace(contact=found.loads.contact - slipped),
+                surface.settle(law, self._touch, x, plane),
                 jumped,
                 found.negative_pivots,
                 self._tension(found.state, depth),
+                self.points[-1].dissipated + slipped,
             )
         )
         if not self._released and depth > _HOLD_FROM * self.problem.thickness:
@@ -260,6 +286,9 @@ class Path:
         """Let go of the patch, push its middle off the wall, and relax to the next stable state at `depth` mm."""
         if self._folded():
             return False
+        if not self.jumps:
+            self._end(Ended.BRANCH_ENDED, "where the branch ends")
+            return False
         self._released, self._hold = True, np.zeros_like(self._hold)
         if sum(point.jumped for point in self.points) >= _JUMPS:
             self._end(Ended.NOT_CONVERGED, f"after {_JUMPS} jumps: no branch can be followed further")
@@ -268,6 +297,7 @@ class Path:
             found = self._relax(depth, push * self.problem.thickness)
             if found.converged:
                 self._accept(found, depth, jumped=True)
+                self._since = len(self.points) - 1
                 self._step = min(self.spec.first_step, self.spec.largest_step)
                 return True
         self._end(

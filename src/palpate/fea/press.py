@@ -13,7 +13,7 @@ from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, locate_inner
 
-FEA_VERSION = "6"
+FEA_VERSION = "7"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
 
 
@@ -22,6 +22,8 @@ class Ended(StrEnum):
 
     DEPTH_REACHED = "depth reached"
     WALL_AT_CLAMP = "wall reached the clamped rim"
+    BRANCH_ENDED = "the branch ended"
+    NO_BRANCH = "no inverted state"
     FOLDED = "the squeezed silicone folded"
     NOT_CONVERGED = "not converged"
 
@@ -47,8 +49,9 @@ class Press:
         (n, n_nodes, 3) mm; of a half model in the frame whose y-z plane is the tilt plane, else in the dome's.
     force
         (n, 3) N of the whole dome on the wall, dome's frame.
-    energy, contact_energy, work
-        (n,) mJ stored in the whole dome, in the contact penalty and sticking springs, and done by the wall.
+    energy, contact_energy, dissipation, work
+        (n,) mJ stored in the whole dome, in the contact penalty and sticking springs, lost to friction since rest,
+        and done by the wall.
     branch
         (n,) `Branch` values.
     peak_stress
@@ -80,6 +83,7 @@ class Press:
     force: FloatArray
     energy: FloatArray
     contact_energy: FloatArray
+    dissipation: FloatArray
     work: FloatArray
     branch: NDArray[np.str_]
     peak_stress: FloatArray

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -22,9 +23,16 @@ from palpate.fea.wall import clamp_depth, normal_in_mesh, touch_point, wall_at
 from palpate.material import Material
 from palpate.mesh import Mesh
 
+_PUSHES = (1.0, 2.0, 3.0)
+"""Pushes of the apex over the thickness that are tried to find the inverted state."""
+
 
 def solve_press(
-    mesh: Mesh, material: Material, wall: WallSpec | None = None, solver: SolverSpec | None = None
+    mesh: Mesh,
+    material: Material,
+    wall: WallSpec | None = None,
+    solver: SolverSpec | None = None,
+    branch: Branch = Branch.FLAT,
 ) -> Press:
     """Solve one press from first touch to full depth.
 
@@ -39,6 +47,9 @@ def solve_press(
         Tilt, azimuth, depth, image step and contact law.
     solver
         How to solve.
+    branch
+        Flat: pressed from rest. Inverted: the other state, found at the greatest depth and followed back to where
+        it ends; it has no image at rest, and its work counts from the energy stored there.
 
     Returns
     -------
@@ -57,13 +68,11 @@ def solve_press(
     path = start_path(problem, mesh, normal, solver)
     reachable = clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)
     goals = image_depths(wall, min(wall.depth, reachable))
-    images = [0]
-    for goal in goals:
-        if not path.advance(goal):
-            if path.points[-1].depth > path.points[images[-1]].depth:
-                images.append(len(path.points) - 1)
-            break
-        images.append(len(path.points) - 1)
+    images = _press_down(path, goals)
+    if wall.unload and path.ended is Ended.DEPTH_REACHED:
+        images += _draw_back(path, goals)
+    if branch is Branch.INVERTED:
+        images = _follow_back(path, goals, mesh.dome.thickness)
     ended, message = path.ended, path.message
     if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
@@ -84,6 +93,46 @@ def solve_press(
         newton_iterations=path.iterations,
         message=message,
     )
+
+
+def _press_down(path: Path, goals: list[float]) -> list[int]:
+    """Press to the depths (mm) of the images as far as they go; the points of the path that are images."""
+    images = [0]
+    for goal in goals:
+        if not path.advance(goal):
+            if path.points[-1].depth > path.points[images[-1]].depth:
+                images.append(len(path.points) - 1)
+            break
+        images.append(len(path.points) - 1)
+    return images
+
+
+def _draw_back(path: Path, goals: list[float]) -> list[int]:
+    """Draw the wall back through the depths (mm) of the images to first touch; the points that are images."""
+    images = []
+    for goal in [*reversed(goals[:-1]), 0.0]:
+        if not path.advance(goal):
+            break
+        images.append(len(path.points) - 1)
+    return images
+
+
+def _follow_back(path: Path, goals: list[float], thickness: float) -> list[int]:
+    """Invert the apex at the depth reached and follow that branch back; its points, and those that are images."""
+    rest, deepest = path.points[0], path.points[-1].depth
+    if not any(path.invert(push * thickness) for push in _PUSHES):
+        path.points = [rest]
+        path.ended, path.message = Ended.NO_BRANCH, f"No inverted state was found at {deepest:.4g} mm."
+        return [0]
+    path.ended, path.message, images = Ended.DEPTH_REACHED, "", [0]
+    for goal in reversed([goal for goal in goals if goal < deepest - 1e-6]):
+        reached = path.advance(goal)
+        if len(path.points) - 1 > images[-1]:
+            images.append(len(path.points) - 1)
+        if not reached:
+            break
+    path.points = [replace(point, jumped=False) for point in reversed(path.points)]
+    return [len(path.points) - 1 - image for image in reversed(images)]
 
 
 def image_depths(wall: WallSpec, deepest: float) -> list[float]:
@@ -149,6 +198,7 @@ def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> di
         "force": force,
         "energy": np.array([parts * point.loads.elastic for point in points]),
         "contact_energy": np.array([parts * point.loads.contact for point in points]),
+        "dissipation": np.array([parts * point.dissipated for point in points]),
         "work": parts * _work(path.points)[images],
         "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.array(peak),
@@ -160,24 +210,27 @@ def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> di
 
 
 def _work(points: list[Point]) -> FloatArray:
-    """Work (n,) mJ of the wall at every equilibrium: the axial force integrated by cubic splines between jumps."""
+    """Work (n,) mJ of the wall at every equilibrium, from the energy stored at the first.
+
+    The axial force is integrated by cubic splines between jumps and turns of the wall, by the trapezoid in a jump.
+    """
     depth = np.array([point.depth for point in points])
     force = np.array([point.loads.force[2] for point in points])
-    cuts = [0, *[k for k, point in enumerate(points) if point.jumped], len(points)]
-    work = np.zeros(len(points))
-    for first, last in pairwise(cuts):
-        if first > 0:
-            work[first] = work[first - 1] + 0.5 * (force[first] + force[first - 1]) * (
-                depth[first] - depth[first - 1]
-            )
-        if last - first > 1:
-            piece = slice(first, last)
-            spline = CubicSpline(depth[piece], force[piece]) if last - first > 3 else None
-            if spline is not None:
-                work[piece] = (
-                    work[first] + spline.antiderivative()(depth[piece]) - spline.antiderivative()(depth[first])
-                )
-            else:
-                steps = 0.5 * (force[first + 1 : last] + force[first : last - 1]) * np.diff(depth[piece])
-                work[first + 1 : last] = work[first] + np.cumsum(steps)
+    jumps = {k for k, point in enumerate(points) if point.jumped and k > 0}
+    turns = {k for k in range(1, len(points) - 1) if (depth[k + 1] - depth[k]) * (depth[k] - depth[k - 1]) < 0}
+    gained = np.zeros(len(points))
+    for first, last in pairwise(sorted({0, len(points) - 1} | jumps | {k - 1 for k in jumps} | turns)):
+        gained[first + 1 : last + 1] = np.diff(_integrate(depth[first : last + 1], force[first : last + 1]))
+    work: FloatArray = sum(points[0].loads[:2]) + np.cumsum(gained)
     return work
+
+
+def _integrate(depth: FloatArray, force: FloatArray) -> FloatArray:
+    """Integral (n,) mJ of a force (n,) N over depths (n,) mm that rise or fall."""
+    if len(depth) <= 3:
+        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+    way = np.sign(depth[-1] - depth[0])
+    whole = CubicSpline(way * depth, force).antiderivative()(way * depth)
+    result: FloatArray = way * (whole - whole[0])
+    return result

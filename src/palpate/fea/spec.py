@@ -20,6 +20,8 @@ class WallSpec(Spec):
     )
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
     image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", gt=0, le=60)
+    unload: bool = False
+    """Whether the wall is drawn back to first touch, through the same images."""
     contact: str | float = parameter(
         NO_SLIP,
         unit="1",
@@ -71,7 +73,7 @@ class SolverSpec(Spec):
         le=0.1,
     )
     tolerance: float = parameter(1e-4, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
-    first_step: float = parameter(0.2, unit="mm", meaning="first increment of the wall", gt=0, le=10)
+    first_step: float = parameter(0.1, unit="mm", meaning="first increment of the wall", gt=0, le=10)
     largest_step: float = parameter(0.8, unit="mm", meaning="largest increment of the wall", gt=0, le=10)
     friction_share: float = parameter(
         1 / 12,

@@ -17,8 +17,9 @@ _CORE_SHARE = 0.25
 _GRADING_HIGH, _GRADING_LOW = 0.35, -0.3
 """Share by which cells at the pole are smaller than the mean, those at the rim larger: of a dome at least as high as
 its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
-_CELL_SHARE = 0.31
-"""Size of a cell over sqrt(r T); chosen by the convergence study in docs/decisions."""
+_CELLS, _MORE_CELLS, _THICK = 10.0, 20.0, 0.1
+"""Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
+(docs/decisions/0016)."""
 
 
 def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
@@ -71,12 +72,13 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
 
 
 def default_cells(dome: Dome) -> int:
-    """Cells from pole to rim that keep a press within 1 % of a mesh twice as fine.
+    """Cells from pole to rim that keep a press within about 1 % of a mesh twice as fine.
 
-    The cell is a fixed share of ``sqrt(r T)``, the length over which a shell bends.
+    The cell is a fixed angle, for the wall presses a patch of some tenths of a radian; thinner walls need no smaller
+    ones, thicker ones do, for they shear at the edge of the patch.
     """
-    meridian = dome.radius * rim_angle(dome, dome.radius, Rim.FLAT)
-    return int(np.clip(round(meridian / (_CELL_SHARE * np.sqrt(dome.radius * dome.thickness))), 16, 48))
+    thick = max(dome.thickness / dome.radius - _THICK, 0.0)
+    return int(np.clip(round(rim_angle(dome, dome.radius, Rim.FLAT) * (_CELLS + _MORE_CELLS * thick)), 16, 48))
 
 
 def rim_angle(dome: Dome, radius: float, rim: Rim) -> float:

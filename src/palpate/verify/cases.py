@@ -42,7 +42,15 @@ CASES: tuple[Case, ...] = (
         Case(f"dome_H{height}_T{thickness}", _SOLID_CODE, partial(domes.flat_branch, height, thickness), slow=True)
         for height, thickness in domes.FLAT_TO
     ),
-    # The inverted branch of a dome has its references beside the others; its case stands in `domes` and here.
+    *(
+        Case(
+            f"dome_inverted_H{height}_T{thickness}",
+            _SOLID_CODE,
+            partial(domes.inverted_branch, height, thickness),
+            slow=True,
+        )
+        for height, thickness in ((20, 1), (20, 2))
+    ),
     *(
         Case(f"calculix_H20_T3_tilt{tilt}", "CalculiX 2.20", partial(domes.calculix, tilt), slow=True)
         for tilt in (0, 10)

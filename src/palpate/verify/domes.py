@@ -26,6 +26,10 @@ _CALCULIX_MESH = MeshSpec(cells=24)
 _STIFF = 500.0
 """Penalty over E/T of presses on a mesh of their own: by default the contact keeps 1 % of the energy at 0.8 mm."""
 _SOLID_TOLERANCE = 1e-2
+_RING_MESH = {(20, 1): MeshSpec(cells=24)}
+"""The ring on which a thin inverted dome rests is narrower than a cell of the default mesh."""
+_ONSET_MM = 0.2
+"""Tolerance of the depth at which the inverted branch begins; near it the energy is not compared."""
 _SOFT_BULK = 100.0
 """K / mu of the CalculiX reference."""
 
@@ -59,6 +63,26 @@ def flat_branch(height: int, thickness: int) -> list[Row]:
             compare(f"probe at {name} % over the depth, mm", distance, 0 * depth, _SOLID_TOLERANCE, at, depth)
         )
     return rows
+
+
+def inverted_branch(height: int, thickness: int) -> list[Row]:
+    """Depth from which the inverted state exists, its force and its energy at the images beyond."""
+    data = read_reference(f"dome_inverted_branch_H{height}_T{thickness}").between("apex_gap_mm", 0.05, 1e3)
+    wall = WallSpec(contact="frictionless")
+    dome = build_dome(DomeSpec(height=height, thickness=thickness))
+    material = get_material("zaid_2024_ecoflex_00_30").with_bulk_ratio(2000.0)
+    mesh = mesh_dome(dome, _RING_MESH.get((height, thickness)))
+    press = solve_press(mesh, material, wall, branch=Branch.INVERTED)
+    image = press.depth >= data["d_mm"].min() + _ONSET_MM
+    depth = press.depth[image]
+    at = [f"d = {value:.3g} mm" for value in depth]
+    inverted = np.array([branch == Branch.INVERTED for branch in press.branch])
+    return [
+        compare("images on the inverted branch", inverted.sum(), len(inverted), 0.0),
+        compare("inverted from, mm", press.depth.min(), data["d_mm"].min(), _ONSET_MM, scale=1.0),
+        compare("force, N", press.force[image, 2], _at(data, "force_N", depth), 5e-2, at),
+        compare("energy, mJ", press.energy[image], _at(data, "strain_energy_mJ", depth), 5e-3, at),
+    ]
 
 
 def _at(data: Reference, column: str, depth: FloatArray) -> FloatArray:

@@ -1,0 +1,46 @@
+"""Both stable states of a dome."""
+
+import numpy as np
+import pytest
+
+from palpate.design import DomeSpec, build_dome
+from palpate.fea import Branch, Ended, WallSpec, find_stability, solve_press
+from palpate.material import get_material
+from palpate.mesh import MeshSpec, mesh_dome
+
+MATERIAL = get_material("zaid_2024_ecoflex_00_30")
+
+
+def coarse(thickness: float):
+    return mesh_dome(build_dome(DomeSpec(height=20, thickness=thickness)), MeshSpec(cells=10))
+
+
+def test_a_thin_dome_has_a_second_state_from_some_2_6_thicknesses_on() -> None:
+    found = find_stability(coarse(1), MATERIAL, WallSpec(contact="frictionless", depth=4.0))
+    assert 2.2 < found.inverted_from < 3.4
+    assert np.isnan(found.flat_to)
+    assert found.inverted_energy[-1] < found.flat_energy[-1]
+    assert np.isnan(found.inverted_energy[found.depth < found.inverted_from - 1e-6]).all()
+
+
+def test_a_thick_dome_has_no_second_state_and_says_so() -> None:
+    press = solve_press(coarse(4), MATERIAL, WallSpec(contact="frictionless", depth=2.4), branch=Branch.INVERTED)
+    assert press.ended is Ended.NO_BRANCH
+    assert "2.4 mm" in press.message
+
+
+@pytest.mark.parametrize("contact", ["frictionless", "no-slip"])
+def test_unloading_goes_back_through_the_same_images(contact: str) -> None:
+    wall = WallSpec(contact=contact, depth=2.4, tilt_deg=5, unload=True)
+    press = solve_press(coarse(3), MATERIAL, wall)
+    assert press.depth == pytest.approx([0, 0.8, 1.6, 2.4, 1.6, 0.8, 0])
+    assert press.energy[4] == pytest.approx(press.energy[2], rel=0.01)
+    assert press.energy[-1] == pytest.approx(0, abs=1e-3)
+    assert press.work[-1] == pytest.approx(0, abs=0.03 * press.work[3])
+
+
+def test_what_friction_takes_is_the_work_that_is_not_stored() -> None:
+    press = solve_press(coarse(3), MATERIAL, WallSpec(contact=0.3, depth=3.2, tilt_deg=5))
+    stored = press.energy + press.contact_energy
+    assert press.dissipation[-1] > 0.005 * press.work[-1]
+    assert press.work[-1] == pytest.approx(stored[-1] + press.dissipation[-1], rel=3e-3)
