@@ -23,7 +23,7 @@ from palpate.material import get_material
 from palpate.mesh import mesh_dome
 
 SEED = 2026
-COLUMNS = ["number", "height_mm", "base_mm", "thickness_mm", "tilt_deg", "contact", "ended", "ended_depth_mm", "cpu_s", "finite", "message"]
+COLUMNS = ("number height_mm base_mm thickness_mm tilt_deg contact ended ended_depth_mm cpu_s finite message").split()  # noqa: SIM905
 LAWS: tuple[str | float, ...] = ("frictionless", 0.2, 0.5, "no-slip")
 
 
