@@ -19,7 +19,8 @@ def pressed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
 
 
 def test_the_layout_is_the_agreed_one(pressed: dict[str, object]) -> None:
-    assert set(pressed) == {"ended", "cpu_s", "unknowns", "newton_iterations", "images"}
+    agreed = {"ended", "cpu_s", "unknowns", "newton_iterations", "images"}
+    assert set(pressed) == agreed | {"ended_depth_mm", "jump_depth_mm", "message"}
     images = pressed["images"]
     assert isinstance(images, list)
     assert [round(image["depth_mm"], 9) for image in images] == [0, 0.8, 1.6, 2.4]
@@ -28,6 +29,8 @@ def test_the_layout_is_the_agreed_one(pressed: dict[str, object]) -> None:
             "depth_mm",
             "force_n",
             "energy_mj",
+            "contact_energy_mj",
+            "dissipation_mj",
             "work_mj",
             "branch",
             "peak_stress_mpa",

@@ -118,7 +118,8 @@ def test_a_second_run_makes_nothing_and_gives_the_same_grid(tiny_study: Path, fi
     assert time.monotonic() - started < 15
     shown = json.loads(done.stdout)
     assert shown["computed"] == {}
-    assert shown["reused"] == {"press": 3, "dataset": 2, "limit": 2, "estimator": 2, "learning": 2}
+    made = {"press": 3, "inverted": 1, "dataset": 2, "limit": 2, "estimator": 2, "learning": 2}
+    assert shown["reused"] == made
     assert artefacts(finished) == before
     assert numbers(finished) == rows
 

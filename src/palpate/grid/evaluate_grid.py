@@ -57,6 +57,7 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         "travel_mm": _finite(design.travel_mm),
         "peak_stress_mpa": _finite(design.peak_stress_mpa),
         "force_n": _finite(design.force_n),
+        "bistable_from_mm": _finite(design.bistable_from_mm),
         **_evidence(design),
         **_details(design.clean, ""),
         **_details(design.jittered, "_jitter"),

@@ -25,6 +25,7 @@ MAIN_COLUMNS = (
     "travel_mm",
     "peak_stress_mpa",
     "force_n",
+    "bistable_from_mm",
     "samples",
 )
 """Columns that a person reads first."""
@@ -56,7 +57,8 @@ class SpecificationGrid:
     ``rmse_at_2_4mm_deg``, … per depth (here 2.4 mm), ``rmse_at_tilt_0_to_2_deg``, … per interval of true tilt.
     ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
     poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,
-    ``force_n`` the wall's force in the deepest image of the press of least tilt. ``spec`` is JSON.
+    ``force_n`` the wall's force in the deepest image of the press of least tilt. From ``bistable_from_mm`` on the
+    dome has a second, inverted state (empty: none up to the greatest depth). ``spec`` is JSON.
     """
 
     rows: tuple[Row, ...]

@@ -13,7 +13,7 @@ import numpy as np
 from palpate.core import ArtefactStore, provenance
 from palpate.dataset import DATASET_VERSION
 from palpate.design import build_dome
-from palpate.fea import FEA_VERSION, read_press
+from palpate.fea import FEA_VERSION, Branch, read_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Metrics
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
 from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
@@ -88,6 +88,7 @@ def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
         travel_mm=float(tally["travel_mm"]) if tally else float("nan"),
         force_n=summaries[0].force_n if summaries else float("nan"),
         peak_stress_mpa=max((press.peak_stress_mpa for press in summaries), default=float("nan")),
+        bistable_from_mm=_bistable_from(known.store.find(task.inverted.recipe)),
         presses=summaries,
         counts=Counts(**tally["counts"]) if tally else None,
         seed=known.seed,
@@ -125,6 +126,15 @@ def _reason(tasks: Sequence[Task], outcomes: Mapping[str, Outcome]) -> str:
     """Why the first of these tasks gave nothing."""
     reasons = (outcomes[task.recipe.key].reason for task in tasks if task.recipe.key in outcomes)
     return next((reason for reason in reasons if reason), "it was not computed")
+
+
+def _bistable_from(path: Path | None) -> float:
+    """Depth in mm from which the inverted state exists; nan where there is none, or none was looked for."""
+    if path is None:
+        return float("nan")
+    press = read_press(path)
+    found = press.depth[press.branch == Branch.INVERTED]
+    return float(found.min()) if len(found) else float("nan")
 
 
 def _summarise_press(path: Path) -> PressSummary:

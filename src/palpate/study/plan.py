@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_dome, check_design, place_markers, refuse_errors
+from palpate.fea import Branch
 from palpate.study.study import Study
 from palpate.study.task import DatasetTask, LearningTask, PressTask, Task, dome_name
 
@@ -25,7 +26,7 @@ class Plan:
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        return _once(self.designs)
+        return _once([*self.designs, *(design.inverted for design in self.designs)])
 
     def limit_tasks(self) -> tuple[Task, ...]:
         """What the limits of all designs need, each once, after those it needs."""
@@ -38,7 +39,8 @@ def plan_study(study: Study) -> Plan:
     Returns
     -------
     Plan
-        One press a dome and tilt; one dataset, limit, estimator and learning a design.
+        One press a dome and tilt, and the dome's inverted state at the least tilt; one dataset, limit, estimator and
+        learning a design.
 
     Raises
     ------
@@ -49,6 +51,7 @@ def plan_study(study: Study) -> Plan:
     designs = []
     for dome in study.designs.domes():
         presses = tuple(_plan_presses(study, dome))
+        inverted = replace(min(presses, key=lambda press: press.wall.tilt_deg), branch=Branch.INVERTED)
         for markers in study.designs.markers:
             dataset = DatasetTask(
                 presses=presses,
@@ -57,7 +60,7 @@ def plan_study(study: Study) -> Plan:
                 camera=study.camera,
                 spec=study.dataset,
             )
-            designs.append(LearningTask(dataset=dataset, spec=study.learning))
+            designs.append(LearningTask(dataset=dataset, spec=study.learning, inverted=inverted))
     return Plan(designs=tuple(designs))
 
 

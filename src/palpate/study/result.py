@@ -76,6 +76,9 @@ class DesignResult:
         Norm of the wall's force in the deepest image of the straight press, the one of least tilt (N).
     peak_stress_mpa
         Greatest von Mises Cauchy stress in any image of any press (MPa).
+    bistable_from_mm
+        Depth from which the dome has a second, inverted state at the least tilt (mm); nan where none was found. A
+        design that works deeper can answer one pose by two marker maps.
     presses
         Every press the design stands on, by rising tilt.
     counts
@@ -104,6 +107,7 @@ class DesignResult:
     travel_mm: float
     force_n: float
     peak_stress_mpa: float
+    bistable_from_mm: float
     presses: tuple[PressSummary, ...]
     counts: Counts | None
     seed: int

@@ -20,7 +20,7 @@ from palpate.dataset import (
     write_dataset,
 )
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
-from palpate.fea import FEA_VERSION, SolverSpec, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, Branch, SolverSpec, WallSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_dome
@@ -61,17 +61,19 @@ class Task(ABC):
 
 @dataclass(frozen=True)
 class PressTask(Task):
-    """Solve one dome under one tilt."""
+    """Solve one dome under one tilt, on the branch that is pressed from rest or on the inverted one."""
 
     dome: DomeSpec
     mesh: MeshSpec
     material: Material
     wall: WallSpec
     solver: SolverSpec
+    branch: Branch = Branch.FLAT
 
     @property
     def name(self) -> str:
-        return f"press {dome_name(self.dome)} tilt {self.wall.tilt_deg:g}°"
+        state = " inverted" if self.branch is Branch.INVERTED else ""
+        return f"press {dome_name(self.dome)} tilt {self.wall.tilt_deg:g}°{state}"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -81,8 +83,10 @@ class PressTask(Task):
             "material": self.material.key_data(),
             "wall": self.wall.model_dump(mode="json"),
             "solver": self.solver.model_dump(mode="json"),
+            "branch": str(self.branch),
         }
-        return Recipe(kind="press", spec=spec, version=FEA_VERSION)
+        kind = "inverted" if self.branch is Branch.INVERTED else "press"
+        return Recipe(kind=kind, spec=spec, version=FEA_VERSION)
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -90,11 +94,11 @@ class PressTask(Task):
 
     @property
     def cost(self) -> float:
-        return 10.0 * self.wall.depth / 8.0
+        return (40.0 if self.branch is Branch.INVERTED else 10.0) * self.wall.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_dome(build_dome(self.dome), self.mesh)
-        press = solve_press(mesh, self.material, self.wall, self.solver)
+        press = solve_press(mesh, self.material, self.wall, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
@@ -216,6 +220,8 @@ class LearningTask(Task):
 
     dataset: DatasetTask
     spec: SearchSpec
+    inverted: PressTask
+    """The other stable state of the dome; nothing is learned from it."""
 
     suffix = ".json"
 

@@ -29,6 +29,7 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
         travel_mm=float("nan") if failure else 1.0 + thickness / (1 + abs(height - 20) / 10),
         force_n=0.4,
         peak_stress_mpa=0.05,
+        bistable_from_mm=5.5,
         presses=(
             PressSummary(0.0, "depth reached", 8.0, 0.4, 0.04, "flat"),
             PressSummary(12.0, "wall reached the clamped rim", 7.1, 0.3, 0.05, "inverted"),

@@ -23,7 +23,7 @@ def kinds_changed(**choices: object) -> set[str]:
 def test_first_shares_its_presses_between_layouts() -> None:
     kinds = [task.recipe.kind for task in plan_study(read_study("first")).tasks()]
     counts = {kind: kinds.count(kind) for kind in kinds}
-    assert counts == {"press": 14, "dataset": 8, "limit": 8, "estimator": 8, "learning": 8}
+    assert counts == {"press": 14, "dataset": 8, "limit": 8, "estimator": 8, "learning": 8, "inverted": 2}
 
 
 def test_limits_need_presses_and_nothing_else() -> None:
