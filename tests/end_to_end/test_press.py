@@ -58,3 +58,12 @@ def test_people_get_a_table(tmp_path: Path) -> None:
     done = finish(["press", "--depth", "0.8", "--cells", "6"])
     assert done.returncode == 0
     assert "ended: depth reached at 0.80 mm" in done.stdout
+
+
+def test_the_first_press_after_an_installation_says_that_it_compiles(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    words = ["press", "--depth", "0.1", "--step", "0.1", "--cells", "4", "--contact", "frictionless"]
+    assert "Compiling the kernels" in finish(words).stderr
+    assert "Compiling the kernels" not in finish(words).stderr

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
+import shutil
 import sys
 from dataclasses import asdict, dataclass
 
@@ -22,8 +23,8 @@ REQUIRED = {
 }
 """Distribution → module without which nothing runs."""
 
-LEARN = {"torch": "torch", "optuna": "optuna"}
-"""Distribution → module of the extra `learn`."""
+EXTRAS = {"torch": ("torch", "learn"), "optuna": ("optuna", "learn"), "meshio": ("meshio", "viz")}
+"""Distribution → module, and the extra that brings it."""
 
 SYSTEM_PACKAGES = {
     "libGL.so.1": "libgl1",
@@ -50,7 +51,8 @@ def doctor(*, json: JsonFlag = False) -> int:
     checks = [_check_python(), *(_check_module(name, module, "") for name, module in REQUIRED.items())]
     required_ok = all(check.ok for check in checks)
     backends = _check_backends() if required_ok else []
-    checks += [_check_module(name, module, "learn") for name, module in LEARN.items()]
+    checks += [_check_module(name, module, extra) for name, (module, extra) in EXTRAS.items()]
+    checks.append(_check_calculix())
     used = next((check.name for check in backends if check.ok), None)
     healthy = required_ok and used is not None
     if json:
@@ -86,6 +88,13 @@ def _check_module(name: str, module: str, extra: str) -> Check:
         wanted = f'"palpate[{extra}]"' if extra else name
         return Check(name, False, "not installed", f"pip install {wanted}")
     return Check(name, True, installed_version(name) or "")
+
+
+def _check_calculix() -> Check:
+    path = shutil.which("ccx")
+    return Check(
+        "calculix", path is not None, path or "not installed", "" if path else "apt-get install calculix-ccx"
+    )
 
 
 def _check_backends() -> list[Check]:

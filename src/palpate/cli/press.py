@@ -11,6 +11,7 @@ import numpy as np
 from cyclopts import Parameter
 from numpy.typing import NDArray
 
+from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, default, flag
 from palpate.cli.output import print_json, print_table
 from palpate.core import PalpateError
@@ -106,6 +107,7 @@ def press(
 
 def _solve(problem: tuple[Mesh, Material, WallSpec], solver: Solver, branch: Branch) -> Press:
     if solver is Solver.PALPATE:
+        announce_compilation()
         return solve_press(*problem, branch=branch)
     if branch is Branch.INVERTED or problem[2].unload:
         raise PalpateError(

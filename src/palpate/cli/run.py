@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.border import INTERRUPTED
+from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
 from palpate.cli.grid import print_grid
 from palpate.cli.output import print_json
@@ -54,6 +55,7 @@ def run(
 
 
 def _run_watched(study: Study, folder: Path, workers: int | None, *, quiet: bool) -> StudyResult:
+    announce_compilation()
     if quiet or not sys.stderr.isatty():
         return run_study(study, folder, workers, Lines())
     with make_progress() as progress:

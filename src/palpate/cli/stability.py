@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
+from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 from palpate.cli.press import PressFlags
@@ -24,6 +25,7 @@ def stability(
 ) -> None:
     """Follow both stable states of a dome: where the inverted one exists, where the flat one ends, their energy."""
     flags = flags or PressFlags()
+    announce_compilation()
     found = [find_stability(*replace(flags, tilt=tilt).problem()) for tilt in tilts or (flags.tilt,)]
     if json:
         print_json([describe_stability(one) for one in found])

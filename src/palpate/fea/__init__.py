@@ -1,6 +1,7 @@
 """Fea: press a dome by a rigid wall and say what it does: displacement, force, contact, stress, branch."""
 
 from palpate.fea.calculix import CalculixSpec, solve_press_calculix
+from palpate.fea.compiled import kernels_compiled
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, untouched
 from palpate.fea.deck import deck_text, write_deck
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
@@ -44,6 +45,7 @@ __all__ = [
     "deck_text",
     "export_press",
     "find_stability",
+    "kernels_compiled",
     "make_linear_solver",
     "read_contact",
     "read_press",

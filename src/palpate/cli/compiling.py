@@ -1,0 +1,13 @@
+"""Tell a person that the first press after an installation compiles the kernels."""
+
+from __future__ import annotations
+
+import sys
+
+
+def announce_compilation() -> None:
+    """Say on standard error, once after an installation, why the first press takes longer."""
+    from palpate.fea import kernels_compiled  # here, for it loads the kernels
+
+    if not kernels_compiled():
+        print("Compiling the kernels, once after installation: about half a minute.", file=sys.stderr, flush=True)
