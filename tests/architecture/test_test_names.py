@@ -1,4 +1,4 @@
-"""Test files have names of their own: pytest imports them by name, and two of one name cannot be collected together."""
+"""Test files have names of their own: pytest imports them by name and cannot collect two of one name."""
 
 from collections import Counter
 from pathlib import Path
