@@ -23,6 +23,7 @@ app.command("palpate.cli.run:run", name="run", help="Run a study: every design t
 app.command("palpate.cli.press:press", name="press", help="Press one dome by a flat wall.")
 app.command("palpate.cli.deck:deck", name="deck", help="Write the input file of a press for Abaqus or CalculiX.")
 app.command("palpate.cli.stability:stability", name="stability", help="Where a dome has two stable states.")
+app.command("palpate.cli.convergence:convergence", name="convergence", help="How much a press depends on its mesh.")
 app.command("palpate.cli.design:design", name="design", help="Radius, shape, markers and limits of a design.")
 app.command("palpate.cli.limit:limit", name="limit", help="How good any estimator of a design could be.")
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")

@@ -3,6 +3,7 @@
 from palpate.fea.calculix import CalculixSpec, solve_press_calculix
 from palpate.fea.compiled import kernels_compiled
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, untouched
+from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.deck import deck_text, write_deck
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.element import System
@@ -10,6 +11,7 @@ from palpate.fea.export import check_export, export_press
 from palpate.fea.io import read_press, write_press
 from palpate.fea.linear import make_linear_solver, solver_backends
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium
+from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.press import FEA_VERSION, Branch, Ended, Press
 from palpate.fea.solid import Solid, State
 from palpate.fea.solve_press import solve_press
@@ -18,6 +20,7 @@ from palpate.fea.stability import Stability, find_stability
 from palpate.fea.stress import cauchy_stress
 
 __all__ = [
+    "CELLS",
     "FEA_VERSION",
     "Branch",
     "CalculixSpec",
@@ -29,6 +32,7 @@ __all__ = [
     "Dialect",
     "Ended",
     "Equilibrium",
+    "MeshResult",
     "OuterSurface",
     "Plane",
     "Press",
@@ -47,11 +51,13 @@ __all__ = [
     "find_stability",
     "kernels_compiled",
     "make_linear_solver",
+    "plot_convergence",
     "read_contact",
     "read_press",
     "solve_press",
     "solve_press_calculix",
     "solver_backends",
+    "study_convergence",
     "untouched",
     "write_deck",
     "write_press",

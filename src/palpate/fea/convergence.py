@@ -1,0 +1,141 @@
+"""How much a press depends on its mesh: the paper's Fig. 9, and what a user needs more, force and markers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.design import Dome
+from palpate.fea.arrays import FloatArray
+from palpate.fea.press import Press
+from palpate.fea.solve_press import solve_press
+from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.material import Material
+from palpate.mesh import MeshSpec, mesh_dome
+
+CELLS = (8, 11, 16, 22, 32)
+"""Cells from pole to rim: each mesh has about twice the elements of the one before."""
+
+
+@dataclass(frozen=True)
+class MeshResult:
+    """What one mesh says of a press at the deepest image that every mesh reached, against the finest mesh.
+
+    Attributes
+    ----------
+    cells
+        Cells from pole to rim.
+    elements, unknowns
+        Of the modelled part.
+    depth
+        mm, of the image compared.
+    peak_stress
+        MPa, greatest von Mises stress.
+    force
+        N along the dome's axis.
+    stress_error, force_error
+        Deviation over the value of the finest mesh.
+    marker_error
+        Root mean square distance of the points from those of the finest mesh, over the depth.
+    worst_marker_error
+        The greatest such distance, over the depth.
+    cpu_s
+        Cost of the press.
+    """
+
+    cells: int
+    elements: int
+    unknowns: int
+    depth: float
+    peak_stress: float
+    force: float
+    stress_error: float
+    force_error: float
+    marker_error: float
+    worst_marker_error: float
+    cpu_s: float
+
+
+def study_convergence(
+    dome: Dome,
+    material: Material,
+    points: FloatArray,
+    wall: WallSpec | None = None,
+    cells: Sequence[int] = CELLS,
+    *,
+    mesh: MeshSpec | None = None,
+    solver: SolverSpec | None = None,
+    on_press: Callable[[int, Press], None] = lambda cells, press: None,
+) -> tuple[MeshResult, ...]:
+    """Press one dome on finer and finer meshes.
+
+    Parameters
+    ----------
+    dome, material, wall, solver
+        As in `palpate.fea.solve_press`.
+    points
+        (m, 3) mm of the undeformed inner surface, followed on every mesh.
+    cells
+        Cells from pole to rim, at least two different numbers.
+    mesh
+        The rest of the mesh: layers, rim, half or whole.
+    on_press
+        Told of every press when it is solved.
+
+    Returns
+    -------
+    tuple[MeshResult, ...]
+        One a mesh, from the coarsest to the finest, whose errors are zero.
+
+    Raises
+    ------
+    PalpateError
+        If fewer than two meshes are given, or they share no image but rest.
+    """
+    counts = sorted(set(cells))
+    if len(counts) < 2:
+        raise PalpateError(
+            f"A convergence study needs two meshes, and was given {len(counts)}.", "Give several numbers of cells."
+        )
+    mesh = mesh or MeshSpec()
+    presses = []
+    for count in counts:
+        spec = mesh.model_copy(update={"cells": MeshSpec(cells=count).cells})
+        presses.append(solve_press(mesh_dome(dome, spec), material, wall, solver))
+        on_press(count, presses[-1])
+    return tuple(_compare(presses, points, _deepest_shared(presses)))
+
+
+def _deepest_shared(presses: Sequence[Press]) -> float:
+    shared: set[float] = set.intersection(*({round(float(depth), 6) for depth in press.depth} for press in presses))
+    if max(shared) == 0:
+        raise PalpateError("The presses share no depth but rest.", "Choose a finer step, or more cells.")
+    return max(shared)
+
+
+def _compare(presses: Sequence[Press], points: FloatArray, depth: float) -> Iterable[MeshResult]:
+    finest, images = presses[-1], list(_images(presses, depth))
+    expected = finest.positions(points)[images[-1]]
+    for press, image in zip(presses, images, strict=True):
+        distance = np.linalg.norm(press.positions(points)[image] - expected, axis=1) / depth
+        yield MeshResult(
+            cells=press.mesh.spec.cells or 0,
+            elements=len(press.mesh.cells),
+            unknowns=press.unknowns,
+            depth=depth,
+            peak_stress=float(press.peak_stress[image]),
+            force=float(press.force[image, 2]),
+            stress_error=float(press.peak_stress[image] / finest.peak_stress[images[-1]] - 1),
+            force_error=float(press.force[image, 2] / finest.force[images[-1], 2] - 1),
+            marker_error=float(np.sqrt((distance**2).mean())),
+            worst_marker_error=float(distance.max()),
+            cpu_s=press.cpu_s,
+        )
+
+
+def _images(presses: Sequence[Press], depth: float) -> Iterator[int]:
+    for press in presses:
+        yield int(np.abs(press.depth - depth).argmin())

@@ -1,0 +1,53 @@
+"""Picture of a convergence study, as the paper's Fig. 9."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from palpate.fea.convergence import MeshResult
+
+_PAPER_LIMIT = 5.0
+"""Percent below which the paper calls its maximum stress converged."""
+
+
+def plot_convergence(results: Sequence[MeshResult]) -> Figure:
+    """Draw the greatest stress and the errors of stress, force and markers against the number of elements.
+
+    Parameters
+    ----------
+    results
+        From the coarsest to the finest mesh, at least two.
+    """
+    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    stress, errors = figure.subplots(1, 2)
+    elements = [result.elements for result in results]
+    stress.plot(elements, [result.peak_stress for result in results], "o-", color="C0")
+    stress.set_ylabel("greatest von Mises stress (MPa)")
+    stress.set_ylim(0, 1.15 * max(result.peak_stress for result in results))
+    coarser = results[:-1]
+    curves = {
+        "greatest stress": [100 * abs(result.stress_error) for result in coarser],
+        "force": [100 * abs(result.force_error) for result in coarser],
+        "markers, rms over depth": [100 * result.marker_error for result in coarser],
+    }
+    for (name, values), mark in zip(curves.items(), "os^", strict=True):
+        errors.plot(elements[:-1], values, f"{mark}-", label=name)
+    errors.axhline(_PAPER_LIMIT, color="0.5", linestyle="--", linewidth=1, label=f"{_PAPER_LIMIT:g} %")
+    errors.set_yscale("log")
+    errors.set_ylabel("deviation from the finest mesh (%)")
+    errors.legend(frameon=False, fontsize=8)
+    for axis in (stress, errors):
+        _label_elements(axis)
+    figure.suptitle(f"{results[-1].depth:.3g} mm deep, finest mesh {results[-1].elements} elements", fontsize=11)
+    return figure
+
+
+def _label_elements(axis: Axes) -> None:
+    axis.set_xscale("log")
+    axis.set_xlabel("elements of the modelled part")
+    axis.spines[["top", "right"]].set_visible(False)

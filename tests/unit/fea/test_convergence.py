@@ -1,0 +1,41 @@
+"""Convergence study of a press."""
+
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.fea import WallSpec, plot_convergence, study_convergence
+from palpate.material import get_material
+
+MATERIAL = get_material("zaid_2024_ecoflex_00_30")
+DOME = build_dome(DomeSpec(height=20, thickness=4))
+POINTS = place_markers(DOME, MarkerSpec(count=7)).positions
+WALL = WallSpec(contact="frictionless", depth=1.6)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return study_convergence(DOME, MATERIAL, POINTS, WALL, (12, 4, 6, 8))
+
+
+def test_study_convergence_goes_from_coarse_to_fine_and_its_errors_fall(results) -> None:
+    assert [result.cells for result in results] == [4, 6, 8, 12]
+    assert results[3].force_error == results[3].marker_error == 0
+    assert np.all(np.diff([result.marker_error for result in results]) < 0)
+    assert all(abs(result.force_error) < 0.04 for result in results)
+    assert results[0].depth == pytest.approx(1.6)
+    assert all(result.marker_error <= result.worst_marker_error for result in results)
+
+
+def test_one_mesh_is_not_a_study() -> None:
+    with pytest.raises(PalpateError, match="needs two meshes, and was given 1"):
+        study_convergence(DOME, MATERIAL, POINTS, WALL, (8, 8))
+
+
+def test_plot_convergence_shows_every_mesh_and_the_papers_limit(results) -> None:
+    stress, errors = plot_convergence(results).axes
+    assert list(stress.lines[0].get_xdata()) == [result.elements for result in results]
+    assert stress.lines[0].get_ydata()[-1] == pytest.approx(results[-1].peak_stress)
+    assert errors.lines[1].get_ydata() == pytest.approx([100 * abs(result.force_error) for result in results[:-1]])
+    assert len(errors.lines) == 4
