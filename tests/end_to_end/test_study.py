@@ -92,7 +92,8 @@ def test_limits_need_no_training_and_are_those_of_the_grid(tiny_study: Path, fin
 
 def test_the_model_of_a_study_predicts_by_itself(finished: Path) -> None:
     models = sorted((finished / "store" / "estimator").rglob("*.onnx"))
-    assert sorted(open_predictor(path).markers for path in models) == [7, 19]
+    opened = sorted((open_predictor(path) for path in models), key=lambda predictor: predictor.markers)
+    assert [(predictor.markers, predictor.level) for predictor in opened] == [(7, 0.9), (19, 0.9)]
 
 
 def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:

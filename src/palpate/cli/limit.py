@@ -20,7 +20,7 @@ from palpate.core import PalpateError
 if TYPE_CHECKING:
     from palpate.study import DesignLimits
 
-_SOURCE = "YAML file of a study, a preset (first, paper), or the result folder of a finished study."
+_SOURCE = "YAML file of a study, a preset (first, paper, best), or the result folder of a finished study."
 _COLUMNS = ["height mm", "thickness mm", "markers", "depth mm", "least squares deg", "Pitman deg", "floor deg"]
 _AT_DEPTH = re.compile(r"limit_at_(\d+)_(\d+)mm_deg")
 

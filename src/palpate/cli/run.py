@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -23,10 +23,13 @@ RESULTS = Path("results")
 
 
 def run(
-    study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper.")],
+    study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
     workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None,
+    device: Annotated[
+        Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
+    ] = None,
     json: JsonFlag = False,
 ) -> int:
     """Run a study: every design through the whole chain, on real finite-element solutions.
@@ -34,6 +37,8 @@ def run(
     What an earlier run left in the result folder is used: an interrupted study goes on where it was.
     """
     chosen = read_study(study)
+    if device is not None:
+        chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
     if workers is not None and not 1 <= workers <= 1024:
         raise PalpateError(f"--workers is {workers}.", f"Give 1 to 1024; this machine has {available_cores()} cores.")
     folder = out or RESULTS / chosen.name

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from palpate.grid.grid import Cell, SpecificationGrid, depth_text
-from palpate.learn import Metrics, compare_with_limit, pool_limits
+from palpate.learn import Coverage, Metrics, compare_with_limit, pool_limits
 from palpate.study import DesignResult
 
 
@@ -54,6 +54,7 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         **_errors(design.jittered, "_jitter"),
         **_spread(design),
         **_limits(design),
+        **_coverage(design.coverage),
         "travel_mm": _finite(design.travel_mm),
         "peak_stress_mpa": _finite(design.peak_stress_mpa),
         "force_n": _finite(design.force_n),
@@ -105,6 +106,19 @@ def _limits(design: DesignResult) -> dict[str, Cell]:
         if depth in rmse and limit.least_squares_deg > 0:
             found[f"rmse_over_limit_at_{depth}mm"] = rmse[depth] / limit.least_squares_deg
     return found
+
+
+def _coverage(coverage: Coverage | None) -> dict[str, Cell]:
+    """What the intervals are worth on presses that did not calibrate them."""
+    return {
+        "interval_level": coverage.level if coverage else None,
+        "interval_coverage": coverage.angle if coverage else None,
+        "interval_coverage_depth": coverage.depth if coverage else None,
+        "interval_half_width_deg": coverage.half_width_deg if coverage else None,
+        "interval_half_width_mm": coverage.half_width_mm if coverage else None,
+        "interval_presses": coverage.presses if coverage else None,
+        "called_outside": coverage.outside if coverage else None,
+    }
 
 
 def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:

@@ -22,6 +22,7 @@ MAIN_COLUMNS = (
     "rmse_spread_deg",
     "limit_deg",
     "rmse_over_limit",
+    "interval_coverage",
     "travel_mm",
     "peak_stress_mpa",
     "force_n",
@@ -53,7 +54,10 @@ class SpecificationGrid:
     held-out presses; ``_jitter`` is the same with jittered pixels. ``rmse_spread_deg`` is the standard deviation of
     ``rmse_deg`` over the repeats of the training, each by itself. ``limit_deg`` is the least-squares bound on
     ``rmse_jitter_deg`` over the same images, ``limit_pitman_deg`` that of the posterior mean, ``rmse_over_limit`` the
-    jittered RMSE over the first. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis,
+    jittered RMSE over the first. ``interval_coverage`` is the share of true angles inside their interval of the level
+    ``interval_level``, on jittered images of presses that neither trained nor calibrated it (``interval_presses`` of
+    them), ``interval_half_width_deg`` its mean half-width; ``called_outside`` the share of those images that were
+    called out of the trained range. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis,
     ``rmse_at_2_4mm_deg``, … per depth (here 2.4 mm), ``rmse_at_tilt_0_to_2_deg``, … per interval of true tilt.
     ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
     poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,

@@ -1,6 +1,10 @@
 """Learning: from images of markers to the pose of the wall, and how good any estimator could be."""
 
+from palpate.learn.calibrate import Coverage, calibrate, measure_coverage
+from palpate.learn.control import SplitComparison, compare_splits, shuffle_labels
+from palpate.learn.device import find_device
 from palpate.learn.estimator import LEARN_VERSION, Estimator
+from palpate.learn.interval import Interval, Prediction
 from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.judge import PooledLimit, compare_with_limit, find_leak, pool_limits
 from palpate.learn.limit import LIMIT_VERSION, DepthLimit, find_limits
@@ -13,27 +17,36 @@ from palpate.learn.train import evaluate, fit_ridge, train
 __all__ = [
     "LEARN_VERSION",
     "LIMIT_VERSION",
+    "Coverage",
     "DepthErrors",
     "DepthLimit",
     "ErrorSummary",
     "Estimator",
+    "Interval",
     "Metrics",
     "PooledLimit",
+    "Prediction",
     "Predictor",
     "SearchSpec",
+    "SplitComparison",
     "TiltErrors",
     "TrainSpec",
+    "calibrate",
+    "compare_splits",
     "compare_with_limit",
     "evaluate",
+    "find_device",
     "find_leak",
     "find_limits",
     "fit_ridge",
+    "measure_coverage",
     "measure_errors",
     "open_predictor",
     "paper_training",
     "pool_limits",
     "read_estimator",
     "search",
+    "shuffle_labels",
     "train",
     "write_estimator",
 ]

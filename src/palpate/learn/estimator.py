@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from palpate.core import PalpateError
 from palpate.dataset import Normalisation
+from palpate.learn.interval import Interval, Prediction
 
 Array = NDArray[np.float64]
 
-LEARN_VERSION = "3"
+LEARN_VERSION = "4"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
 
 OUTPUTS = ("rx_deg", "ry_deg", "depth_mm")
@@ -47,6 +48,8 @@ class Estimator:
     repeat_rmse_deg
         RMSE of the angle of every repeat on clean held-out images (degrees), also of repeats that were not kept;
         empty for a closed form.
+    interval
+        Half-widths and trained range (`calibrate`); `None` where nothing is promised.
     version
         `LEARN_VERSION` of the code that trained it.
     """
@@ -64,6 +67,7 @@ class Estimator:
     validation_images: int
     history: tuple[tuple[float, ...], ...] = ()
     repeat_rmse_deg: tuple[float, ...] = ()
+    interval: Interval | None = None
     version: str = LEARN_VERSION
 
     @property
@@ -92,6 +96,18 @@ class Estimator:
         mean: Array = self.predict_members(images_px).mean(axis=0)
         return mean
 
+    def estimate(self, images_px: Array) -> Prediction:
+        """Estimate poses of images (n, m, 2), see `predict`, with half-widths and the flag of the trained range.
+
+        Without an interval the half-widths are infinite and no image is called outside.
+        """
+        members = self.predict_members(images_px)
+        poses = members.mean(axis=0)
+        if self.interval is None:
+            return Prediction(poses, np.full(poses.shape, np.inf), np.zeros(len(poses), dtype=bool))
+        moved = (images_px - self.rest_px).reshape(len(images_px), -1)
+        return Prediction(poses, self.interval.half_width(members), self.interval.outside(moved, members))
+
     def predict_members(self, images_px: Array) -> Array:
         """Estimates (r, n, 3) of every member for images (n, m, 2), see `predict`."""
         if images_px.shape[1:] != self.rest_px.shape:
@@ -108,14 +124,13 @@ class Estimator:
         return poses
 
     def keep_members(self, rows: list[int]) -> Estimator:
-        """The same estimator with some of its members only."""
-        from dataclasses import replace
-
+        """The same estimator with some of its members only; an interval belongs to all of them and is left out."""
         return replace(
             self,
             weights=tuple(weight[rows] for weight in self.weights),
             biases=tuple(bias[rows] for bias in self.biases),
             history=tuple(self.history[row] for row in rows),
+            interval=None,
         )
 
 

@@ -4,6 +4,8 @@ The graph reads pixels and gives poses in units:
 
     markers_px (n, m, 2) double → (· − rest) / scale → float → layers → · sd + mean → pose (n, 3) float
 
+A calibrated estimator also gives half_width (n, 3) and outside (n,), see `interval_graph`.
+
 The difference to the rest image is taken in double precision and the first bias moved to match, so that single
 precision after it costs less than 1e-5 degrees. Everything that is no weight stands in the model's metadata as text.
 """
@@ -20,6 +22,15 @@ from numpy.typing import NDArray
 from palpate.core import MissingExtraError, PalpateError
 from palpate.dataset import Normalisation
 from palpate.learn.estimator import OUTPUTS, Estimator
+from palpate.learn.interval_graph import (
+    HALF_WIDTH,
+    MEMBERS,
+    OUTSIDE,
+    POSE,
+    describe_interval,
+    interval_nodes,
+    read_interval,
+)
 
 if TYPE_CHECKING:
     from onnx import ModelProto, NodeProto
@@ -27,8 +38,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FORMAT, FORMAT_VERSION = "palpate estimator", "1"
-INPUT, POSE, MEMBERS = "markers_px", "pose", "member_poses"
-"""Names of the graph's input and outputs: the mean over the members, and each member (r, n, 3)."""
+INPUT = "markers_px"
+"""Name of the graph's input."""
 OPSET, IR_VERSION = 17, 8
 """Old enough for runtimes since 2022."""
 AGAIN = "Train the estimator again."
@@ -48,14 +59,20 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
         raise MissingExtraError("onnx", "predict") from error
     markers = len(estimator.rest_px)
     nodes, constants = _graph(estimator)
+    outputs = [
+        helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", 3]),
+        helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", 3]),
+    ]
+    if estimator.interval is not None:
+        more, values = interval_nodes(estimator.interval)
+        nodes, constants = nodes + more, constants | values
+        outputs.append(helper.make_tensor_value_info(HALF_WIDTH, TensorProto.FLOAT, ["image", 3]))
+        outputs.append(helper.make_tensor_value_info(OUTSIDE, TensorProto.BOOL, ["image"]))
     graph = helper.make_graph(
         nodes,
         "estimator",
         [helper.make_tensor_value_info(INPUT, TensorProto.DOUBLE, ["image", markers, 2])],
-        [
-            helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", 3]),
-            helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", 3]),
-        ],
+        outputs,
         [_tensor(name, values) for name, values in constants.items()],
     )
     model = helper.make_model(
@@ -157,7 +174,7 @@ def _tensor(name: str, values: NDArray[Any]) -> Any:
 
 
 def _metadata(estimator: Estimator) -> dict[str, str]:
-    content = {
+    content: dict[str, Any] = {
         "inputs": ["u_px", "v_px"],
         "outputs": list(OUTPUTS),
         "units": {INPUT: "px", **{name: name.rsplit("_", 1)[1] for name in OUTPUTS}},
@@ -173,6 +190,8 @@ def _metadata(estimator: Estimator) -> dict[str, str]:
         "repeat_rmse_deg": estimator.repeat_rmse_deg,
         "version": estimator.version,
     }
+    if estimator.interval is not None:
+        content["interval"] = describe_interval(estimator.interval)
     words = {name: json.dumps(value) for name, value in content.items()}
     return {"format": FORMAT, "format_version": FORMAT_VERSION, **words}
 
@@ -203,5 +222,6 @@ def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
         validation_images=said["validation_images"],
         history=tuple(tuple(errors) for errors in said["history"]),
         repeat_rmse_deg=tuple(said["repeat_rmse_deg"]),
+        interval=read_interval(said["interval"], arrays) if "interval" in said else None,
         version=said["version"],
     )

@@ -1,7 +1,7 @@
 """Several multilayer perceptrons trained as one: every repeat is a slice of the same batched matrices.
 
 Weights have the shape (r, in, out), so one product serves all repeats; each has its own seed for weights, order
-of images, jitter and dropout, its own learning rate, and stops by itself. This is the only file that knows torch.
+of images, jitter and dropout, its own learning rate, and stops by itself. This is the only file that trains.
 """
 
 from __future__ import annotations
@@ -49,6 +49,8 @@ class TrainingData:
         (2m,) and (2m, k): see `components`.
     held_inputs, held_targets
         The same of the validation images, jitter already drawn.
+    device
+        ``"cpu"`` or ``"cuda"``: where tensors and random streams live; another device draws other numbers.
     """
 
     inputs: Array
@@ -58,6 +60,7 @@ class TrainingData:
     projection: Array
     held_inputs: Array
     held_targets: Array
+    device: str = "cpu"
 
 
 @dataclass(frozen=True)
@@ -132,13 +135,14 @@ class _Training:
 
     def __init__(self, data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> None:
         def tensor(array: Array) -> Tensor:
-            return torch.as_tensor(array, dtype=torch.float32)
+            return torch.as_tensor(array, dtype=torch.float32, device=data.device)
 
-        self.spec = spec
+        self.spec, self.device = spec, data.device
         self.inputs, self.targets = tensor(data.inputs - data.mean), tensor(data.targets)
         self.jitter, self.projection = tensor(data.jitter), tensor(data.projection)
         self.held = tensor((data.held_inputs - data.mean) @ data.projection), tensor(data.held_targets)
-        self.repeats = [_Repeat(torch.Generator().manual_seed(seed), spec.learning_rate) for seed in seeds]
+        streams = [torch.Generator(self.device).manual_seed(seed) for seed in seeds]
+        self.repeats = [_Repeat(stream, spec.learning_rate) for stream in streams]
         self.active = list(self.repeats)
         self.parameters = self._start_weights()
         self.moments = [(torch.zeros_like(p), torch.zeros_like(p)) for p in self.parameters]
@@ -157,7 +161,9 @@ class _Training:
             if self.spec.schedule == "cosine" or not repeat.weights:
                 repeat.weights = [p[row].detach().clone() for p in self.parameters]
                 repeat.best_epoch = len(repeat.errors) - 1
-        layers = [torch.stack(rows).double().numpy() for rows in zip(*(r.weights for r in self.repeats), strict=True)]
+        layers = [
+            torch.stack(rows).double().cpu().numpy() for rows in zip(*(r.weights for r in self.repeats), strict=True)
+        ]
         return TrainedNetwork(
             weights=tuple(layers[0::2]),
             biases=tuple(bias[:, 0] for bias in layers[1::2]),
@@ -171,18 +177,20 @@ class _Training:
         parameters = []
         for number, (inward, outward) in enumerate(pairwise(sizes)):
             spread = math.sqrt(2.0 / inward) if number < self.spec.layers else 0.1 / math.sqrt(inward)
-            drawn = [torch.randn(inward, outward, generator=repeat.generator) for repeat in self.active]
+            drawn = [torch.randn(inward, outward, generator=r.generator, device=self.device) for r in self.active]
             parameters.append((spread * torch.stack(drawn)).requires_grad_())
-            parameters.append(torch.zeros(len(drawn), 1, outward, requires_grad=True))
+            parameters.append(torch.zeros(len(drawn), 1, outward, device=self.device, requires_grad=True))
         return parameters
 
     def _train_epoch(self) -> None:
-        order = torch.stack([torch.randperm(len(self.inputs), generator=r.generator) for r in self.active])
+        count = len(self.inputs)
+        drawn = [torch.randperm(count, generator=r.generator, device=self.device) for r in self.active]
+        order = torch.stack(drawn)
         for chosen in torch.split(order, self.spec.batch, dim=1):
             inputs = self.inputs[chosen]
             jittered = round((1.0 - self.spec.clean_share) * chosen.shape[1])
-            drawn = self._uniform(jittered, inputs.shape[2])
-            inputs[:, :jittered] += (2.0 * drawn - 1.0) * self.jitter
+            noise = self._uniform(jittered, inputs.shape[2])
+            inputs[:, :jittered] += (2.0 * noise - 1.0) * self.jitter
             outputs = self._forward(inputs @ self.projection, dropout=self.spec.dropout)
             # the sum over repeats keeps each one's gradient its own
             loss = ((outputs - self.targets[chosen]) ** 2).mean(dim=(1, 2)).sum()
@@ -190,7 +198,7 @@ class _Training:
             self._step(gradients)
 
     def _uniform(self, rows: int, columns: int) -> Tensor:
-        drawn = torch.empty(len(self.active), rows, columns)
+        drawn = torch.empty(len(self.active), rows, columns, device=self.device)
         for slice_, repeat in zip(drawn, self.active, strict=True):
             torch.rand(rows, columns, generator=repeat.generator, out=slice_)
         return drawn
@@ -213,7 +221,7 @@ class _Training:
         if self.spec.schedule == "cosine":
             done = self.steps / (self.spec.epochs * self.batches)
             factor = min(1.0, self.steps / WARM_UP) * 0.5 * (1.0 + math.cos(math.pi * done))
-        rates = torch.tensor([factor * repeat.rate for repeat in self.active])[:, None, None]
+        rates = torch.tensor([factor * repeat.rate for repeat in self.active], device=self.device)[:, None, None]
         rates = rates / (1.0 - BETA_1**self.steps)
         for parameter, gradient, (mean, square) in zip(self.parameters, gradients, self.moments, strict=True):
             mean.lerp_(gradient, 1.0 - BETA_1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import MissingExtraError, PalpateError
-from palpate.learn.io import AGAIN, INPUT, POSE, check_format
+from palpate.learn.interval import Prediction
+from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
+from palpate.learn.io import AGAIN, INPUT, check_format
 
 Array = NDArray[np.float64]
 
@@ -25,13 +28,16 @@ class Predictor:
         The runtime that holds the model.
     markers
         Number of markers that it reads.
+    level
+        Share of true values that its intervals cover; `None` for a model without any.
     """
 
     session: Any
     markers: int
+    level: float | None
 
-    def predict(self, images_px: Array) -> Array:
-        """Estimate poses.
+    def predict(self, images_px: Array) -> Prediction:
+        """Estimate poses, how far they may be wrong, and whether the markers moved as the training knew.
 
         Parameters
         ----------
@@ -40,8 +46,8 @@ class Predictor:
 
         Returns
         -------
-        Array
-            (n, 3): rx and ry (degrees), depth (mm).
+        Prediction
+            Half-widths are infinite, and no image is called outside, where the model has no interval.
 
         Raises
         ------
@@ -53,8 +59,12 @@ class Predictor:
                 f"The images have markers of shape {images_px.shape[1:]}, the model reads {(self.markers, 2)}.",
                 "Use the model of this marker layout.",
             )
-        poses: Array = self.session.run([POSE], {INPUT: np.ascontiguousarray(images_px, dtype=float)})[0]
-        return poses.astype(float)
+        wanted = [POSE] if self.level is None else [POSE, HALF_WIDTH, OUTSIDE]
+        found = self.session.run(wanted, {INPUT: np.ascontiguousarray(images_px, dtype=float)})
+        poses = found[0].astype(float)
+        if self.level is None:
+            return Prediction(poses, np.full(poses.shape, np.inf), np.zeros(len(poses), dtype=bool))
+        return Prediction(poses, found[1].astype(float), found[2])
 
 
 def open_predictor(path: Path) -> Predictor:
@@ -76,10 +86,11 @@ def open_predictor(path: Path) -> Predictor:
     options.log_severity_level = 4  # what is wrong is said below, once
     try:
         session = onnxruntime.InferenceSession(path.read_bytes(), options, providers=["CPUExecutionProvider"])
-        check_format(path, session.get_modelmeta().custom_metadata_map)
+        said = check_format(path, session.get_modelmeta().custom_metadata_map)
         markers = int(session.get_inputs()[0].shape[1])
+        level = float(json.loads(said["interval"])["level"]) if "interval" in said else None
     except PalpateError:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
         raise PalpateError(f"{path} is not an estimator: {type(error).__name__}.", AGAIN) from error
-    return Predictor(session, markers)
+    return Predictor(session, markers, level)

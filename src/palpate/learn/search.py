@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from palpate.core import MissingExtraError, child_seed
 from palpate.dataset import Dataset, hold_out
+from palpate.learn.calibrate import calibrate
+from palpate.learn.device import find_device
 from palpate.learn.estimator import Estimator
 from palpate.learn.space import BEST_SPACE, PAPER_SPACE, SearchSpace
 from palpate.learn.spec import SearchSpec, TrainSpec
@@ -40,11 +42,12 @@ def search(dataset: Dataset, spec: SearchSpec, journal: Path) -> Estimator:
     MissingExtraError
         If torch or optuna is not installed.
     """
-    space = SPACES.get(spec.preset)
-    if space is None:
-        return train(dataset, TrainSpec(), spec.seed)
-    judged = _split_again(dataset, spec.seed) if space.inner_split else dataset
-    return train(dataset, space.final(_best_setting(judged, space, spec, journal)), spec.seed)
+    chosen = TrainSpec()
+    if (space := SPACES.get(spec.preset)) is not None:
+        judged = _split_again(dataset, spec.seed) if space.inner_split else dataset
+        chosen = space.final(_best_setting(judged, space, spec, journal))
+    estimator = train(dataset, chosen, spec.seed, device=find_device(spec.device))
+    return calibrate(estimator, dataset, spec.seed)
 
 
 def _split_again(dataset: Dataset, seed: int) -> Dataset:
@@ -60,11 +63,11 @@ def _best_setting(dataset: Dataset, space: SearchSpace, spec: SearchSpec, journa
     while (done := _finished(study)) < trials:
         # the sampler's stream hangs on the number of trials done, so that a resumed search repeats the same ones
         study.sampler = _sampler(child_seed(spec.seed, "trial", done) % 2**32)
-        study.optimize(lambda trial: _judge(dataset, space, trial, spec.seed), n_trials=1)
+        study.optimize(lambda trial: _judge(dataset, space, trial, spec), n_trials=1)
     return study.best_trial.params
 
 
-def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, seed: int) -> float:
+def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, spec: SearchSpec) -> float:
     """Score of one setting, as mean over its trainings."""
     setting = {name: trial.suggest_categorical(name, values) for name, values in space.choices.items()}
 
@@ -75,9 +78,12 @@ def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, seed: int)
         if trial.should_prune():
             raise optuna.TrialPruned
 
-    estimator = train(dataset, space.trial(setting), seed, watch if space.prunes else None)
+    watcher = watch if space.prunes else None
+    estimator = train(dataset, space.trial(setting), spec.seed, watcher, find_device(spec.device))
     single = [estimator.keep_members([row]) for row in range(estimator.members)]
-    scores = [space.score(evaluate(one, dataset).rmse_deg, evaluate(one, dataset, seed).rmse_deg) for one in single]
+    scores = [
+        space.score(evaluate(one, dataset).rmse_deg, evaluate(one, dataset, spec.seed).rmse_deg) for one in single
+    ]
     return sum(scores) / len(scores)
 
 

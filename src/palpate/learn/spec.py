@@ -60,6 +60,9 @@ class SearchSpec(Spec):
         None, unit="1", meaning="settings that are tried; empty: 30 of 72 (paper), 9 of 36 (best)", ge=1, le=100_000
     )
     seed: int = parameter(0, unit="1", meaning="seed of weights, batches, jitter and trials", ge=0)
+    device: Literal["cpu", "cuda", "auto"] = parameter(
+        "cpu", unit="", meaning="where networks train; auto: on CUDA where there is one"
+    )
 
 
 def paper_training(layers: int, width: int, dropout: float) -> TrainSpec:

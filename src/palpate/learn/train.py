@@ -24,6 +24,7 @@ def train(
     spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
     watch: Watch | None = None,
+    device: str = "cpu",
 ) -> Estimator:
     """Train perceptrons on the images that are not held out.
 
@@ -40,6 +41,8 @@ def train(
     watch
         Called after each epoch with its number and the jittered validation error (standardised, mean over the
         repeats that still train); what it raises ends the training.
+    device
+        ``"cpu"`` or ``"cuda"``.
 
     Returns
     -------
@@ -51,35 +54,45 @@ def train(
     MissingExtraError
         If torch is not installed.
     """
+    return train_on(dataset.part(validation=False), dataset.part(validation=True), spec, seed, watch, device)
+
+
+def train_on(
+    kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, watch: Watch | None = None, device: str = "cpu"
+) -> Estimator:
+    """Train on the images of `kept` and judge epochs and repeats by those of `held`; the rest as of `train`.
+
+    Nothing says here that the two share no press: `train` takes them from one dataset, which does.
+    """
     from palpate.learn.network import TrainingData, train_network
 
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
-    inputs = _normalised(dataset, kept.images_px)
-    jitter = np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
+    inputs = _normalised(kept, kept.images_px)
+    jitter = np.tile(kept.spec.jitter_px / np.array(kept.normalisation.scale_px), kept.images_px.shape[1])
     components = find_components(inputs, jitter, spec.components)
     mean, sd = _standard(kept.poses)
-    noisy = draw_jitter(held.images_px, dataset.spec.jitter_px, generator(seed, "judge"))
+    noisy = draw_jitter(held.images_px, kept.spec.jitter_px, generator(seed, "judge"))
     data = TrainingData(
         inputs=inputs,
         targets=(kept.poses - mean) / sd,
         jitter=jitter,
         mean=components.mean,
         projection=components.projection,
-        held_inputs=_normalised(dataset, noisy),
+        held_inputs=_normalised(kept, noisy),
         held_targets=(held.poses - mean) / sd,
+        device=device,
     )
     trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)], watch)
     first, first_bias = components.fold(trained.weights[0], trained.biases[0])
     estimator = Estimator(
-        normalisation=dataset.normalisation,
+        normalisation=kept.normalisation,
         weights=(first, *trained.weights[1:]),
         biases=(first_bias, *trained.biases[1:]),
         activation=spec.activation,
         output_mean=mean,
         output_sd=sd,
-        rest_px=dataset.rest_px,
+        rest_px=kept.rest_px,
         seed=seed,
-        made_by={"method": "perceptron", **spec.model_dump(mode="json")},
+        made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
         training_images=len(kept.poses),
         validation_images=len(held.poses),
         history=trained.history,

@@ -14,7 +14,7 @@ from palpate.core import ArtefactStore, provenance
 from palpate.dataset import DATASET_VERSION
 from palpate.design import build_dome
 from palpate.fea import FEA_VERSION, Branch, read_press
-from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Metrics
+from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
 from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
 from palpate.study.worker import Outcome
@@ -95,6 +95,7 @@ def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
         versions=known.versions,
         artefacts={"press": keys, **{part.recipe.kind: (part.recipe.key,) for part in parts}},
         limits=read_limits(limits) if limits is not None else (),
+        coverage=Coverage(**tally["coverage"]) if tally and tally["coverage"] else None,
         repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
         spec=_spec(dataset, task),
         failure="" if tally else _reason((*reversed(parts), *dataset.presses), known.outcomes),

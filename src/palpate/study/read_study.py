@@ -37,7 +37,7 @@ def read_study(source: str | Path) -> Study:
     Parameters
     ----------
     source
-        Path of a YAML file, or the name of a preset: ``first``, ``paper``.
+        Path of a YAML file, or the name of a preset: ``first``, ``paper``, ``best``, … (`list_presets`).
 
     Returns
     -------

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from palpate.design import DomeShape, DomeSpec, MarkerSpec
-from palpate.learn import DepthLimit, Metrics
+from palpate.learn import Coverage, DepthLimit, Metrics
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,9 @@ class DesignResult:
         Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``limit``, ``estimator``, ``learning``.
     limits
         Bounds on the error of any estimator, by depth; empty where the chain broke before.
+    coverage
+        What the estimator's intervals are worth on presses that neither trained nor calibrated; `None` where it has
+        none, as with too few presses to calibrate on.
     repeat_rmse_deg
         Clean RMSE of the angle of every training by itself (degrees); empty where there is none.
     spec
@@ -114,6 +117,7 @@ class DesignResult:
     versions: Mapping[str, str]
     artefacts: Mapping[str, tuple[str, ...]]
     limits: tuple[DepthLimit, ...] = ()
+    coverage: Coverage | None = None
     repeat_rmse_deg: tuple[float, ...] = ()
     spec: Mapping[str, Any] = field(default_factory=dict)
     failure: str = ""

@@ -9,6 +9,7 @@ from collections import Counter
 from pathlib import Path
 
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
+from palpate.learn import find_device
 from palpate.study.collect import collect_designs, collect_limits
 from palpate.study.observer import Observer, Silence
 from palpate.study.plan import plan_study
@@ -52,7 +53,7 @@ def run_study(study: Study, out: Path, workers: int | None = None, observer: Obs
     """
     started = time.perf_counter()
     observer = observer or Silence()
-    plan = plan_study(study)
+    plan = plan_study(_on_its_device(study))
     tasks = plan.tasks()
     store = ArtefactStore(_writable(out) / "store")
     made, todo = _sort_out(tasks, store)
@@ -87,6 +88,12 @@ def run_limits(
     outcomes = _do(todo, made, store, workers, observer or Silence())
     _write_traces(out / TRACES, todo, outcomes)
     return collect_limits([design.limit for design in plan.designs], store, outcomes)
+
+
+def _on_its_device(study: Study) -> Study:
+    """The same study with the device that it names or that this machine has: it decides the estimators' numbers."""
+    device = find_device(study.learning.device)
+    return study.model_copy(update={"learning": study.learning.model_copy(update={"device": device})})
 
 
 def _sort_out(tasks: tuple[Task, ...], store: ArtefactStore) -> tuple[set[str], tuple[Task, ...]]:

@@ -25,7 +25,7 @@ from palpate.learn import LEARN_VERSION, LIMIT_VERSION, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_dome
 
-TASK_VERSION = "2"
+TASK_VERSION = "3"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""
 
 
@@ -257,7 +257,7 @@ class LearningTask(Task):
         return 1.0
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import evaluate, find_leak, read_estimator
+        from palpate.learn import evaluate, find_leak, measure_coverage, read_estimator
 
         dataset = read_dataset(find_made(store, self.dataset))
         estimator = read_estimator(find_made(store, self.estimator))
@@ -265,10 +265,12 @@ class LearningTask(Task):
         leak = find_leak(jittered, read_limits(find_made(store, self.limit)), dataset.spec)
         if leak:
             raise PalpateError(leak, "Look for a press, or a pose, that stands on both sides of the split.")
+        coverage = measure_coverage(estimator, dataset, self.spec.seed)
         tally = {
             "clean": clean.as_dict(),
             "jittered": jittered.as_dict(),
             "repeat_rmse_deg": estimator.repeat_rmse_deg,
+            "coverage": asdict(coverage) if coverage else None,
             "travel_mm": dataset.full_depth_travel_mm(),
             "counts": {
                 "presses": dataset.solved_presses,

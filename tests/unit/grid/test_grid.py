@@ -237,3 +237,11 @@ def test_a_folder_that_cannot_be_written_is_reported(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(PalpateError, match="cannot be written"):
         write_grid(tmp_path / "file", evaluate_grid(FIRST))
+
+
+def test_a_row_says_what_its_intervals_are_worth():
+    row, broken = evaluate_grid([make_design(), make_design(failure="it broke")]).rows
+    assert (row["interval_level"], row["interval_coverage"], row["interval_coverage_depth"]) == (0.9, 0.905, 0.91)
+    assert (row["interval_half_width_deg"], row["interval_half_width_mm"]) == (0.8, 0.1)
+    assert (row["interval_presses"], row["called_outside"]) == (120, 0.011)
+    assert broken["interval_coverage"] is None

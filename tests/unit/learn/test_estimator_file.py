@@ -8,7 +8,7 @@ import pytest
 from synthetic import make_dataset
 
 from palpate.core import PalpateError
-from palpate.learn import TrainSpec, fit_ridge, read_estimator, train, write_estimator
+from palpate.learn import TrainSpec, calibrate, fit_ridge, read_estimator, train, write_estimator
 
 
 @pytest.fixture
@@ -116,3 +116,16 @@ def test_reading_needs_no_torch(path):
     )
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == "12"
+
+
+def test_the_interval_comes_back_with_its_presses(tmp_path):
+    dataset = make_dataset(presses=200)
+    one = calibrate(fit_ridge(dataset), dataset)
+    write_estimator(tmp_path / "estimator.onnx", one)
+    onnx.checker.check_model(onnx.load(tmp_path / "estimator.onnx"), full_check=True)
+    again = read_estimator(tmp_path / "estimator.onnx")
+    assert again.interval.presses == one.interval.presses
+    assert again.interval.error == pytest.approx(one.interval.error, rel=1e-5)
+    found, expected = again.estimate(dataset.images_px), one.estimate(dataset.images_px)
+    assert found.half_width == pytest.approx(expected.half_width, rel=1e-4)
+    assert np.array_equal(found.outside, expected.outside)

@@ -1,4 +1,7 @@
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,16 +26,15 @@ def settings_tried(journal):
 @pytest.fixture
 def tabulated(monkeypatch):
     """Training replaced by a table: how the search walks does not hang on how long a training takes."""
-    import sys
-
     module = sys.modules["palpate.learn.search"]
 
-    def error(dataset, space, trial, seed):
+    def error(dataset, space, trial, spec):
         setting = {name: trial.suggest_categorical(name, values) for name, values in space.choices.items()}
         return abs(setting["layers"] - 4) + abs(np.log2(setting["width"]) - 8) + 4 * setting["dropout"] + 0.1
 
     monkeypatch.setattr(module, "_judge", error)
-    monkeypatch.setattr(module, "train", lambda dataset, setting, seed: setting)
+    monkeypatch.setattr(module, "train", lambda dataset, setting, seed, device: setting)
+    monkeypatch.setattr(module, "calibrate", lambda setting, dataset, seed: setting)
 
 
 def test_search_finds_the_best_setting_of_the_table(tabulated, tmp_path):
@@ -41,19 +43,17 @@ def test_search_finds_the_best_setting_of_the_table(tabulated, tmp_path):
 
 
 def test_an_interrupted_search_repeats_no_trial_and_ends_alike(tabulated, tmp_path, monkeypatch):
-    import sys
-
     module = sys.modules["palpate.learn.search"]
     spec = SearchSpec(preset="paper", trials=12)
     search(None, spec, tmp_path / "whole")
     error = module._judge
     calls = []
 
-    def interrupted(dataset, space, trial, seed):
+    def interrupted(dataset, space, trial, spec):
         calls.append(trial)
         if len(calls) == 7:
             raise KeyboardInterrupt
-        return error(dataset, space, trial, seed)
+        return error(dataset, space, trial, spec)
 
     monkeypatch.setattr(module, "_judge", interrupted)
     with pytest.raises(KeyboardInterrupt):
@@ -81,8 +81,6 @@ def test_quick_trains_one_network_and_leaves_no_journal(tmp_path):
 
 def shrink(monkeypatch, preset, epochs, **choices):
     """The preset's own search with less to choose and shorter trainings."""
-    import sys
-
     module = sys.modules["palpate.learn.search"]
     space = module.SPACES[preset]
     small = replace(
@@ -128,3 +126,29 @@ def test_best_search_chooses_without_the_held_out_presses(tmp_path, monkeypatch)
     search(dataset, spec, tmp_path / "one")
     search(replace(dataset, images_px=moved), spec, tmp_path / "two")
     assert settings_tried(tmp_path / "one") == settings_tried(tmp_path / "two")
+
+
+def test_what_a_search_finds_is_calibrated_on_presses_that_trained_nothing(tmp_path):
+    dataset = make_dataset(presses=150, markers=3)
+    found = search(dataset, SearchSpec(seed=5), tmp_path / "journal")
+    held = set(dataset.press[dataset.validation])
+    assert set(found.interval.presses) < held
+    assert len(found.interval.presses) == len(held) // 2
+
+
+def test_the_same_seed_gives_the_same_numbers_in_a_fresh_process(tmp_path):
+    program = (
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "import hashlib; from pathlib import Path; from synthetic import make_dataset\n"
+        "from palpate.learn import SearchSpec, search, write_estimator\n"
+        "model, seed = Path(sys.argv[1]), int(sys.argv[2])\n"
+        "dataset = make_dataset(presses=60, markers=3)\n"
+        "write_estimator(model, search(dataset, SearchSpec(seed=seed), model.with_suffix('.journal')))\n"
+        "print(hashlib.sha256(model.read_bytes()).hexdigest())\n"
+    )
+
+    def digest(name, seed):
+        words = [sys.executable, "-c", program, str(tmp_path / name), seed]
+        return subprocess.run(words, check=True, capture_output=True, text=True).stdout
+
+    assert digest("one.onnx", "4") == digest("two.onnx", "4") != digest("three.onnx", "5")

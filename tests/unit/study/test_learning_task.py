@@ -7,7 +7,7 @@ import pytest
 
 from palpate.core import ArtefactStore, PalpateError
 from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
-from palpate.learn import DepthLimit, fit_ridge, write_estimator
+from palpate.learn import DepthLimit, calibrate, fit_ridge, write_estimator
 from palpate.study import Study
 from palpate.study.collect import collect_designs
 from palpate.study.plan import plan_study
@@ -41,9 +41,10 @@ def prepare(store: ArtefactStore, floor_deg: float) -> LearningTask:
     study = Study.model_validate({"name": "a", "tilts_deg": [0], "designs": {"markers": [7]}})
     (task,) = plan_study(study).designs
     dataset = make_dataset()
+    estimator = calibrate(fit_ridge(dataset), dataset)
     limit = DepthLimit(4.0, 48, 1.0, 2 * floor_deg, 0.1, floor_deg, 0.001, floor_deg, 0.001)
     store.write(task.dataset.recipe, lambda path: write_dataset(path, dataset))
-    store.write(task.estimator.recipe, lambda path: write_estimator(path, fit_ridge(dataset)), ".onnx")
+    store.write(task.estimator.recipe, lambda path: write_estimator(path, estimator), ".onnx")
     store.write(task.limit.recipe, lambda path: _write(path, [asdict(limit)]), ".json")
     return task
 
@@ -60,6 +61,9 @@ def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
     assert design.clean is not None
     assert design.clean.rmse_deg < 0.1
     assert design.limits[0].floor_deg == 0.01
+    assert design.coverage is not None
+    assert (design.coverage.level, design.coverage.presses) == (0.9, 50)
+    assert 0.8 < design.coverage.angle < 1.0
     assert set(design.artefacts) == {"press", "dataset", "limit", "estimator", "learning"}
     assert design.spec["dataset"]["seed"] == task.dataset.spec.seed
     assert design.spec["tilts_deg"] == [0.0]

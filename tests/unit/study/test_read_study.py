@@ -4,6 +4,7 @@ import pytest
 
 from palpate.core import PalpateError
 from palpate.study import Study, list_presets, read_study
+from palpate.study.plan import plan_study
 
 ROOT = Path(__file__).parents[3]
 
@@ -20,11 +21,27 @@ def refusal(folder: Path, text: str) -> str:
     return str(caught.value).replace(str(folder) + "/", "")
 
 
-def test_presets_are_first_and_paper() -> None:
-    assert list_presets() == ("first", "paper")
+def test_presets_are_named() -> None:
+    assert list_presets() == ("best", "best_frictionless", "first", "paper", "paper_h20")
 
 
-@pytest.mark.parametrize("name", ["first", "paper"])
+@pytest.mark.parametrize(("name", "contact"), [("best", "no-slip"), ("best_frictionless", "frictionless")])
+def test_best_is_the_papers_48_designs_under_either_contact_law(name: str, contact: str) -> None:
+    study, paper = read_study(name), read_study("paper")
+    assert study.designs == paper.designs
+    assert study.tilts_deg == paper.tilts_deg
+    assert len(study.designs.domes()) * len(study.designs.markers) == 48
+    assert (study.wall.contact, study.learning.preset) == (contact, "best")
+
+
+def test_the_papers_protocol_on_its_height_of_20_mm_shares_the_presses_of_the_whole_grid() -> None:
+    study, whole = read_study("paper_h20"), read_study("best")
+    assert (study.dataset.poses, study.learning.preset) == ("paper-91", "paper")
+    keys = {press.recipe.key for design in plan_study(whole).designs for press in design.dataset.presses}
+    assert {press.recipe.key for design in plan_study(study).designs for press in design.dataset.presses} < keys
+
+
+@pytest.mark.parametrize("name", ["best", "best_frictionless", "first", "paper", "paper_h20"])
 def test_the_studies_at_the_root_are_the_presets(name: str) -> None:
     assert read_study(ROOT / "studies" / f"{name}.yaml") == read_study(name)
     inside = ROOT / "src" / "palpate" / "study" / "presets" / f"{name}.yaml"

@@ -1,0 +1,180 @@
+"""From an estimator and held-out presses to intervals that keep their promise, and the proof on other presses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import child_seed, generator
+from palpate.dataset import Dataset, draw_jitter, hold_out
+from palpate.learn.estimator import Estimator
+from palpate.learn.interval import Interval, TrainedRange, press_quantile
+
+Array = NDArray[np.float64]
+
+LEVEL = 0.9
+"""Share of true values that an interval covers."""
+FALSE_ALARM = 0.02
+"""Share of images inside the trained range that may be called outside; more where few presses calibrate."""
+SHARE = 0.5
+"""Share of the held-out presses that calibrate; coverage is measured on the others."""
+DRAWS = 4
+"""Draws of jitter for each held-out image."""
+MOST_IMAGES = 4096
+"""Training images on which the error of each depth is measured."""
+LEAST_NOISE_PX = 0.05
+"""Noise of a marker's position where a dataset has no jitter: that of finding blobs (px)."""
+LEAST_ERROR = 1e-6
+"""Least RMS error of a depth, in its unit: guards an estimator without any."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What intervals are worth, on jittered images of presses that neither trained nor calibrated.
+
+    Attributes
+    ----------
+    level
+        Share that was promised.
+    presses, images
+        Numbers of presses and of jittered images.
+    angle, depth
+        Share of true values inside the interval: rx and ry pooled, and depth.
+    half_width_deg, half_width_mm
+        Mean half-width, of rx and ry pooled, and of depth.
+    outside
+        Share of images that were called out of the trained range, all of them falsely.
+    false_alarm
+        Share that was promised not to be exceeded there.
+    """
+
+    level: float
+    presses: int
+    images: int
+    angle: float
+    depth: float
+    half_width_deg: float
+    half_width_mm: float
+    outside: float
+    false_alarm: float
+
+
+def calibrate(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimator:
+    """Give an estimator its interval, from some of the held-out presses; its estimates stay as they are.
+
+    Parameters
+    ----------
+    estimator
+        Trained on the presses of `dataset` that are not held out.
+    dataset
+        Its images, poses and split.
+    seed
+        Seed of the choice of presses and of the jitter.
+
+    Returns
+    -------
+    Estimator
+        With an interval; unchanged where a single press is held out, since none would be left to prove it.
+    """
+    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    if len(np.unique(held.press)) < 2:
+        return estimator
+    chosen = hold_out(held.press, SHARE, child_seed(seed, "calibration"))
+    depths, error = _measure_scale(estimator, kept, seed)
+    images, poses, press = _jittered(held, chosen, child_seed(seed, "calibration jitter"))
+    members = estimator.predict_members(images)
+    trained = _find_range(kept, seed)
+    presses = tuple(int(number) for number in np.unique(press))
+    plain = Interval(LEVEL, np.ones(3), depths, error, trained, presses)
+    scores = np.abs(members.mean(axis=0) - poses) / plain.scale(members)
+    factor = np.array([press_quantile(column, press, LEVEL) for column in scores.T])
+    false_alarm = max(FALSE_ALARM, 1.0 / (len(presses) + 1))
+    beside = plain.score((images - dataset.rest_px).reshape(len(images), -1), members)
+    threshold = press_quantile(beside, press, 1.0 - false_alarm)
+    trained = replace(trained, threshold=threshold, false_alarm=false_alarm)
+    return replace(estimator, interval=replace(plain, factor=factor, trained=trained))
+
+
+def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Coverage | None:
+    """Measure what intervals are worth on the held-out presses that did not calibrate them.
+
+    Parameters
+    ----------
+    estimator
+        What is judged.
+    dataset
+        The dataset that it was calibrated on.
+    seed
+        Seed of the jitter.
+
+    Returns
+    -------
+    Coverage | None
+        `None` where the estimator has no interval, or one that promises nothing.
+    """
+    interval = estimator.interval
+    held = dataset.part(validation=True)
+    if interval is None or not np.isfinite(interval.factor).all():
+        return None
+    images, poses, press = _jittered(held, ~np.isin(held.press, interval.presses), child_seed(seed, "coverage"))
+    found = estimator.estimate(images)
+    covered = np.abs(found.poses - poses) <= found.half_width
+    return Coverage(
+        level=interval.level,
+        presses=len(np.unique(press)),
+        images=len(images),
+        angle=float(covered[:, :2].mean()),
+        depth=float(covered[:, 2].mean()),
+        half_width_deg=float(found.half_width[:, :2].mean()),
+        half_width_mm=float(found.half_width[:, 2].mean()),
+        outside=float(found.outside.mean()),
+        false_alarm=interval.trained.false_alarm,
+    )
+
+
+def _jittered(held: Dataset, rows: NDArray[np.bool_], seed: int) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Images, poses and presses of some rows, with `DRAWS` draws of jitter each."""
+    images = np.tile(held.images_px[rows], (DRAWS, 1, 1))
+    jittered = draw_jitter(images, held.spec.jitter_px, generator(seed))
+    return jittered, np.tile(held.poses[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
+
+
+def _measure_scale(estimator: Estimator, kept: Dataset, seed: int) -> tuple[Array, Array]:
+    """Depths (d,) and RMS error (d, 3) on training images with jitter that the training did not see."""
+    rng = generator(seed, "scale")
+    rows = rng.permutation(len(kept.poses))[:MOST_IMAGES]
+    images = draw_jitter(kept.images_px[rows], kept.spec.jitter_px, rng)
+    squares = (estimator.predict(images) - kept.poses[rows]) ** 2
+    depth = np.round(kept.poses[rows, 2], 6)
+    depths = np.unique(depth)
+    error = np.sqrt([squares[depth == one].mean(axis=0) for one in depths])
+    return depths, np.maximum(error, LEAST_ERROR)
+
+
+def _find_range(kept: Dataset, seed: int) -> TrainedRange:
+    """The trained range, without a threshold yet."""
+    noise = max(kept.spec.jitter_px / np.sqrt(3.0), LEAST_NOISE_PX)
+    moved = (kept.images_px - kept.rest_px).reshape(len(kept.images_px), -1)
+    centre = moved.mean(axis=0)
+    variance, directions = np.linalg.eigh(np.cov(moved, rowvar=False))
+    directions = directions[:, variance > min(noise**2, float(variance[-1]) / 2)]
+    coordinates = (moved - centre) @ directions
+    rows = generator(seed, "range").permutation(len(moved))[:MOST_IMAGES]
+    noisy = draw_jitter(moved[rows], kept.spec.jitter_px, generator(seed, "range jitter")) - centre
+    rest = np.sqrt(((noisy - noisy @ directions @ directions.T) ** 2).mean(axis=1))
+    return TrainedRange(
+        centre=centre,
+        directions=directions,
+        low=coordinates.min(axis=0),
+        high=coordinates.max(axis=0),
+        noise_px=float(noise),
+        rest_mean_px=float(rest.mean()),
+        rest_sd_px=max(float(rest.std()), LEAST_NOISE_PX / np.sqrt(moved.shape[1])),
+        tilt_deg=float(np.hypot(kept.poses[:, 0], kept.poses[:, 1]).max()),
+        least_depth_mm=float(kept.poses[:, 2].min()),
+        greatest_depth_mm=float(kept.poses[:, 2].max()),
+        threshold=float("inf"),
+        false_alarm=0.0,
+    )

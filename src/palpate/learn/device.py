@@ -1,0 +1,42 @@
+"""Where networks train: the processor, or a CUDA device with the same code."""
+
+from __future__ import annotations
+
+import importlib.util
+
+from palpate.core import PalpateError
+
+
+def find_device(name: str) -> str:
+    """Name the device that a choice stands for.
+
+    Parameters
+    ----------
+    name
+        ``"cpu"``, ``"cuda"``, or ``"auto"``: cuda where there is one, else cpu.
+
+    Returns
+    -------
+    str
+        ``"cpu"`` or ``"cuda"``.
+
+    Raises
+    ------
+    PalpateError
+        If cuda is asked for and there is none.
+    """
+    if name == "cpu":
+        return "cpu"
+    if _has_cuda():
+        return "cuda"
+    if name == "auto":
+        return "cpu"
+    raise PalpateError("This machine has no CUDA device that torch can use.", "Choose the device auto or cpu.")
+
+
+def _has_cuda() -> bool:
+    if importlib.util.find_spec("torch") is None:
+        return False
+    import torch  # seconds, so only where somebody asks for more than the processor
+
+    return torch.cuda.is_available()

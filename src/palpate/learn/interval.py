@@ -1,0 +1,172 @@
+"""How far an estimate may be wrong, and whether the image is of a kind that the training knew.
+
+The half-width of the interval of one component of the pose is
+
+    h(x) = q · sqrt( spread(x)² + s(depth)² )
+
+with the spread of the ensemble's members, the error s that jitter alone causes at that depth (RMS over training
+images, linear between their depths), and one factor q a component. The factor is not fitted but counted: it is the
+quantile of |error| / sqrt(…) over presses that trained nothing. Images of one press are near copies, so the presses,
+not the images, are what is exchangeable; each of K presses has the weight 1 / (K + 1), shared by its images, and the
+rest belongs to the press to come (Lee, Barber & Willett 2023, "Distribution-free inference with hierarchical data").
+The interval then covers at least the level on average over new presses, whatever the estimator is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Estimates with what is known about their errors.
+
+    Attributes
+    ----------
+    poses
+        (n, 3) rx and ry (degrees), depth (mm).
+    half_width
+        (n, 3) half-width of the interval of each component, in its unit; infinite where nothing is promised.
+    outside
+        (n,) whether the markers moved as in no image of the training, so that neither estimate nor interval holds.
+    """
+
+    poses: Array
+    half_width: Array
+    outside: Flags
+
+
+@dataclass(frozen=True, eq=False)
+class TrainedRange:
+    """What displacements the training knew.
+
+    Displacements of clean images span a few principal directions; along each the training has a least and a greatest
+    coordinate. The score of an image is the greatest of its excesses over these, in standard deviations of the
+    jitter, of what is left over beside the directions, in standard deviations over the training, and of the estimated
+    tilt and depth beyond those trained, in expected errors.
+
+    Attributes
+    ----------
+    centre, directions
+        (2m,) px and (2m, k): coordinates are (displacement − centre) · directions.
+    low, high
+        (k,) px, of the clean training images.
+    noise_px
+        Standard deviation of one coordinate under jitter (px).
+    rest_mean_px, rest_sd_px
+        Mean and standard deviation, over jittered training images, of the root mean square left over (px).
+    tilt_deg
+        Greatest tilt (degrees).
+    least_depth_mm, greatest_depth_mm
+        Depths (mm).
+    threshold
+        Greatest score that counts as inside.
+    false_alarm
+        Share of images of new presses, at most, that are called outside.
+    """
+
+    centre: Array
+    directions: Array
+    low: Array
+    high: Array
+    noise_px: float
+    rest_mean_px: float
+    rest_sd_px: float
+    tilt_deg: float
+    least_depth_mm: float
+    greatest_depth_mm: float
+    threshold: float
+    false_alarm: float
+
+    def score(self, displacement_px: Array, poses: Array, scale: Array) -> Array:
+        """Score (n,) from displacements (n, 2m) from rest (px), poses (n, 3) and their expected errors (n, 3)."""
+        moved = displacement_px - self.centre
+        coordinates = moved @ self.directions
+        excess = np.maximum(self.low - coordinates, coordinates - self.high).max(axis=1) / self.noise_px
+        rest = np.sqrt(((moved - coordinates @ self.directions.T) ** 2).mean(axis=1))
+        tilt_scale = np.sqrt((scale[:, :2] ** 2).mean(axis=1))
+        parts = (
+            excess,
+            (rest - self.rest_mean_px) / self.rest_sd_px,
+            (np.hypot(poses[:, 0], poses[:, 1]) - self.tilt_deg) / tilt_scale,
+            (self.least_depth_mm - poses[:, 2]) / scale[:, 2],
+            (poses[:, 2] - self.greatest_depth_mm) / scale[:, 2],
+        )
+        score: Array = np.max(parts, axis=0)
+        return score
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """Calibrated half-widths and the trained range of one estimator.
+
+    Attributes
+    ----------
+    level
+        Share of the true values that the interval covers, on average over new presses, e.g. 0.9.
+    factor
+        (3,) q of each component; infinite where too few presses were left to promise the level.
+    depths_mm, error
+        (d,) rising depths and (d, 3) RMS error on jittered training images there (degrees, degrees, mm).
+    trained
+        The trained range.
+    presses
+        Numbers of the dataset's presses that calibrated it.
+    """
+
+    level: float
+    factor: Array
+    depths_mm: Array
+    error: Array
+    trained: TrainedRange
+    presses: tuple[int, ...]
+
+    def scale(self, member_poses: Array) -> Array:
+        """Expected error (n, 3) before calibration, from the members' poses (r, n, 3)."""
+        depth = member_poses.mean(axis=0)[:, 2]
+        error = np.stack([np.interp(depth, self.depths_mm, column) for column in self.error.T], axis=1)
+        scale: Array = np.sqrt(member_poses.var(axis=0) + error**2)
+        return scale
+
+    def half_width(self, member_poses: Array) -> Array:
+        """Half-widths (n, 3) in degrees, degrees, mm, from the members' poses (r, n, 3)."""
+        return self.factor * self.scale(member_poses)
+
+    def score(self, displacement_px: Array, member_poses: Array) -> Array:
+        """How far (n,) images are beside the training, from displacements (n, 2m) in px and poses (r, n, 3)."""
+        return self.trained.score(displacement_px, member_poses.mean(axis=0), self.scale(member_poses))
+
+    def outside(self, displacement_px: Array, member_poses: Array) -> Flags:
+        """Whether images are out of the trained range; parameters as of `score`."""
+        flags: Flags = self.score(displacement_px, member_poses) > self.trained.threshold
+        return flags
+
+
+def press_quantile(scores: Array, press: NDArray[np.int64], level: float) -> float:
+    """Least number that at least a share of new presses' scores stays below.
+
+    Parameters
+    ----------
+    scores
+        (n,) one an image.
+    press
+        (n,) number of the press of each image.
+    level
+        The share, on average over the choice of presses.
+
+    Returns
+    -------
+    float
+        Infinite where K presses are too few: K + 1 < 1 / (1 − level).
+    """
+    _, member, images = np.unique(press, return_inverse=True, return_counts=True)
+    weight = 1.0 / ((len(images) + 1) * images[member.reshape(-1)])
+    order = np.argsort(scores)
+    reached = np.flatnonzero(np.cumsum(weight[order]) >= level - 1e-12)
+    return float(scores[order][reached[0]]) if len(reached) else float("inf")
