@@ -201,7 +201,8 @@ def assemble_cells(
     Returns
     -------
     float
-        Stored energy, mJ; infinite where a cell is turned inside out (then nothing else is valid).
+        Stored energy, mJ; infinite where a cell is turned inside out or stretched to where its law's chains lock
+        (then nothing else is valid).
     """
     F, g = np.empty((3, 3)), np.empty((NODES, 3))
     tau, c = np.empty(6), np.empty((6, 6))

@@ -38,6 +38,7 @@ def smallest_stretch(solid: Solid, state: State) -> tuple[float, FloatArray]:
 
 @kernel
 def _cauchy(cells: Cells, law: Constitution, u: FloatArray, p: FloatArray, stress: FloatArray) -> None:
+    """Write the stress at every Gauss point, whichever law `isochoric` is asked for."""
     F, g, ue = np.empty((3, 3)), np.empty((NODES, 3)), np.empty((NODES, 3))
     tau, c = np.empty(6), np.empty((6, 6))
     for e in range(len(cells.nodes)):

@@ -2,18 +2,42 @@
 
 from palpate.material.choose import get_material, list_materials, material_from_data
 from palpate.material.curve import Curve, Mode, stretches, trace_curve
+from palpate.material.draw import draw_fit, save_figure
+from palpate.material.drucker import find_stable_ranges
+from palpate.material.fit import Fit
+from palpate.material.fit_material import fit_material
+from palpate.material.io import read_material, write_material
 from palpate.material.law import Law, Ogden, Polynomial, mooney_rivlin, neo_hooke, ogden, yeoh
+from palpate.material.locking import ArrudaBoyce
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
+from palpate.material.model import MODELS
+from palpate.material.prepare import average_samples, prepare_sample
+from palpate.material.rank import predict_unseen, rank_models
+from palpate.material.read_bench import read_bench
+from palpate.material.sample import Loading, Sample
+from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec
 from palpate.material.stress import isochoric
 
 __all__ = [
     "DEFAULT_BULK_RATIO",
+    "MODELS",
+    "ArrudaBoyce",
+    "BenchSpec",
     "Curve",
+    "Fit",
+    "FitSpec",
     "Law",
+    "Loading",
     "Material",
     "Mode",
     "Ogden",
     "Polynomial",
+    "PrepareSpec",
+    "Sample",
+    "average_samples",
+    "draw_fit",
+    "find_stable_ranges",
+    "fit_material",
     "get_material",
     "isochoric",
     "list_materials",
@@ -21,7 +45,14 @@ __all__ = [
     "mooney_rivlin",
     "neo_hooke",
     "ogden",
+    "predict_unseen",
+    "prepare_sample",
+    "rank_models",
+    "read_bench",
+    "read_material",
+    "save_figure",
     "stretches",
     "trace_curve",
+    "write_material",
     "yeoh",
 ]

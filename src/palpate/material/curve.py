@@ -55,6 +55,14 @@ def stretches(mode: Mode, stretch: FloatArray) -> FloatArray:
     return np.stack([lam, second, 1 / (lam * second)], axis=-1)
 
 
+def uniaxial_range(mode: Mode, low: float, high: float) -> tuple[float, float]:
+    """Uniaxial stretches with the same invariant I1 as the stretches low…high of a mode, on the same side of rest.
+
+    Exact between equibiaxial tension and uniaxial compression, which are one state; a planar stretch stays as it is.
+    """
+    return (float(high) ** -2, float(low) ** -2) if mode is Mode.EQUIBIAXIAL else (float(low), float(high))
+
+
 def trace_curve(material: Material, mode: Mode, stretch: FloatArray) -> Curve:
     """Trace the incompressible response, the third direction free of stress.
 

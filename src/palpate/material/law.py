@@ -1,10 +1,11 @@
 """Hyperelastic laws: what a material's strain energy is, in numbers a compiled kernel understands.
 
 Every law is isotropic and split into an isochoric part, a function of ``F_bar = J**(-1/3) F``, and the
-volumetric part of `palpate.material.Material`. Two families cover all of them:
+volumetric part of `palpate.material.Material`. Three families cover all of them:
 
-* functions of the invariants ``I1 = tr(b_bar)`` and ``I2 = (I1² - tr(b_bar²)) / 2``;
-* Ogden's functions of the principal stretches.
+* polynomials in the invariants ``I1 = tr(b_bar)`` and ``I2 = (I1² - tr(b_bar²)) / 2``, here;
+* Ogden's functions of the principal stretches, here;
+* chains that lock at a finite stretch, functions of I1 alone, in `palpate.material.locking`.
 
 References: Holzapfel, *Nonlinear Solid Mechanics* (2000), sections 6.4-6.6; Yeoh, *Rubber Chem. Technol.* 66
 (1993) 754; Ogden, *Proc. R. Soc. A* 326 (1972) 565.
@@ -20,8 +21,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 
-POLYNOMIAL, OGDEN = 0, 1
-"""Codes of the families in the compiled kernels."""
+POLYNOMIAL, OGDEN, GENT, ARRUDA_BOYCE = 0, 1, 2, 3
+"""Codes of the laws in the compiled kernels."""
 
 
 class Law(ABC):
@@ -38,7 +39,7 @@ class Law(ABC):
     @property
     @abstractmethod
     def code(self) -> int:
-        """Family in the compiled kernels: `POLYNOMIAL` or `OGDEN`."""
+        """Code in the compiled kernels: `POLYNOMIAL`, `OGDEN`, `GENT` or `ARRUDA_BOYCE`."""
 
     @property
     @abstractmethod
@@ -139,6 +140,14 @@ class Ogden(Law):
         return {name: value for k, (mu, alpha) in pairs for name, value in ((f"mu{k}", mu), (f"alpha{k}", alpha))}
 
 
+MOONEY_RIVLIN: dict[int, tuple[str, ...]] = {
+    2: ("c10", "c01"),
+    3: ("c10", "c01", "c11"),
+    5: ("c10", "c01", "c20", "c11", "c02"),
+}
+"""Coefficients of the Mooney–Rivlin laws by their count."""
+
+
 def yeoh(c10: float, c20: float, c30: float) -> Polynomial:
     """Yeoh's law ``W = C10 (I1-3) + C20 (I1-3)² + C30 (I1-3)³``, coefficients in MPa."""
     return Polynomial("yeoh", c10=c10, c20=c20, c30=c30)
@@ -149,9 +158,16 @@ def neo_hooke(c10: float) -> Polynomial:
     return Polynomial("neo-hooke", c10=c10)
 
 
-def mooney_rivlin(c10: float, c01: float) -> Polynomial:
-    """Mooney–Rivlin ``W = C10 (I1-3) + C01 (I2-3)``, coefficients in MPa."""
-    return Polynomial("mooney-rivlin", c10=c10, c01=c01)
+def mooney_rivlin(*constants: float) -> Polynomial:
+    """Mooney–Rivlin, coefficients in MPa.
+
+    Parameters
+    ----------
+    *constants
+        C10, C01: ``W = C10 (I1-3) + C01 (I2-3)``; with a third, C11, ``+ C11 (I1-3)(I2-3)``; or the five C10, C01,
+        C20, C11, C02 of the second order, ``+ C20 (I1-3)² + C11 (I1-3)(I2-3) + C02 (I2-3)²``.
+    """
+    return Polynomial("mooney-rivlin", **dict(zip(MOONEY_RIVLIN[len(constants)], constants, strict=True)))
 
 
 def ogden(*constants: float) -> Ogden:

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import PalpateError
 from palpate.material.law import FloatArray, Law
-from palpate.material.stress import isochoric
+from palpate.material.stress import isochoric_at_all
 
 DEFAULT_BULK_RATIO = 2000.0
 """K / mu of a silicone in this package: nearly incompressible (Poisson's ratio 0.49975)."""
@@ -31,6 +31,12 @@ class Material:
         Reference of the numbers.
     stretch_range
         Uniaxial stretches within which the numbers were measured.
+    licence
+        Licence of the numbers or of the data behind them.
+    quality
+        How well the law fits its data.
+    caution
+        What a user must know.
     """
 
     name: str
@@ -38,6 +44,9 @@ class Material:
     bulk_ratio: float = DEFAULT_BULK_RATIO
     source: str = ""
     stretch_range: tuple[float, float] = (0.0, np.inf)
+    licence: str = ""
+    quality: str = ""
+    caution: str = ""
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.law.shear_modulus) and self.law.shear_modulus > 0):
@@ -86,6 +95,5 @@ class Material:
         """
         n = len(F)
         energy, tau, c = np.empty(n), np.empty((n, 6)), np.empty((n, 6, 6))
-        for i in range(n):
-            energy[i] = isochoric(self.law.code, self.law.parameters, np.ascontiguousarray(F[i]), tau[i], c[i])
+        isochoric_at_all(self.law.code, self.law.parameters, np.ascontiguousarray(F, float), energy, tau, c)
         return energy, tau, c

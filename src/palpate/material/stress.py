@@ -6,6 +6,7 @@ eqs. 6.90-6.110, in spatial form)
     tau = dev(tau_f),  tau_f = 2 (W1 + I1 W2) b_bar - 2 W2 b_bar²
     c   = P : c_f : P + 2/3 tr(tau_f) P - 2/3 (I ⊗ tau + tau ⊗ I),  P = II - 1/3 I ⊗ I
 
+which for a function of I1 alone (Gent, Arruda–Boyce) is ``tau_f = 2 W1 b_bar``, ``c_f = 4 W11 b_bar ⊗ b_bar``;
 and for Ogden, in principal axes with ``e_a = ln l_a`` (Simo & Taylor 1991),
 
     tau_a = sum_k mu_k (l_a^alpha_k - 1/3 sum_b l_b^alpha_k)
@@ -19,7 +20,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import kernel
-from palpate.material.law import OGDEN, FloatArray
+from palpate.material.law import ARRUDA_BOYCE, GENT, OGDEN, FloatArray
+from palpate.material.locking import CHAIN
 
 _EQUAL = 1e-6
 """Relative distance below which two principal stretches count as equal."""
@@ -43,11 +45,22 @@ def isochoric(code: int, parameters: FloatArray, F: FloatArray, tau: FloatArray,
     Returns
     -------
     float
-        Energy per undeformed volume, MPa.
+        Energy per undeformed volume, MPa; infinite beyond the stretch at which Gent's chains lock.
     """
     if code == OGDEN:
         return _ogden(parameters, F, tau, c)
+    if code in (GENT, ARRUDA_BOYCE):
+        return _locking(code, parameters, F, tau, c)
     return _polynomial(parameters, F, tau, c)
+
+
+@kernel
+def isochoric_at_all(
+    code: int, parameters: FloatArray, F: FloatArray, energy: FloatArray, tau: FloatArray, c: FloatArray
+) -> None:
+    """Evaluate the isochoric part at n points: as `isochoric`, every array with n in front, energy (n,)."""
+    for i in range(len(F)):
+        energy[i] = isochoric(code, parameters, F[i], tau[i], c[i])
 
 
 @kernel
@@ -117,6 +130,43 @@ def _polynomial(parameters: FloatArray, F: FloatArray, tau: FloatArray, c: Float
         tau[p] -= trace / 3.0
     _add_projector(trace, tau, c)
     return c10 * x + c01 * y + c20 * x * x + c11 * x * y + c02 * y * y + c30 * x * x * x
+
+
+@kernel
+def _locking(code: int, parameters: FloatArray, F: FloatArray, tau: FloatArray, c: FloatArray) -> float:
+    b = np.empty(6)
+    _left_cauchy_green(F, b)
+    I1 = b[0] + b[1] + b[2]
+    mu = parameters[0]
+    energy, W1, W11 = 0.0, 0.0, 0.0
+    if code == GENT:
+        left = 1.0 - (I1 - 3.0) / parameters[1]
+        if left > 0.0:
+            energy = -0.5 * mu * parameters[1] * np.log(left)
+            W1 = 0.5 * mu / left
+            W11 = W1 / (left * parameters[1])
+        else:
+            energy = np.inf
+    else:
+        slack = 1.0 / (parameters[1] * parameters[1])
+        scale, power = mu, 1.0
+        for i in range(len(CHAIN)):
+            order = i + 1.0
+            energy += scale * CHAIN[i] * (power * I1 - 3.0**order)
+            W1 += scale * CHAIN[i] * order * power
+            W11 += scale * CHAIN[i] * order * (order - 1.0) * power / I1
+            scale *= slack
+            power *= I1
+    for p in range(6):
+        tau[p] = 2.0 * W1 * b[p]
+        for q in range(6):
+            c[p, q] = 4.0 * W11 * b[p] * b[q]
+    trace = tau[0] + tau[1] + tau[2]
+    _project(c)
+    for p in range(3):
+        tau[p] -= trace / 3.0
+    _add_projector(trace, tau, c)
+    return energy
 
 
 @kernel

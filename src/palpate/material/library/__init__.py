@@ -1,6 +1,23 @@
 """Materials with a pedigree: one file each, named author-year with the elastomer."""
 
-from palpate.material.library.zaid_2024_ecoflex_00_30 import MATERIAL as zaid_2024_ecoflex_00_30
+from __future__ import annotations
+
+from functools import cache
+from importlib import resources
+
+from palpate.material.io import parse_material
 from palpate.material.material import Material
 
-LIBRARY: dict[str, Material] = {material.name: material for material in (zaid_2024_ecoflex_00_30,)}
+
+@cache
+def library_names() -> tuple[str, ...]:
+    """Names of the materials in the library."""
+    folder = resources.files("palpate.material.library")
+    return tuple(sorted(item.name.removesuffix(".yaml") for item in folder.iterdir() if item.name.endswith(".yaml")))
+
+
+@cache
+def read_library(name: str) -> Material:
+    """Read one of them."""
+    path = resources.files("palpate.material.library") / f"{name}.yaml"
+    return parse_material(path.read_text("utf-8"), path.name)

@@ -1,0 +1,205 @@
+"""Which columns of a bench's table are strain and stress, and in which unit."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.material.spec import BenchSpec, StrainUnit, StressUnit
+from palpate.material.table import Table
+
+_STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|déformation", re.I)
+_TRAVEL = re.compile(r"extension|displacement|crosshead|travel|weg\b|traverse|position", re.I)
+_STRESS = re.compile(r"stress|spannung|contrainte", re.I)
+_FORCE = re.compile(r"force|load|kraft|\blast\b", re.I)
+_NOT_STRAIN = re.compile(r"\btrue\b|rate|geschwindigkeit|lateral|transverse|quer|wahre", re.I)
+_SAMPLE = re.compile(r"sample|specimen|probe|éprouvette", re.I)
+_STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
+_STRAIN_UNITS = {
+    "mm/mm": StrainUnit.RATIO,
+    "m/m": StrainUnit.RATIO,
+    "-": StrainUnit.RATIO,
+    "1": StrainUnit.RATIO,
+    "%": StrainUnit.PERCENT,
+    "percent": StrainUnit.PERCENT,
+    "mm": StrainUnit.TRAVEL,
+    "stretch": StrainUnit.STRETCH,
+    "log": StrainUnit.LOGARITHMIC,
+}
+_STRESS_UNITS = {unit.lower(): unit for unit in StressUnit} | {
+    "n/mm2": StressUnit.MPA,
+    "n/mm²": StressUnit.MPA,
+    "n/mm^2": StressUnit.MPA,
+}
+_GREATEST_RATIO = 25.0
+"""No elastomer bears more; a greater strain without unit may be in per cent."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Columns of one sample, from 0, with the units of all."""
+
+    strain: int
+    stress: int
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Where the samples of a table stand.
+
+    Attributes
+    ----------
+    pairs
+        Columns of strain and stress; several where the samples stand side by side.
+    strain_unit, stress_unit
+        Their units.
+    sample
+        Column that numbers the samples; none where there is none.
+    """
+
+    pairs: tuple[Pair, ...]
+    strain_unit: StrainUnit
+    stress_unit: StressUnit
+    sample: int | None
+
+
+def find_columns(table: Table, spec: BenchSpec) -> Columns:
+    """Find columns and units from the spec, or else from the header.
+
+    Raises
+    ------
+    PalpateError
+        If a column is missing, stands twice, or its unit is not said; the message names the columns there are.
+    """
+    strains = _find(table, spec.strain, "strain", (_STRAIN, _TRAVEL))
+    stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE))
+    if len(strains) != len(stresses) or (len(strains) > 1 and not _alternate(strains, stresses)):
+        kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
+        shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in several)
+        raise PalpateError(f"{table.path}: columns {shown} may all be the {kind}.", f"Choose one: --{kind} NUMBER.")
+    pairs = tuple(Pair(a, b) for a, b in zip(strains, stresses, strict=True))
+    _check_apart(table, pairs)
+    return Columns(
+        pairs=pairs,
+        strain_unit=_strain_unit(table, pairs, spec),
+        stress_unit=_stress_unit(table, pairs, spec),
+        sample=_sample_column(table, spec),
+    )
+
+
+def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern[str], ...]) -> list[int]:
+    if given is not None:
+        return _named(table, given, kind)
+    for pattern in patterns:
+        found = [at for at, name in enumerate(table.header) if pattern.search(name)]
+        found = [at for at in found if not _NOT_STRAIN.search(table.header[at])]
+        if found:
+            return found
+    raise PalpateError(
+        f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
+        f"Say which: --{kind} NAME or NUMBER, and --{kind}-unit.",
+    )
+
+
+def _named(table: Table, given: str, kind: str) -> list[int]:
+    names = [name.lower() for name in table.header]
+    bare = [_bare(name).lower() for name in table.header]
+    wanted = given.strip().lower()
+    exact = [at for at, name in enumerate(names) if name == wanted]
+    found = exact or [at for at, name in enumerate(bare) if name == wanted]
+    if not found and given.strip().isdigit() and 1 <= int(given) <= table.values.shape[1]:
+        found = [int(given) - 1]
+    if len(found) == 1:
+        return found
+    what = f"there is no column '{given}'" if not found else f"'{given}' stands {len(found)} times"
+    raise PalpateError(f"{table.path}: {what}; there are {_listed(table)}.", f"Give its number: --{kind} NUMBER.")
+
+
+def _listed(table: Table) -> str:
+    count = table.values.shape[1]
+    names = table.header or ("without name",) * count
+    return ", ".join(f"{at} ({name})" for at, name in enumerate(names, start=1))
+
+
+def _alternate(strains: list[int], stresses: list[int]) -> bool:
+    """Whether strain and stress take turns: samples side by side."""
+    turns = sorted([*strains, *stresses])
+    return turns[0::2] in (strains, stresses) and turns[1::2] in (strains, stresses)
+
+
+def _check_apart(table: Table, pairs: tuple[Pair, ...]) -> None:
+    for pair in pairs:
+        if pair.strain == pair.stress:
+            raise PalpateError(
+                f"{table.path}: column {pair.strain + 1} is both strain and stress.", "Give --strain and --stress."
+            )
+
+
+def _bare(name: str) -> str:
+    """A column's name without its unit."""
+    return re.sub(r"\s*[\(\[].*?[\)\]]\s*$", "", name).strip()
+
+
+def _written_units(table: Table, column: int) -> set[str]:
+    """Units written for a column: in brackets or after a slash or underscore in its name, or in the row of units."""
+    found = set()
+    if table.units and table.units[column].strip("()[] "):
+        found.add(table.units[column].strip("()[] "))
+    if table.header:
+        name = table.header[column]
+        brackets = re.findall(r"[\(\[]\s*(.*?)\s*[\)\]]", name)
+        tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z%²/0-9^]+)$", name)
+        found |= {text for text in brackets if text} | ({tail[1]} if tail else set())
+    return {text for text in found if text.lower() in _STRAIN_UNITS or text.lower() in _STRESS_UNITS}
+
+
+def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> StrainUnit:
+    if spec.strain_unit is not None:
+        return spec.strain_unit
+    column = pairs[0].strain
+    name = table.header[column] if table.header else ""
+    if _STRETCH.search(name):
+        return StrainUnit.STRETCH
+    written = {text for pair in pairs for text in _written_units(table, pair.strain)}
+    units = {_STRAIN_UNITS[text.lower()] for text in written if text.lower() in _STRAIN_UNITS}
+    if len(units) == 1:
+        return units.pop()
+    greatest = np.nanmax(np.abs(table.values[:, column]), initial=0.0)
+    if not units and _STRAIN.search(name) and greatest <= _GREATEST_RATIO:
+        return StrainUnit.RATIO
+    said = f"in {' and in '.join(sorted(units))}" if units else f"up to {greatest:g} without a unit"
+    raise PalpateError(
+        f"{table.path}: the strain (column {column + 1}) is {said}.",
+        f"Give --strain-unit: {', '.join(StrainUnit)}.",
+    )
+
+
+def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> StressUnit:
+    if spec.stress_unit is not None:
+        return spec.stress_unit
+    written = {text for pair in pairs for text in _written_units(table, pair.stress)}
+    units = {_STRESS_UNITS[text.lower()] for text in written if text.lower() in _STRESS_UNITS}
+    if len(units) == 1 and "mPa" not in written:
+        return units.pop()
+    said = f"in {' and in '.join(sorted(written))}" if written else "without a unit"
+    raise PalpateError(
+        f"{table.path}: the stress (column {pairs[0].stress + 1}) is {said}.",
+        f"Give --stress-unit: {', '.join(StressUnit)}.",
+    )
+
+
+def _sample_column(table: Table, spec: BenchSpec) -> int | None:
+    if spec.sample is not None:
+        return _named(table, spec.sample, "sample")[0]
+    found = [at for at, name in enumerate(table.header) if _SAMPLE.search(name) and not _STRESS.search(name)]
+    found = [at for at in found if not (_STRAIN.search(table.header[at]) or _TRAVEL.search(table.header[at]))]
+    found = [at for at in found if not _FORCE.search(table.header[at])]
+    if len(found) > 1:
+        shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in found)
+        raise PalpateError(
+            f"{table.path}: columns {shown} may all number the samples.", "Choose one: --sample NUMBER."
+        )
+    return found[0] if found else None

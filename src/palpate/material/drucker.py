@@ -1,0 +1,103 @@
+"""Drucker's stability: an increment of strain must need work against the stress it raises.
+
+With the third direction free of stress, ``d tau_i = D_ij d eps_j`` for ``tau = (tau_1 - tau_3, tau_2 - tau_3)`` and
+the two free logarithmic strains; the law is stable while D is positive definite. In principal axes the spatial
+tangent is ``c_ij = d tau_i / d eps_j - 2 tau_i delta_ij``, so D follows from the kernels of the elements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from palpate.material.curve import Mode, stretches
+from palpate.material.law import FloatArray, Law
+from palpate.material.stress import isochoric_at_all
+
+LOW, HIGH = 0.05, 20.0
+"""Uniaxial stretches between which a law is scanned, if data do not go further."""
+_POINTS = 400
+"""Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale."""
+
+
+@dataclass(frozen=True)
+class StableRange:
+    """Stretches of one mode between which a law is stable.
+
+    Attributes
+    ----------
+    mode
+        The mode.
+    low, high
+        First unstable stretch in compression and in tension; nan where there is none in the scan.
+    """
+
+    mode: Mode
+    low: float
+    high: float
+
+    @property
+    def whole(self) -> bool:
+        """Whether the scan met no instability."""
+        return bool(np.isnan(self.low) and np.isnan(self.high))
+
+
+def drucker_matrix(code: int, parameters: FloatArray, principal: FloatArray) -> FloatArray:
+    """Drucker's matrices (n, 2, 2) MPa in principal stretches (n, 3) of volume 1; nan where Gent's chains lock."""
+    n = len(principal)
+    F = np.ascontiguousarray(principal[:, :, None] * np.eye(3))
+    energy, tau, c = np.empty(n), np.empty((n, 6)), np.empty((n, 6, 6))
+    isochoric_at_all(code, parameters, F, energy, tau, c)
+    slope = c[:, :3, :3] + 2 * tau[:, :3, None] * np.eye(3)
+    against_third = slope[:, :2] - slope[:, 2:]
+    matrix: FloatArray = against_third[:, :, :2] - against_third[:, :, 2:]
+    matrix[~np.isfinite(energy)] = np.nan
+    return matrix
+
+
+def find_stable_ranges(law: Law, low: float = LOW, high: float = HIGH) -> tuple[StableRange, ...]:
+    """Find where a law loses Drucker's stability in each mode.
+
+    Parameters
+    ----------
+    law
+        The law.
+    low, high
+        Ends of the scan in uniaxial stretch, below and above 1.
+    """
+    ends = {mode: scan_ends(mode, low, high) for mode in Mode}
+    return tuple(StableRange(mode, *(_first_unstable(law, mode, end) for end in ends[mode])) for mode in Mode)
+
+
+def scan_ends(mode: Mode, low: float, high: float) -> tuple[float, float]:
+    """Ends of a scan of each mode that reaches as far as the uniaxial stretches low and high.
+
+    Equibiaxial tension to ``low**-0.5`` is uniaxial compression to `low`; the planar mode goes from ``1 / high`` to
+    `high`.
+    """
+    if mode is Mode.EQUIBIAXIAL:
+        return high**-0.5, low**-0.5
+    return (low, high) if mode is Mode.UNIAXIAL else (1 / high, high)
+
+
+def _first_unstable(law: Law, mode: Mode, end: float) -> float:
+    path = end ** np.linspace(0.0, 1.0, _POINTS)
+    least = _least(law, mode, path)
+    unstable = np.flatnonzero(least <= 0)
+    if not len(unstable):
+        return float("nan")
+    first = int(unstable[0])
+    if first == 0:
+        return 1.0
+    between = path[first - 1], path[first]
+    return float(brentq(lambda stretch: _least(law, mode, np.array([stretch]))[0], *between, xtol=1e-12))
+
+
+def _least(law: Law, mode: Mode, stretch: FloatArray) -> FloatArray:
+    """Smallest eigenvalue (n,) of Drucker's matrix, MPa; nan where chains lock."""
+    matrix = drucker_matrix(law.code, law.parameters, stretches(mode, stretch))
+    middle = 0.5 * (matrix[:, 0, 0] + matrix[:, 1, 1])
+    radius = np.hypot(0.5 * (matrix[:, 0, 0] - matrix[:, 1, 1]), matrix[:, 0, 1])
+    return np.asarray(middle - radius)

@@ -1,0 +1,176 @@
+"""Ranking models: which one describes the samples best, and what a fit may say about tests that were not made."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from palpate.core import PalpateError
+from palpate.material.curve import Mode, stretches
+from palpate.material.fit import Fit
+from palpate.material.fit_material import fit_material
+from palpate.material.law import FloatArray
+from palpate.material.model import MODELS, SECOND_INVARIANT
+from palpate.material.sample import Sample
+from palpate.material.spec import FitSpec
+
+_AS_GOOD = 3.0
+"""A model is a peer if its error is at most so many times that of the best."""
+_POINTS = 60
+"""Stretches at which models are compared."""
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One model among the others.
+
+    Attributes
+    ----------
+    name
+        Model.
+    fit
+        Its fit; none where there is none.
+    behind
+        Akaike's criterion above that of the best: beyond 10 the data speak against the model.
+    left_out
+        RMSE over the greatest stress of samples that were left out of the fit in turn; nan with one sample.
+    failure
+        Why there is no fit.
+    """
+
+    name: str
+    fit: Fit | None
+    behind: float
+    left_out: float
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class UnseenError:
+    """What a fit may miss in a mode that was not measured.
+
+    Attributes
+    ----------
+    mode
+        The mode.
+    high
+        Stretch to which it is judged: that of the greatest I1 measured.
+    relative
+        Median distance from the other models that fit about as well: RMS over their greatest stress; nan without any.
+    peers
+        Their names.
+    """
+
+    mode: Mode
+    high: float
+    relative: float
+    peers: tuple[str, ...]
+
+
+def rank_models(
+    samples: Sequence[Sample], spec: FitSpec | None = None, names: Sequence[str] = tuple(MODELS)
+) -> tuple[Ranked, ...]:
+    """Fit models and rank them by Akaike's criterion, the best first; those that cannot be fitted last.
+
+    Parameters
+    ----------
+    samples, spec
+        As for `fit_material`; the model of the spec does not matter.
+    names
+        Models.
+    """
+    spec = spec or FitSpec()
+    found = []
+    for name in names:
+        chosen = spec.model_copy(update={"model": name})
+        try:
+            fit = fit_material(samples, chosen)
+        except PalpateError as error:
+            found.append(Ranked(name, None, float("inf"), float("nan"), error.what))
+            continue
+        found.append(Ranked(name, fit, fit.aicc, leave_out_error(samples, fit)))
+    best = min((item.behind for item in found), default=0.0)
+    if np.isfinite(best):
+        found = [replace(item, behind=item.behind - best) for item in found]
+    return tuple(sorted(found, key=lambda item: item.behind))
+
+
+def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
+    """Error in predicting each sample by a fit to the others: RMS over samples, each over its greatest stress.
+
+    nan with fewer than two samples or where the others are too few rows for the model.
+    """
+    if len(samples) < 2:
+        return float("nan")
+    squares = []
+    for at, sample in enumerate(samples):
+        try:
+            other = fit_material([*samples[:at], *samples[at + 1 :]], fit.spec, near=fit)
+        except PalpateError:
+            return float("nan")
+        with np.errstate(over="ignore", invalid="ignore"):
+            error = other.nominal_of(sample) - sample.nominal
+            squares.append(float(np.mean((error / np.abs(sample.nominal).max()) ** 2)))
+    return float(np.sqrt(np.mean(squares)))
+
+
+def predict_unseen(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]) -> tuple[UnseenError, ...]:
+    """Predict how far a fit may be off in the modes that were not measured.
+
+    Models that describe the measured modes alike and are stable differ where nothing was measured; their median
+    distance from this fit is the error to reckon with. Since most models are functions of I1 alone and would agree
+    by construction, a Yeoh with a term in I2 joins them. It is an order of magnitude, no bound: see docs/materials.md
+    for how it does on Treloar's rubber.
+
+    Parameters
+    ----------
+    fit
+        The fit.
+    ranked
+        Other models fitted to the same samples.
+    samples
+        These samples.
+    """
+    others = [item.fit for item in ranked if item.fit is not None and item.fit.model.name != fit.model.name]
+    others += _fit_second_invariant(samples, fit.spec)
+    best = min(_error(other) for other in [fit, *others])
+    peers = [other for other in others if other.stable and _error(other) <= _AS_GOOD * best]
+    greatest = max(_stretch_energy(q.mode, end) for q in fit.quality for end in (q.low, q.high))
+    found = []
+    for mode in Mode:
+        if mode in (item.mode for item in fit.quality):
+            continue
+        high = float(brentq(lambda end, mode=mode: _stretch_energy(mode, end) - greatest, 1.0, 100.0))
+        grid = np.linspace(1.0, high, _POINTS)
+        with np.errstate(over="ignore", invalid="ignore"):
+            own = fit.nominal(mode, grid)
+            distances = [_distance(own, peer.nominal(mode, grid)) for peer in peers]
+        relative = float(np.median(distances)) if distances else float("nan")
+        found.append(UnseenError(mode, high, relative, tuple(peer.model.name for peer in peers)))
+    return tuple(found)
+
+
+def _distance(own: FloatArray, other: FloatArray) -> float:
+    return float(np.sqrt(np.mean((own - other) ** 2)) / np.abs(other).max())
+
+
+def _fit_second_invariant(samples: Sequence[Sample], spec: FitSpec) -> list[Fit]:
+    """The stable fit of Yeoh's law with a term in I2; empty where there is none."""
+    chosen = spec.model_copy(update={"model": SECOND_INVARIANT.name, "stable": True})
+    try:
+        return [fit_material(samples, chosen)]
+    except PalpateError:
+        return []
+
+
+def _error(fit: Fit) -> float:
+    """Root of the mean weighted square."""
+    return float(np.sqrt(fit.objective / fit.count))
+
+
+def _stretch_energy(mode: Mode, stretch: float) -> float:
+    """``I1 - 3``."""
+    return float((stretches(mode, np.array([stretch])) ** 2).sum() - 3)

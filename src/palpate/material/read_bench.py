@@ -1,0 +1,211 @@
+"""From the file of a test bench to samples: stretch and nominal stress of an incompressible specimen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.material.columns import Columns, Pair, find_columns
+from palpate.material.law import FloatArray
+from palpate.material.sample import Loading, Sample
+from palpate.material.spec import BenchSpec, StrainUnit, StressUnit
+from palpate.material.table import Table, read_table
+
+LEAST_ROWS = 5
+"""Fewer rows are no curve."""
+_MOST_SAMPLES = 100
+_WORDS = {
+    Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull|\but\b|_ut_|^ut_",
+    Loading.COMPRESSION: r"compress|druck|d395|d575|iso[ _-]?7743",
+    Loading.EQUIBIAXIAL: r"biaxial|bulge|\bet\b|^et_|_et_",
+    Loading.PLANAR: r"planar|pure[ _-]?shear|\bps\b|^ps_|_ps_",
+    Loading.UNIAXIAL: r"(?<!equi)(?<!bi)uniaxial|einachsig",
+}
+_MPA = {
+    StressUnit.PA: 1e-6,
+    StressUnit.KPA: 1e-3,
+    StressUnit.MPA: 1.0,
+    StressUnit.PSI: 6.894757293168e-3,
+    StressUnit.MILLINEWTON: 1e-3,
+    StressUnit.NEWTON: 1.0,
+    StressUnit.KILONEWTON: 1e3,
+}
+"""MPa a unit, or N a unit of force."""
+_FORCES = (StressUnit.MILLINEWTON, StressUnit.NEWTON, StressUnit.KILONEWTON)
+
+
+def read_bench(path: str | Path, spec: BenchSpec | None = None) -> tuple[Sample, ...]:
+    """Read the samples of a file.
+
+    Parameters
+    ----------
+    path
+        CSV or other text with columns of strain (or stretch, or travel) and stress (or force).
+    spec
+        What the file does not say.
+
+    Returns
+    -------
+    tuple of Sample
+        In the order of the file. Compression comes out negative whichever sign the bench gives it.
+
+    Raises
+    ------
+    PalpateError
+        If the file is wrong or ambiguous; the message names row and column, and what to do.
+    """
+    path, spec = Path(path), spec or BenchSpec()
+    table = read_table(path, spec)
+    columns = find_columns(table, spec)
+    loading = _find_loading(table, columns, spec)
+    notes = (f"{table.skipped} of {table.skipped + len(table.values)} rows thinned away",) if table.skipped else ()
+    samples = []
+    for label, pair, rows in _split(table, columns):
+        strain, stress, lines = _take(table, pair, rows)
+        name = path.name + (f" {label}" if label else "")
+        stretch, nominal = _to_stretch(strain, columns, spec, path), _to_stress(stress, columns, spec, path)
+        stretch, nominal = _signed(stretch, nominal, loading, path)
+        bad = np.flatnonzero(~(stretch > 0))
+        if len(bad):
+            raise PalpateError(
+                f"{path}: row {lines[bad[0]]}, column {pair.strain + 1}: the stretch is {stretch[bad[0]]:.4g}.",
+                "A stretch is positive: check the unit of strain, and whether this is tension or compression.",
+            )
+        if spec.true_stress:
+            nominal = nominal / stretch
+        samples.append(Sample(name, loading, stretch, nominal, notes))
+    for sample in samples:
+        _check(sample, path)
+    return tuple(samples)
+
+
+def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArray]]:
+    """Label, columns and rows (mask) of each sample."""
+    everything = np.ones(len(table.values), bool)
+    if columns.sample is None:
+        for number, pair in enumerate(columns.pairs, start=1):
+            yield (f"sample {number}" if len(columns.pairs) > 1 else ""), pair, everything
+        return
+    ids = table.values[:, columns.sample]
+    empty = np.flatnonzero(np.isnan(ids))
+    if len(empty):
+        raise PalpateError(
+            f"{table.path}: row {table.lines[empty[0]]} has no number of a sample (column {columns.sample + 1}).",
+            "Fill the cell.",
+        )
+    found = list(dict.fromkeys(ids.tolist()))
+    if len(found) > _MOST_SAMPLES:
+        raise PalpateError(
+            f"{table.path}: column {columns.sample + 1} numbers {len(found)} samples.",
+            "Say by --sample which column numbers them.",
+        )
+    for number in found:
+        for pair in columns.pairs:
+            yield f"sample {number:g}", pair, ids == number
+
+
+def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Strain, stress and lines of a sample; rows at the end where both cells are empty are left out."""
+    strain, stress = table.values[rows, pair.strain], table.values[rows, pair.stress]
+    lines = table.lines[rows]
+    filled = np.flatnonzero(~(np.isnan(strain) & np.isnan(stress)))
+    end = int(filled[-1]) + 1 if len(filled) else 0
+    strain, stress, lines = strain[:end], stress[:end], lines[:end]
+    gaps = np.flatnonzero(np.isnan(strain) | np.isnan(stress))
+    if len(gaps):
+        column = pair.strain if np.isnan(strain[gaps[0]]) else pair.stress
+        name = f" ({table.header[column]})" if table.header else ""
+        raise PalpateError(
+            f"{table.path}: row {lines[gaps[0]]}, column {column + 1}{name} is empty.", "Fill or delete the row."
+        )
+    if end < LEAST_ROWS:
+        raise PalpateError(
+            f"{table.path} has {end} row{'s' if end != 1 else ''} of numbers.",
+            f"A curve needs {LEAST_ROWS} or more: export the whole test.",
+        )
+    return strain, stress, np.asarray(lines)
+
+
+def _to_stretch(strain: FloatArray, columns: Columns, spec: BenchSpec, path: Path) -> FloatArray:
+    if columns.strain_unit is StrainUnit.TRAVEL:
+        if spec.gauge_length is None:
+            raise PalpateError(
+                f"{path}: column {columns.pairs[0].strain + 1} is travel in mm.", "Give the --gauge-length in mm."
+            )
+        return np.asarray(1 + strain / spec.gauge_length)
+    if columns.strain_unit is StrainUnit.STRETCH:
+        return strain
+    if columns.strain_unit is StrainUnit.LOGARITHMIC:
+        return np.asarray(np.exp(np.minimum(strain, 50.0)))
+    return np.asarray(1 + (0.01 if columns.strain_unit is StrainUnit.PERCENT else 1.0) * strain)
+
+
+def _to_stress(stress: FloatArray, columns: Columns, spec: BenchSpec, path: Path) -> FloatArray:
+    if columns.stress_unit not in _FORCES:
+        return _MPA[columns.stress_unit] * stress
+    if spec.section is None:
+        raise PalpateError(
+            f"{path}: column {columns.pairs[0].stress + 1} is a force in {columns.stress_unit}.",
+            "Give the undeformed --section in mm².",
+        )
+    return _MPA[columns.stress_unit] * stress / spec.section
+
+
+def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Path) -> tuple[FloatArray, FloatArray]:
+    """Stretch and stress with the sign of mechanics: a bench may count compression as positive."""
+    strain = stretch - 1
+    far = strain[np.argmax(np.abs(strain))]
+    if loading is Loading.COMPRESSION:
+        strain = -strain if far > 0 else strain
+        peak = nominal[np.argmax(np.abs(nominal))]
+        return 1 + strain, (-nominal if peak > 0 else nominal)
+    if loading is Loading.TENSION and far < 0:
+        raise PalpateError(
+            f"{path} is read as tension, but its strain reaches {far:.3g}.",
+            "Give the file to --compression, or to --uniaxial if it holds both.",
+        )
+    return stretch, nominal
+
+
+def _find_loading(table: Table, columns: Columns, spec: BenchSpec) -> Loading:
+    if spec.loading is not None:
+        return spec.loading
+    used = [table.header[at] for pair in columns.pairs for at in (pair.strain, pair.stress)] if table.header else []
+    for place in (table.path.stem.lower(), " ".join(used).lower(), " ".join(table.preamble).lower()):
+        found = [loading for loading, words in _WORDS.items() if re.search(words, place)]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            break
+    said = f"may be {' or '.join(found)}" if found else "does not say which test it is"
+    flags = ", ".join(f"--{loading}" for loading in Loading)
+    raise PalpateError(f"{table.path} {said}.", f"Give it to one of {flags}, or name the file after its test.")
+
+
+def _check(sample: Sample, path: Path) -> None:
+    """Refuse what cannot be a curve."""
+    if np.ptp(sample.stretch) < 1e-3:
+        raise PalpateError(
+            f"{path}: the stretch stays at {sample.stretch[0]:.4g}.", "Check the column and unit of strain."
+        )
+    if np.ptp(sample.nominal) <= 0:
+        raise PalpateError(f"{path}: the stress stays at {sample.nominal[0]:g} MPa.", "Check the column of stress.")
+    if sample.stretch.max() > 1 + 25 or sample.stretch.min() < 0.01:
+        raise PalpateError(
+            f"{path}: the stretch goes from {sample.stretch.min():.3g} to {sample.stretch.max():.4g}.",
+            "No elastomer bears that: check the unit of strain (mm/mm or %) and the gauge length.",
+        )
+    if np.abs(sample.nominal).max() > 1e3:
+        raise PalpateError(
+            f"{path}: the stress reaches {np.abs(sample.nominal).max():.4g} MPa.",
+            "No elastomer bears that: check the unit of stress and the section.",
+        )
+    against = np.sum((sample.stretch - 1) * sample.nominal)
+    if against <= 0:
+        raise PalpateError(
+            f"{path}: the stress has the sign against the strain.", "Check the columns, or give --compression."
+        )

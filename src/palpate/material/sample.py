@@ -1,0 +1,69 @@
+"""A sample: one specimen in one test, as stretch and nominal stress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.material.curve import Mode, stretches
+from palpate.material.law import FloatArray
+
+
+class Loading(StrEnum):
+    """What a bench does to a specimen.
+
+    Tension and compression are the two halves of the uniaxial mode; `UNIAXIAL` is a file that holds both, signed.
+    """
+
+    TENSION = "tension"
+    COMPRESSION = "compression"
+    UNIAXIAL = "uniaxial"
+    EQUIBIAXIAL = "equibiaxial"
+    PLANAR = "planar"
+
+    @property
+    def mode(self) -> Mode:
+        """Mode of deformation."""
+        return Mode.UNIAXIAL if self in (Loading.TENSION, Loading.COMPRESSION) else Mode(str(self))
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One specimen in one test.
+
+    Attributes
+    ----------
+    name
+        File, and which specimen of it.
+    loading
+        The test.
+    stretch
+        (n,) of the pulled or pressed direction; 1 is rest.
+    nominal
+        (n,) nominal stress, MPa; compression is negative.
+    notes
+        What the reader did to it, for the report.
+    """
+
+    name: str
+    loading: Loading
+    stretch: FloatArray
+    nominal: FloatArray
+    notes: tuple[str, ...] = ()
+
+    @property
+    def mode(self) -> Mode:
+        """Mode of deformation."""
+        return self.loading.mode
+
+    @property
+    def principal(self) -> FloatArray:
+        """Principal stretches (n, 3) of the incompressible specimen."""
+        return stretches(self.mode, self.stretch)
+
+    def where(self, kept: NDArray[np.bool_]) -> Sample:
+        """The sample with the rows (n,) that are kept."""
+        return replace(self, stretch=self.stretch[kept], nominal=self.nominal[kept])
