@@ -4,7 +4,8 @@
 ``N = -psi M / 2``. *Bending* in plane strain (Rivlin 1949): ``r² = ri² + 2 A X``, ``theta = Y / A``, with
 ``A = L / angle``.
 The ends are prescribed from these solutions, the rest is free; moments and forces are those of the reactions.
-*Cantilever*: a slender one under a dead force across its end follows the elastica, ``EI theta'' = -P cos theta``.
+*Cantilever*: a slender one follows the elastica, ``EI theta'' = -P cos theta``, under a dead force across its end, and
+rolls up to a circle under a moment.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from palpate.material import Material, neo_hooke
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, follow_load, make_solid, reactions
-from palpate.verify.mapped import FloatArray, Grid, Turn, even, join, map_block, revolve
+from palpate.verify.mapped import BoolArray, FloatArray, Grid, Turn, even, join, map_block, revolve
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS
 
@@ -22,6 +23,10 @@ RADIUS, LENGTH = 10.0, 1.0
 """Cylinder under torsion, mm; its length does not matter."""
 HEIGHT, SPAN, WIDTH = 4.0, 20.0, 1.0
 """Block under bending, mm; half its span is solved."""
+_THIN, _HALF_WIDTH = 0.1, 0.05
+_INERTIA = 2 * _HALF_WIDTH * _THIN**3 / 12
+"""Cantilever: height, half its width (mm), and the moment of inertia of the whole, mm⁴."""
+_LOAD = "load_parameter(PL2/EI or ML/EI)"
 
 
 def torsion() -> list[Row]:
@@ -109,25 +114,17 @@ def block_bending() -> list[Row]:
 
 
 def cantilever() -> list[Row]:
-    """Tip of a cantilever of length 10 and height 0.1 under a dead force across its end; half its width is solved."""
-    length, height, half_width = 10.0, 0.1, 0.05
-    size = np.array([length, half_width, height])
-    grid = join(map_block((even(24), even(1), even(1)), lambda q: q * size - [0.0, 0.0, height / 2]))
-    material = Material("stiff neo-Hooke", neo_hooke(1e5), bulk_ratio=4.0)
-    fixed = np.zeros(grid.nodes.shape, bool)
-    root, end = grid.near(0, 0.0), grid.near(0, length)
-    fixed[root, 0] = True
-    fixed[root & grid.near(2, 0.0), 2] = True
-    fixed[grid.near(1, 0.0), 1] = True
+    """Tip of a cantilever of length 10 under a dead force across its end."""
+    length = 10.0
+    grid, material, fixed, end = _make_cantilever(length)
     load = np.zeros(grid.nodes.shape)
-    inertia = 2 * half_width * height**3 / 12
     weight = np.ones(np.count_nonzero(end))
     for axis in (1, 2):
         middle = np.mean([grid.nodes[end, axis].min(), grid.nodes[end, axis].max()])
         weight *= np.where(np.abs(grid.nodes[end, axis] - middle) < 1e-9, 4 / 6, 1 / 6)
-    load[end, 2] = 0.5 * material.young_modulus * inertia / length**2 * weight
+    load[end, 2] = 0.5 * material.young_modulus * _INERTIA / length**2 * weight
     data = read_reference("elastica_exact").where(case="end_shear")
-    parameter = data["load_parameter(PL2/EI or ML/EI)"]
+    parameter = data[_LOAD]
     states = follow_load(grid, material, fixed, load, parameter)
     tip = end & grid.near(1, 0.0) & grid.near(2, 0.0)
     moved = np.array([state.u[tip][0] for state in states])
@@ -136,3 +133,42 @@ def cantilever() -> list[Row]:
         compare("deflection of the tip, mm", moved[:, 2], data["w_tip"], 3e-3, at),
         compare("shortening over the deflection, mm", -moved[:, 0], data["minus_u_tip"], 3e-3, at, data["w_tip"]),
     ]
+
+
+def cantilever_moment() -> list[Row]:
+    """Moment that holds the end of a cantilever of length 12 where the elastica puts it, rolled up to a full circle."""
+    length = 12.0
+    grid, material, fixed, end = _make_cantilever(length)
+    fixed[end, 0] = fixed[end, 2] = True
+    solid = make_solid(grid, material, fixed)
+    data = read_reference("elastica_exact").where(case="end_moment")
+    unit = 0.5 * material.young_modulus * _INERTIA / length
+    x, _, z = grid.nodes.T
+    moment, state = [], solid.rest()
+    for angle, u_tip, w_tip in zip(data[_LOAD], data["minus_u_tip"], data["w_tip"], strict=True):
+        turn = angle * x / length
+        bent = np.column_stack(
+            [(length / angle - z) * np.sin(turn), 0 * x, length / angle * (1 - np.cos(turn)) + z * np.cos(turn)]
+        )
+        bent[:, 0] -= x
+        bent[:, 2] -= z
+        bent[end, 0] = length - u_tip - z[end] * np.sin(angle) - x[end]
+        bent[end, 2] = w_tip + z[end] * np.cos(angle) - z[end]
+        state = find_equilibrium(solid, bent, pressure=state.p).state
+        pull = reactions(solid, state)[end]
+        arm = (grid.nodes + state.u)[end] - [length - u_tip, 0.0, w_tip]
+        moment.append(float((arm[:, 0] * pull[:, 2] - arm[:, 2] * pull[:, 0]).sum()) / unit)
+    at = [f"ML/EI = {value:.3g}" for value in data[_LOAD]]
+    return [compare("ML/EI", moment, data[_LOAD], 3e-3, at)]
+
+
+def _make_cantilever(length: float) -> tuple[Grid, Material, BoolArray, BoolArray]:
+    """Half the width of a cantilever, its material, the components its root fixes, and the nodes of its end."""
+    size = np.array([length, _HALF_WIDTH, _THIN])
+    grid = join(map_block((even(48), even(1), even(1)), lambda q: q * size - [0.0, 0.0, _THIN / 2]))
+    fixed = np.zeros(grid.nodes.shape, bool)
+    root = grid.near(0, 0.0)
+    fixed[root, 0] = True
+    fixed[root & grid.near(2, 0.0), 2] = True
+    fixed[grid.near(1, 0.0), 1] = True
+    return grid, Material("stiff neo-Hooke", neo_hooke(1e5), bulk_ratio=4.0), fixed, grid.near(0, length)

@@ -25,6 +25,7 @@ CASES: tuple[Case, ...] = (
     Case("torsion_solid_cylinder", "exact, Rivlin 1949", bending.torsion),
     Case("block_bending", "exact, Rivlin 1949", bending.block_bending),
     Case("elastica", "exact, elastica", bending.cantilever),
+    Case("elastica_moment", "exact, elastica", bending.cantilever_moment),
     Case("cook_membrane", "Q2/P1 code", cook.cook_membrane),
     Case("no_locking", "finer mesh", cook.no_locking),
     Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
@@ -32,6 +33,10 @@ CASES: tuple[Case, ...] = (
     *(
         Case(f"shell_R{ratio:g}_{name}", _SHELL_CODE, partial(shells.against_shell, branch, ratio), slow=True)
         for branch, name in _BRANCHES.items()
+        for ratio in shells.RATIOS
+    ),
+    *(
+        Case(f"shell_R{ratio:g}_onset", _SHELL_CODE, partial(shells.dimple_onset, ratio), slow=True)
         for ratio in shells.RATIOS
     ),
     *(
