@@ -4,8 +4,8 @@
 ``N = -psi M / 2``. *Bending* in plane strain (Rivlin 1949): ``r² = ri² + 2 A X``, ``theta = Y / A``, with
 ``A = L / angle``.
 The ends are prescribed from these solutions, the rest is free; moments and forces are those of the reactions.
-*Cantilever*: a slender one follows the elastica, ``EI theta'' = -P cos theta``, under a dead force across its end, and
-rolls up to a circle under a moment.
+*Cantilever*: a slender one follows the elastica, ``EI theta'' = -P cos theta``, under a dead force across its end,
+and rolls up to a circle under a moment.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ def cantilever() -> list[Row]:
 
 
 def cantilever_moment() -> list[Row]:
-    """Moment that holds the end of a cantilever of length 12 where the elastica puts it, rolled up to a full circle."""
+    """Moment on the end of a cantilever of length 12 held where the elastica puts it, rolled up to a full circle."""
     length = 12.0
     grid, material, fixed, end = _make_cantilever(length)
     fixed[end, 0] = fixed[end, 2] = True

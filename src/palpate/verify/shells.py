@@ -29,7 +29,7 @@ _POISSON = (0.3, 0.5)
 RATIOS = (20.0, 50.0, 100.0)
 """R/h of the shells."""
 _TOLERANCE, _THICK = 2e-2, 20.0
-"""Tolerance of forces, and the R/h at which h/R is added to it: so far thin-shell theory itself is off (Koiter 1960)."""
+"""Tolerance of forces, and the R/h at which h/R is added to it: so far is thin-shell theory off (Koiter 1960)."""
 _ONSET, _OFF = 0.1, 0.1
 """Tolerance of the travel from which the cap stays inverted, and the gap of its apex that counts, both over h."""
 _DRAWN_BACK = (4.0, 3.8)
