@@ -167,6 +167,17 @@ def test_the_grid_can_be_asked(finished: Path) -> None:
     assert [row["markers"] for row in json.loads(done.stdout)] == [19]
 
 
+def test_a_finished_study_is_held_against_the_papers_claims(finished: Path, tmp_path: Path) -> None:
+    done = finish(["claims", finished, "--out", tmp_path / "claims.md", "--json"])
+    assert done.returncode == 0, done.stderr
+    answers = {answer["claim"]: answer for answer in json.loads(done.stdout)}
+    assert len(answers) == 13
+    assert answers["C1"]["verdict"] == "holds"
+    assert {answers[name]["verdict"] for name in ("C3", "C6", "C9", "C10")} == {"not decided"}
+    assert answers["C10"]["why"].startswith("needs H10 T1, T2, T3, T4; H20 T1")
+    assert f"palpate claims {finished}" in (tmp_path / "claims.md").read_text()
+
+
 @pytest.mark.parametrize(
     "words",
     [["--where", "markers >"], ["--where", "colour == 3"], ["--sort", "colour"], ["--where", "__import__('os')"]],

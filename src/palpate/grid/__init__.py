@@ -1,7 +1,10 @@
 """Grid: the specification grid of a study, its questions and its pictures."""
 
+from palpate.grid.claim import Answer, Claim, Finding, Verdict
 from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
+from palpate.grid.evaluate_claims import evaluate_claims, read_evidence
 from palpate.grid.evaluate_grid import evaluate_grid
+from palpate.grid.evidence import Evidence
 from palpate.grid.export import export_grid
 from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, unit_of
 from palpate.grid.io import read_grid, write_grid
@@ -15,29 +18,38 @@ from palpate.grid.panel import (
 )
 from palpate.grid.plot import KINDS, plot_grid
 from palpate.grid.query import filter_rows, sort_rows
+from palpate.grid.write_claims import write_claims
 
 __all__ = [
     "KINDS",
     "MAIN_COLUMNS",
     "METRICS",
+    "Answer",
     "Cell",
+    "Claim",
     "Comparison",
     "CurvePanel",
     "Difference",
+    "Evidence",
+    "Finding",
     "Panel",
     "Row",
     "SpecificationGrid",
+    "Verdict",
     "compare_grids",
     "cut_depth_panels",
     "cut_marker_panels",
     "cut_panels",
     "cut_tilt_panels",
+    "evaluate_claims",
     "evaluate_grid",
     "export_grid",
     "filter_rows",
     "plot_grid",
+    "read_evidence",
     "read_grid",
     "sort_rows",
     "unit_of",
+    "write_claims",
     "write_grid",
 ]

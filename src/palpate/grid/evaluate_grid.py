@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from palpate.grid.grid import Cell, SpecificationGrid, depth_text
 from palpate.learn import Coverage, Metrics, compare_with_limit, pool_limits
-from palpate.study import DesignResult
+from palpate.study import DesignResult, PressSummary
 
 
 def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
@@ -57,6 +57,7 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         **_coverage(design.coverage),
         "travel_mm": _finite(design.travel_mm),
         "peak_stress_mpa": _finite(design.peak_stress_mpa),
+        **_presses(design.presses),
         "force_n": _finite(design.force_n),
         "bistable_from_mm": _finite(design.bistable_from_mm),
         **_evidence(design),
@@ -143,6 +144,20 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
         found[f"max_error_at_{tilts}{suffix}_deg"] = part.angle.max
         found[f"validation_samples_at_{tilts}"] = part.images
     return found
+
+
+def _presses(presses: Sequence[PressSummary]) -> dict[str, Cell]:
+    """How the dome deforms: in the press of least tilt, and at worst over all presses."""
+    straight = min(presses, key=lambda press: press.tilt_deg) if presses else None
+    return {
+        "peak_stress_straight_mpa": straight.peak_stress_mpa if straight else None,
+        "displacement_max_straight_mm": straight.displacement_max_mm if straight else None,
+        "displacement_mean_straight_mm": straight.displacement_mean_mm if straight else None,
+        "displacement_max_mm": max((press.displacement_max_mm for press in presses), default=None),
+        "apex_gap_mm": max((press.apex_gap_mm for press in presses), default=None),
+        "branch_by_tilt": "; ".join(f"{press.tilt_deg:g}: {press.branch}" for press in presses),
+        "depth_by_tilt_mm": "; ".join(f"{press.tilt_deg:g}: {press.ended_depth_mm:.2f}" for press in presses),
+    }
 
 
 def _evidence(design: DesignResult) -> dict[str, Cell]:

@@ -61,8 +61,11 @@ class SpecificationGrid:
     ``rmse_at_2_4mm_deg``, … per depth (here 2.4 mm), ``rmse_at_tilt_0_to_2_deg``, … per interval of true tilt.
     ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
     poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,
-    ``force_n`` the wall's force in the deepest image of the press of least tilt. From ``bistable_from_mm`` on the
-    dome has a second, inverted state (empty: none up to the greatest depth). ``spec`` is JSON.
+    ``force_n`` the wall's force in the deepest image of the press of least tilt, ``peak_stress_straight_mpa`` the
+    stress of that press alone. ``displacement_max_mm`` and ``apex_gap_mm`` are the greatest over all presses in their
+    deepest images; ``branch_by_tilt`` and ``depth_by_tilt_mm`` say for each tilt how its press ended. From
+    ``bistable_from_mm`` on the dome has a second, inverted state (empty: none up to the greatest depth). ``spec`` is
+    JSON.
     """
 
     rows: tuple[Row, ...]

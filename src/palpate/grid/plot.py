@@ -36,6 +36,9 @@ TITLES = {
     "limit_floor_deg": "Floor of the error of the contact angle, jittered images",
     "rmse_over_limit": "RMSE over the least-squares limit, jittered images",
     "travel_mm": "Marker travel from rest at the greatest depth",
+    "peak_stress_straight_mpa": "Greatest von Mises stress, straight press",
+    "displacement_mean_straight_mm": "Mean displacement of the dome, straight press",
+    "bistable_from_mm": "Depth from which a second state exists",
 }
 LABELS = {"travel_mm": "mean marker travel (mm)"}
 _CURVES: dict[str, tuple[Callable[[SpecificationGrid, str], tuple[CurvePanel, ...]], str]] = {
@@ -77,7 +80,7 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     """
     from palpate.grid.draw import write_picture
 
-    _refuse_unknown(grid, kind, metric)
+    refuse_unknown(grid, kind, metric)
     name = name_plot(kind, metric)
     figure = draw_plot(grid, kind, metric)
     try:
@@ -117,7 +120,8 @@ def name_plot(kind: str, metric: str) -> str:
 _BY = {"travel": "thickness", "depth": "depth", "tilt": "tilt", "markers": "markers"}
 
 
-def _refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
+def refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
+    """Refuse what `plot_grid` cannot draw, with its errors."""
     if kind not in KINDS:
         raise PalpateError(f"There is no kind of picture '{kind}'.", f"Choose one of {', '.join(KINDS)}.")
     if not grid.rows:

@@ -140,6 +140,7 @@ def _bistable_from(path: Path | None) -> float:
 
 def _summarise_press(path: Path) -> PressSummary:
     press = read_press(path)
+    moved = np.linalg.norm(press.displacement[-1], axis=1)
     return PressSummary(
         tilt_deg=press.wall.tilt_deg,
         ended=str(press.ended),
@@ -147,6 +148,9 @@ def _summarise_press(path: Path) -> PressSummary:
         force_n=float(np.linalg.norm(press.force[-1])),
         peak_stress_mpa=float(np.max(press.peak_stress)),
         branch=str(press.branch[-1]),
+        displacement_max_mm=float(moved.max()),
+        displacement_mean_mm=float(moved.mean()),
+        apex_gap_mm=float(press.apex_gap[-1]),
     )
 
 

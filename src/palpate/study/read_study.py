@@ -93,6 +93,9 @@ def _resolve_files(tree: CommentedMap, folder: Path) -> None:
     for layout in markers if isinstance(markers, list) else []:
         if isinstance(layout, dict) and isinstance(layout.get("file"), str):
             layout["file"] = str(folder / layout["file"])
+    material = tree.get("material")
+    if isinstance(material, dict) and str(material.get("name", "")).endswith((".yaml", ".yml")):
+        material["name"] = str(folder / material["name"])
 
 
 def _plain(node: Any) -> Any:

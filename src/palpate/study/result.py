@@ -47,6 +47,10 @@ class PressSummary:
         Norm of the wall's force in the deepest image (N), and greatest von Mises Cauchy stress in any (MPa).
     branch
         ``"flat"`` or ``"inverted"`` in the deepest image.
+    displacement_max_mm, displacement_mean_mm
+        Greatest and mean displacement of the mesh's nodes in the deepest image (mm).
+    apex_gap_mm
+        Distance between the wall and the point that it touched first, in the deepest image (mm).
     """
 
     tilt_deg: float
@@ -55,6 +59,9 @@ class PressSummary:
     force_n: float
     peak_stress_mpa: float
     branch: str
+    displacement_max_mm: float
+    displacement_mean_mm: float
+    apex_gap_mm: float
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ class MaterialSpec(Spec):
     name: str = parameter(
         "zaid_2024_ecoflex_00_30",
         unit="",
-        meaning="name in the library, or a law with its constants in MPa: yeoh:C10,C20,C30",
+        meaning="name in the library, a material file (.yaml), or a law with its constants in MPa: yeoh:C10,C20,C30",
         source=PAPER,
     )
     bulk_ratio: float | None = parameter(

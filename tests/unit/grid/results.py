@@ -34,8 +34,8 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
         peak_stress_mpa=0.05,
         bistable_from_mm=5.5,
         presses=(
-            PressSummary(0.0, "depth reached", 8.0, 0.4, 0.04, "flat"),
-            PressSummary(12.0, "wall reached the clamped rim", 7.1, 0.3, 0.05, "inverted"),
+            PressSummary(0.0, "depth reached", 8.0, 0.4, 0.04, "flat", 8.0, 3.1, 0.01),
+            PressSummary(12.0, "wall reached the clamped rim", 7.1, 0.3, 0.05, "inverted", 9.0, 4.2, 1.5),
         ),
         counts=None if failure else Counts(2, 60, 460, 92, {"wall reached the clamped rim": 20}),
         seed=3,

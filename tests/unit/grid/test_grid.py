@@ -245,3 +245,11 @@ def test_a_row_says_what_its_intervals_are_worth():
     assert (row["interval_half_width_deg"], row["interval_half_width_mm"]) == (0.8, 0.1)
     assert (row["interval_presses"], row["called_outside"]) == (120, 0.011)
     assert broken["interval_coverage"] is None
+
+
+def test_a_row_says_how_the_dome_deforms():
+    (row,) = evaluate_grid([make_design()]).rows
+    assert (row["peak_stress_straight_mpa"], row["peak_stress_mpa"]) == (0.04, 0.05)
+    assert (row["displacement_max_straight_mm"], row["displacement_mean_straight_mm"]) == (8.0, 3.1)
+    assert (row["displacement_max_mm"], row["apex_gap_mm"]) == (9.0, 1.5)
+    assert (row["branch_by_tilt"], row["depth_by_tilt_mm"]) == ("0: flat; 12: inverted", "0: 8.00; 12: 7.10")
