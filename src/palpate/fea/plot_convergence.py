@@ -42,12 +42,15 @@ def plot_convergence(results: Sequence[MeshResult]) -> Figure:
     errors.set_ylabel("deviation from the finest mesh (%)")
     errors.legend(frameon=False, fontsize=8)
     for axis in (stress, errors):
-        _label_elements(axis)
+        _label_elements(axis, elements)
     figure.suptitle(f"{results[-1].depth:.3g} mm deep, finest mesh {results[-1].elements} elements", fontsize=11)
     return figure
 
 
-def _label_elements(axis: Axes) -> None:
+def _label_elements(axis: Axes, elements: Sequence[int]) -> None:
     axis.set_xscale("log")
+    axis.set_xticks(elements, [str(count) for count in elements])
+    axis.set_xticks([], minor=True)
+    axis.set_xlim(0.8 * elements[0], 1.25 * elements[-1])
     axis.set_xlabel("elements of the modelled part")
     axis.spines[["top", "right"]].set_visible(False)

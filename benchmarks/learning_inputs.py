@@ -1,0 +1,225 @@
+"""What should a network read? The same images, split and network; inputs, ring sets and closed forms change.
+
+    palpate run studies/first.yaml --out results/first
+    python benchmarks/learning_inputs.py studies/first.yaml results/first --out learning_inputs.csv
+
+Errors are of the angle on held-out presses: clean RMSE and greatest error, and RMSE of one draw of the jitter.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import ArtefactStore, child_seed, generator
+from palpate.dataset import Dataset, draw_jitter, hold_out, read_dataset
+from palpate.learn import Metrics, TrainSpec, fit_ridge, measure_errors
+from palpate.learn.components import Components, find_components
+from palpate.learn.network import TrainingData, train_network
+from palpate.study import read_study
+from palpate.study.plan import plan_study
+from palpate.study.task import find_made
+
+Array = NDArray[np.float64]
+Predict = Callable[[Array], Array]
+
+SEED = 0
+KERNEL_IMAGES = 6000
+LENGTHS, PENALTIES = (3.0, 6.0, 12.0, 24.0), (1e-3, 1e-2, 1e-1)
+"""Length scales (in units of the whitened components' spread) and penalties among which kernel regression chooses."""
+COLUMNS = ("markers", "input", "clean_rmse_deg", "clean_max_deg", "jittered_rmse_deg", "seconds")
+
+
+def normalised(dataset: Dataset, images_px: Array) -> Array:
+    return dataset.normalisation.apply(images_px).reshape(len(images_px), -1)
+
+
+def jitter_of(dataset: Dataset) -> Array:
+    return np.tile(dataset.spec.jitter_px / np.array(dataset.normalisation.scale_px), dataset.images_px.shape[1])
+
+
+def positions(dataset: Dataset, clean: Array) -> Components:
+    """Normalised positions as the paper has them."""
+    return Components(np.zeros(clean.shape[1]), np.eye(clean.shape[1]))
+
+
+def displacements(dataset: Dataset, clean: Array) -> Components:
+    """Normalised positions less those at rest."""
+    return Components(normalised(dataset, dataset.rest_px[None])[0], np.eye(clean.shape[1]))
+
+
+def standardised(dataset: Dataset, clean: Array) -> Components:
+    """Every coordinate less its mean, over the root of its variance with jitter."""
+    sd = np.sqrt(clean.var(axis=0) + jitter_of(dataset) ** 2 / 3)
+    return Components(clean.mean(axis=0), np.diag(1.0 / sd))
+
+
+def whitened(count: int) -> Callable[[Dataset, Array], Components]:
+    """Leading principal components over the root of signal and jitter."""
+    return lambda dataset, clean: find_components(clean, jitter_of(dataset), count)
+
+
+INPUTS: dict[str, Callable[[Dataset, Array], Components]] = {
+    "positions": positions,
+    "displacement from rest": displacements,
+    "displacement, standardised": standardised,
+    "12 components": whitened(12),
+    "24 components": whitened(24),
+    "48 components": whitened(48),
+    "96 components": whitened(96),
+}
+
+
+def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], Components]) -> Predict:
+    """The network of the preset `quick` on other inputs."""
+    spec, kept = TrainSpec(), dataset.part(validation=False)
+    inputs = normalised(dataset, kept.images_px)
+    components = choose(dataset, inputs)
+    mean, sd = kept.poses.mean(axis=0), kept.poses.std(axis=0)
+    targets = (kept.poses - mean) / sd
+    data = TrainingData(
+        inputs=inputs,
+        targets=targets,
+        jitter=jitter_of(dataset),
+        mean=components.mean,
+        projection=components.projection,
+        held_inputs=inputs[:1],
+        held_targets=targets[:1],
+    )
+    trained = train_network(data, spec, [child_seed(SEED, "repeat", n) for n in range(spec.repeats)])
+
+    def predict(images_px: Array) -> Array:
+        hidden = ((normalised(dataset, images_px) - components.mean) @ components.projection)[None]
+        for number, (weight, bias) in enumerate(zip(trained.weights, trained.biases, strict=True)):
+            hidden = hidden @ weight + bias[:, None, :]
+            if number < len(trained.weights) - 1:
+                hidden = hidden / (1.0 + np.exp(-hidden))
+        poses: Array = hidden.mean(axis=0) * sd + mean
+        return poses
+
+    return predict
+
+
+def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -> Predict:
+    """Kernel ridge regression, Gaussian kernel on 48 whitened components of jittered and clean training images."""
+    rng = generator(SEED, "kernel")
+    components = find_components(normalised(dataset, kept.images_px), jitter_of(dataset), 48)
+    rows = rng.permutation(np.tile(np.arange(len(kept.poses)), 2))[:KERNEL_IMAGES]
+    images = draw_jitter(kept.images_px[rows], dataset.spec.jitter_px, rng)
+    clean = rng.random(len(rows)) < TrainSpec().clean_share
+    images[clean] = kept.images_px[rows][clean]
+
+    def read(images_px: Array) -> Array:
+        found: Array = (normalised(dataset, images_px) - components.mean) @ components.projection
+        return found
+
+    def kernel(first: Array, second: Array) -> Array:
+        square = (first**2).sum(axis=1)[:, None] + (second**2).sum(axis=1) - 2.0 * first @ second.T
+        found: Array = np.exp(-np.maximum(square, 0.0) / (2.0 * length**2))
+        return found
+
+    mean, sd = kept.poses.mean(axis=0), kept.poses.std(axis=0)
+    support = read(images)
+    gram = kernel(support, support)
+    gram[np.diag_indices_from(gram)] += penalty
+    weight = np.linalg.solve(gram, (kept.poses[rows] - mean) / sd)
+    return lambda images_px: kernel(read(images_px), support) @ weight * sd + mean
+
+
+def learn_kernel(dataset: Dataset) -> Predict:
+    """Length and penalty chosen on presses taken from those for training, as the preset `best` chooses."""
+    kept = dataset.part(validation=False)
+    held = hold_out(kept.press, 0.2, child_seed(SEED, "inner"))
+    inner = replace(kept, validation=held)
+    scores = {}
+    for length in LENGTHS:
+        for penalty in PENALTIES:
+            predict = fit_kernel(dataset, inner.part(validation=False), length, penalty)
+            clean, jittered = judge(inner, predict)
+            scores[length, penalty] = clean.rmse_deg * jittered.rmse_deg
+    best = min(scores, key=lambda pair: scores[pair])
+    print(f"    kernel: length {best[0]:g}, penalty {best[1]:g}")
+    return fit_kernel(dataset, kept, *best)
+
+
+def judge(dataset: Dataset, predict: Predict) -> tuple[Metrics, Metrics]:
+    """Errors on the held-out presses, clean and with jitter."""
+    held = dataset.part(validation=True)
+    noisy = draw_jitter(held.images_px, dataset.spec.jitter_px, generator(SEED, "judge"))
+    return measure_errors(predict(held.images_px), held.poses), measure_errors(predict(noisy), held.poses)
+
+
+def keep_markers(dataset: Dataset, chosen: NDArray[np.bool_]) -> Dataset:
+    return replace(dataset, images_px=dataset.images_px[:, chosen], rest_px=dataset.rest_px[chosen])
+
+
+def ring_sets(dataset: Dataset) -> Iterator[tuple[str, Dataset]]:
+    """Rings of the layout by their size in the image at rest, the smallest first."""
+    centre = dataset.rest_px.mean(axis=0)
+    radius = np.linalg.norm(dataset.rest_px - centre, axis=1)
+    steps = np.sort(radius)
+    edges = steps[1:][np.diff(steps) > 0.3 * np.diff(steps).max()]
+    ring = np.searchsorted(edges, radius, side="right")
+    count = int(ring.max()) + 1
+    sets = {
+        "inner half of the rings": ring < count / 2,
+        "outer half of the rings": ring >= count / 2,
+        "every second ring": ring % 2 == 0,
+        "the outermost ring": ring == count - 1,
+    }
+    for name, chosen in sets.items():
+        yield f"{name} ({chosen.sum()} markers)", keep_markers(dataset, chosen)
+
+
+def cases(dataset: Dataset) -> Iterator[tuple[str, Dataset, Callable[[], Predict]]]:
+    for name, choose in INPUTS.items():
+        yield name, dataset, lambda choose=choose: learn_network(dataset, choose)
+    yield "ridge regression", dataset, lambda: fit_ridge(dataset).predict
+    yield "kernel regression", dataset, lambda: learn_kernel(dataset)
+    if len(dataset.rest_px) > 7:
+        for name, part in ring_sets(dataset):
+            yield name, part, lambda part=part: learn_network(part, whitened(48))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("study")
+    parser.add_argument("results", type=Path)
+    parser.add_argument("--height", type=float, default=20.0)
+    parser.add_argument("--thickness", type=float, default=2.0)
+    parser.add_argument("--markers", type=int, nargs="+", default=[37, 169])
+    parser.add_argument("--out", type=Path, required=True)
+    words = parser.parse_args()
+    store = ArtefactStore(words.results / "store")
+    tasks = [design.dataset for design in plan_study(read_study(words.study)).designs]
+    rows = []
+    for task in tasks:
+        if (task.dome.height, task.dome.thickness) != (words.height, words.thickness):
+            continue
+        if task.markers.count not in words.markers:
+            continue
+        whole = read_dataset(find_made(store, task))
+        for name, dataset, learn in cases(whole):
+            started = time.process_time()
+            clean, jittered = judge(dataset, learn())
+            seconds = time.process_time() - started
+            rows.append((task.markers.count, name, clean.rmse_deg, clean.max_error_deg, jittered.rmse_deg, seconds))
+            print(
+                f"| {task.markers.count} | {name} | " + " | ".join(f"{value:.3f}" for value in rows[-1][2:5]), end=""
+            )
+            print(f" | {seconds:.0f} |", flush=True)
+    with words.out.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        writer.writerows([[f"{cell:.4g}" if isinstance(cell, float) else cell for cell in row] for row in rows])
+
+
+if __name__ == "__main__":
+    main()
