@@ -25,6 +25,8 @@ app.command("palpate.cli.deck:deck", name="deck", help="Write the input file of 
 app.command("palpate.cli.stability:stability", name="stability", help="Where a dome has two stable states.")
 app.command("palpate.cli.convergence:convergence", name="convergence", help="How much a press depends on its mesh.")
 app.command("palpate.cli.design:design", name="design", help="Radius, shape, markers and limits of a design.")
+app.command("palpate.cli.fit:fit", name="fit", help="Fit a material to the files of a test bench.")
+app.command("palpate.cli.material:app", name="material", help="Look at the library of materials.")
 app.command("palpate.cli.limit:limit", name="limit", help="How good any estimator of a design could be.")
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
 app.command("palpate.cli.claims:claims", name="claims", help="Hold finished studies against the paper's claims.")

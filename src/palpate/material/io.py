@@ -35,7 +35,7 @@ def write_material(path: Path, material: Material) -> None:
         "bulk_ratio": float(material.bulk_ratio),
     }
     if all(math.isfinite(end) for end in material.stretch_range):
-        content["stretch_range"] = [float(end) for end in material.stretch_range]
+        content["stretch_range"] = [float(f"{end:.6g}") for end in material.stretch_range]
     content |= {key: getattr(material, key) for key in _TEXTS if getattr(material, key)}
     text = StringIO()
     writer = YAML()

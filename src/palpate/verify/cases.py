@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from palpate.verify import ball, bending, cook, domes, inflation, laws, material, properties, shells
+from palpate.verify import ball, bending, cook, domes, fits, inflation, laws, material, properties, shells
 from palpate.verify.case import Case
 
 _SHELL_CODE = "axisymmetric shell code"
@@ -16,6 +16,10 @@ CASES: tuple[Case, ...] = (
     Case("yeoh_homogeneous", "exact", material.homogeneous),
     Case("yeoh_simple_shear", "exact", material.simple_shear),
     Case("yeoh_drucker_limits", "exact", material.drucker_limits),
+    Case("treloar_parameters", "least squares", fits.treloar_parameters),
+    Case("treloar_quality", "least squares", fits.treloar_quality),
+    Case("yeoh_recovery", "exact", fits.yeoh_recovery),
+    Case("interval_coverage", "Student's t", fits.interval_coverage),
     Case("one_element", "exact, incompressible", material.one_element),
     Case("one_element_in_shear", "exact", material.one_element_in_shear),
     Case("sphere_inflation", "exact, Ogden 1984", inflation.sphere_pressure),

@@ -1,0 +1,325 @@
+"""`palpate fit`: from the files of a test bench to a material, with its limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from palpate.cli.flag import JsonFlag, default, flag
+from palpate.cli.output import print_json, print_table
+from palpate.core import PalpateError
+from palpate.material import (
+    MODELS,
+    BenchSpec,
+    Fit,
+    FitSpec,
+    Loading,
+    Material,
+    Mode,
+    PrepareSpec,
+    Sample,
+    draw_fit,
+    fit_material,
+    predict_unseen,
+    prepare_sample,
+    rank_models,
+    read_bench,
+    save_figure,
+    write_material,
+)
+
+_FILES = "Files of tests; which test is read from the file's name or preamble."
+_MODEL = f"Model: {', '.join(MODELS)}."
+_OUT = "Write the material to this YAML file; studies and presses take it as their material."
+_FIGURE = "Picture of samples, mean and model (.png, .svg or .pdf)."
+_RANK = "Fit one model only: no ranking and no error of tests that were not made."
+_UNTOLD = 1e3
+"""Above this condition number, the data do not tell the constants apart."""
+
+
+def _of(loading: str) -> Parameter:
+    return Parameter(help=f"Files of {loading}.", consume_multiple=True, negative="")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class FilesByTest:
+    """Files by their test, where name and preamble do not say it."""
+
+    tension: Annotated[tuple[Path, ...], _of("tension")] = ()
+    compression: Annotated[tuple[Path, ...], _of("compression")] = ()
+    uniaxial: Annotated[tuple[Path, ...], _of("tension and compression in one, signed")] = ()
+    equibiaxial: Annotated[tuple[Path, ...], _of("equibiaxial tension")] = ()
+    planar: Annotated[tuple[Path, ...], _of("planar tension (pure shear)")] = ()
+
+    def pairs(self) -> Iterator[tuple[Path, Loading]]:
+        """Every file with its test."""
+        for loading in Loading:
+            yield from ((path, loading) for path in getattr(self, str(loading)))
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class BenchFlags:
+    """How the files are to be read and the curves prepared."""
+
+    strain: Annotated[str | None, flag(BenchSpec, "strain")] = None
+    strain_unit: Annotated[str | None, flag(BenchSpec, "strain_unit")] = None
+    stress: Annotated[str | None, flag(BenchSpec, "stress")] = None
+    stress_unit: Annotated[str | None, flag(BenchSpec, "stress_unit")] = None
+    true_stress: Annotated[bool, flag(BenchSpec, "true_stress")] = False
+    gauge_length: Annotated[float | None, flag(BenchSpec, "gauge_length")] = None
+    section: Annotated[float | None, flag(BenchSpec, "section")] = None
+    sample: Annotated[str | None, flag(BenchSpec, "sample")] = None
+    decimal: Annotated[str | None, flag(BenchSpec, "decimal")] = None
+    delimiter: Annotated[str | None, flag(BenchSpec, "delimiter")] = None
+    least_stretch: Annotated[float, flag(PrepareSpec, "least_stretch")] = default(PrepareSpec, "least_stretch")
+    greatest_stretch: Annotated[float, flag(PrepareSpec, "greatest_stretch")] = default(
+        PrepareSpec, "greatest_stretch"
+    )
+    toe: Annotated[str, flag(PrepareSpec, "toe")] = default(PrepareSpec, "toe")
+    strain_factor: Annotated[float, flag(PrepareSpec, "strain_factor")] = default(PrepareSpec, "strain_factor")
+    points: Annotated[int, flag(PrepareSpec, "points")] = default(PrepareSpec, "points")
+
+    def bench(self) -> BenchSpec:
+        """How the files are to be read."""
+        return BenchSpec(**{name: getattr(self, name) for name in BenchSpec.model_fields if name != "loading"})
+
+    def prepare(self) -> PrepareSpec:
+        """How the curves are to be prepared."""
+        names = ("least_stretch", "greatest_stretch", "toe", "strain_factor", "points")
+        return PrepareSpec(**{name: getattr(self, name) for name in names})
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class FitFlags:
+    """How the model is fitted."""
+
+    model: Annotated[str, Parameter(help=_MODEL)] = default(FitSpec, "model")
+    weighting: Annotated[str, flag(FitSpec, "weighting")] = str(default(FitSpec, "weighting"))
+    stable: Annotated[bool, flag(FitSpec, "stable")] = False
+    stable_from: Annotated[float, flag(FitSpec, "stable_from")] = default(FitSpec, "stable_from")
+    stable_to: Annotated[float, flag(FitSpec, "stable_to")] = default(FitSpec, "stable_to")
+    confidence: Annotated[float, flag(FitSpec, "confidence")] = default(FitSpec, "confidence")
+    largest_exponent: Annotated[float, flag(FitSpec, "largest_exponent")] = default(FitSpec, "largest_exponent")
+
+    def spec(self) -> FitSpec:
+        """How the model is fitted."""
+        return FitSpec(**{name: getattr(self, name) for name in FitSpec.model_fields})
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class OutputFlags:
+    """What is written, and how much is said."""
+
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"], help=_OUT)] = None
+    source: Annotated[str, Parameter(help="Source of the numbers, for the material's file.")] = ""
+    licence: Annotated[str, Parameter(help="Licence of the data, for the material's file.")] = ""
+    figure: Annotated[Path | None, Parameter(help=_FIGURE)] = Path("fit.png")
+    no_figure: Annotated[bool, Parameter(negative="", help="Draw nothing.")] = False
+    alone: Annotated[bool, Parameter(negative="", help=_RANK)] = False
+    json: JsonFlag = False
+
+
+def fit(
+    files: Annotated[tuple[Path, ...], Parameter(help=_FILES, negative="")] = (),
+    *,
+    tests: FilesByTest | None = None,
+    bench: BenchFlags | None = None,
+    how: FitFlags | None = None,
+    out: OutputFlags | None = None,
+) -> None:
+    """Fit a hyperelastic model to the files of a test bench and say how far it may be trusted."""
+    bench, how, out = bench or BenchFlags(), how or FitFlags(), out or OutputFlags()
+    samples = read_samples([*((path, None) for path in files), *(tests or FilesByTest()).pairs()], bench)
+    spec = how.spec()
+    found = fit_material(samples, spec)
+    told = describe_fit(samples, found, alone=out.alone)
+    written = []
+    if not out.no_figure and out.figure is not None:
+        save_figure(out.figure, draw_fit(samples, found))
+        written.append(str(out.figure))
+    if out.output is not None:
+        write_material(out.output, _make_material(out, samples, found))
+        written.append(str(out.output))
+    told["files"] = written
+    if out.json:
+        print_json(told)
+    else:
+        _print(told)
+
+
+def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: BenchFlags) -> list[Sample]:
+    """Read and prepare the samples of files, each with its test or none."""
+    if not files:
+        raise PalpateError("There are no files.", "Give the CSV files of a test: palpate fit tension_*.csv.")
+    spec, prepare = flags.bench(), flags.prepare()
+    return [
+        prepare_sample(sample, prepare)
+        for path, loading in files
+        for sample in read_bench(path, spec.model_copy(update={"loading": loading}))
+    ]
+
+
+def _make_material(out: OutputFlags, samples: Sequence[Sample], found: Fit) -> Material:
+    assert out.output is not None
+    source = out.source or "fit to " + ", ".join(dict.fromkeys(sample.name for sample in samples))
+    material = found.material(out.output.stem, source, out.licence)
+    return material if found.stable else replace(material, caution=" ".join(_instabilities(found)))
+
+
+def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[str, Any]:
+    """A fit as JSON data: constants, quality, stability; unless `alone`, the ranking and the unseen modes."""
+    told: dict[str, Any] = {
+        "model": found.model.name,
+        "samples": [_describe_sample(sample) for sample in samples],
+        "constants": [
+            {"name": name, "value": value, "low": float(low), "high": float(high)}
+            for (name, value), (low, high) in zip(found.constants.items(), found.intervals, strict=True)
+        ],
+        "confidence": found.spec.confidence,
+        "shear_modulus_mpa": found.law.shear_modulus,
+        "condition": found.condition,
+        "aicc": found.aicc,
+        "held": found.held,
+        "modes": [{**vars(item), "mode": str(item.mode)} for item in found.quality],
+        "stability": [{**vars(item), "mode": str(item.mode)} for item in found.stability],
+        "stable": found.stable,
+        "warnings": list(_warnings(found)),
+        "stable_fit": None if found.stable or found.spec.stable else _offer(samples, found),
+    }
+    if alone:
+        return told
+    ranked = rank_models(samples, found.spec)
+    told["unseen"] = [{**vars(item), "mode": str(item.mode)} for item in predict_unseen(found, ranked, samples)]
+    told["ranking"] = [
+        {
+            "model": item.name,
+            "behind": item.behind,
+            "left_out": item.left_out,
+            "relative": max(q.relative for q in item.fit.quality) if item.fit else math.nan,
+            "condition": item.fit.condition if item.fit else math.nan,
+            "stable": item.fit.stable if item.fit else None,
+            "failure": item.failure,
+        }
+        for item in ranked
+    ]
+    return told
+
+
+def _describe_sample(sample: Sample) -> dict[str, Any]:
+    return {
+        "name": sample.name,
+        "test": str(sample.loading),
+        "rows": len(sample.stretch),
+        "low": float(sample.stretch.min()),
+        "high": float(sample.stretch.max()),
+        "greatest_mpa": float(abs(sample.nominal).max()),
+        "notes": list(sample.notes),
+    }
+
+
+def _offer(samples: Sequence[Sample], found: Fit) -> dict[str, Any] | None:
+    """The fit held to stability, where an unconstrained one is not stable."""
+    try:
+        held = fit_material(samples, found.spec.model_copy(update={"stable": True}))
+    except PalpateError:
+        return None
+    worst = min(held.quality, key=lambda item: item.r2)
+    return {"constants": held.constants, "r2": worst.r2, "relative": worst.relative, "stable": held.stable}
+
+
+def _instabilities(found: Fit) -> Iterator[str]:
+    words = {Mode.UNIAXIAL: "uniaxial", Mode.EQUIBIAXIAL: "equibiaxial", Mode.PLANAR: "planar"}
+    for item in found.stability:
+        ends = [("below", item.low), ("above", item.high)]
+        told = [f"{side} a stretch of {end:.4g}" for side, end in ends if not math.isnan(end)]
+        if told:
+            yield f"Unstable (Drucker) in the {words[item.mode]} mode {' and '.join(told)}."
+
+
+def _warnings(found: Fit) -> Iterator[str]:
+    yield from _instabilities(found)
+    if not found.law.shear_modulus > 0:
+        yield "The initial shear modulus is not positive: no press can be solved with this law."
+    if found.condition > _UNTOLD:
+        yield f"Condition number {found.condition:.2g}: these tests do not tell the constants apart."
+    if found.held:
+        yield "A bound or the stability holds the fit, so least squares gives no intervals."
+
+
+def _print(told: dict[str, Any]) -> None:
+    rows = [
+        [
+            item["name"],
+            item["test"],
+            str(item["rows"]),
+            f"{item['low']:.4g} … {item['high']:.4g}",
+            f"{1e3 * item['greatest_mpa']:.4g}",
+            "; ".join(item["notes"]),
+        ]
+        for item in told["samples"]
+    ]
+    print_table("samples", ["file", "test", "rows", "stretch", "greatest kPa", "notes"], rows)
+    interval = f"{100 * told['confidence']:g} % interval"
+    rows = [
+        [item["name"], f"{item['value']:.8g}", "-" if math.isnan(item["low"]) else _span(item["low"], item["high"])]
+        for item in told["constants"]
+    ]
+    print_table(f"{told['model']} (MPa; exponents, Jm, lm: 1)", ["constant", "value", interval], rows)
+    print(f"initial shear modulus {1e3 * told['shear_modulus_mpa']:.4g} kPa, condition {told['condition']:.3g}")
+    _print_modes(told)
+    for warning in told["warnings"]:
+        print(f"Warning: {warning}")
+    if told["stable_fit"]:
+        held = told["stable_fit"]
+        constants = ", ".join(f"{name} {value:.6g}" for name, value in held["constants"].items())
+        print(f"With --stable: {constants}; R² {held['r2']:.5f}, error {100 * held['relative']:.2g} %.")
+    if "ranking" in told:
+        _print_ranking(told["ranking"])
+    for path in told["files"]:
+        print(f"Written: {path}")
+
+
+def _print_modes(told: dict[str, Any]) -> None:
+    rows = [
+        [
+            item["mode"],
+            "measured",
+            f"{item['low']:.4g} … {item['high']:.4g}",
+            f"{item['r2']:.6f}",
+            f"{1e3 * item['rmse']:.4g}",
+            f"{100 * item['relative']:.3g} %",
+        ]
+        for item in told["modes"]
+    ]
+    for item in told.get("unseen", []):
+        predicted = "unknown" if math.isnan(item["relative"]) else f"about {100 * item['relative']:.2g} %"
+        rows.append([item["mode"], "not measured", f"1 … {item['high']:.4g}", "", "", predicted])
+    print_table("modes", ["mode", "", "stretch", "R²", "rms kPa", "error over greatest stress"], rows)
+
+
+def _print_ranking(ranking: list[dict[str, Any]]) -> None:
+    rows = [
+        [
+            item["model"],
+            "-" if item["failure"] else f"{item['behind']:.1f}",
+            "-" if item["failure"] else f"{100 * item['relative']:.3g} %",
+            "-" if math.isnan(item["left_out"]) else f"{100 * item['left_out']:.3g} %",
+            "-" if item["failure"] else f"{item['condition']:.2g}",
+            item["failure"] or ("yes" if item["stable"] else "NO"),
+        ]
+        for item in ranking
+    ]
+    print_table("models", ["model", "AICc behind", "error", "one sample left out", "condition", "stable"], rows)
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:.6g} … {high:.6g}"

@@ -1,0 +1,81 @@
+"""`palpate material`: the library of cured elastomers."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from palpate.cli.flag import JsonFlag
+from palpate.cli.output import print_json, print_table
+from palpate.material import Material, find_stable_ranges, get_material, list_materials
+
+app = App(name="material", help="Look at the library of materials.")
+
+_NAME = "Name in the library, material file (.yaml), or law and constants (yeoh:C10,C20,C30 in MPa)."
+
+
+@app.command(name="list")
+def list_library(*, json: JsonFlag = False) -> None:
+    """List the materials of the library."""
+    told = [describe_material(get_material(name)) for name in list_materials()]
+    if json:
+        print_json(told)
+        return
+    rows = [
+        [
+            item["name"],
+            item["law"],
+            f"{1e3 * item['young_modulus_mpa']:.1f}",
+            _range(item["stretch_range"]),
+            "yes" if item["stable"] else "NO",
+            item["quality"],
+        ]
+        for item in told
+    ]
+    print_table("materials", ["name", "law", "E kPa", "stretch", "stable", "fit"], rows)
+
+
+@app.command
+def show(name: Annotated[str, Parameter(help=_NAME)], *, json: JsonFlag = False) -> None:
+    """Show a material: constants, moduli, range, stability, source and licence."""
+    told = describe_material(get_material(name))
+    if json:
+        print_json(told)
+        return
+    print(f"{told['name']}: {told['law']}")
+    for key, value in told["constants"].items():
+        print(f"  {key} = {value:.8g}")
+    print(
+        f"E {1e3 * told['young_modulus_mpa']:.4g} kPa, mu {1e3 * told['shear_modulus_mpa']:.4g} kPa at rest;", end=" "
+    )
+    print(f"K/mu {told['bulk_ratio']:g}, Poisson's ratio {told['poisson_ratio']:.5f}")
+    print(f"uniaxial stretch {_range(told['stretch_range'])}; Drucker-stable: {'yes' if told['stable'] else 'NO'}")
+    for key in ("source", "licence", "quality", "caution"):
+        if told[key]:
+            print(f"{key}: {told[key]}")
+
+
+def describe_material(material: Material) -> dict[str, Any]:
+    """A material as JSON data."""
+    return {
+        "name": material.name,
+        "law": material.law.name,
+        "constants": material.law.constants,
+        "shear_modulus_mpa": material.law.shear_modulus,
+        "young_modulus_mpa": material.young_modulus,
+        "bulk_ratio": material.bulk_ratio,
+        "poisson_ratio": material.poisson_ratio,
+        "stretch_range": list(material.stretch_range),
+        "stable": all(item.whole for item in find_stable_ranges(material.law)),
+        "source": material.source,
+        "licence": material.licence,
+        "quality": material.quality,
+        "caution": material.caution,
+    }
+
+
+def _range(ends: list[float]) -> str:
+    low, high = ends
+    return f"{low:.3g} … {high:.3g}" if math.isfinite(high) else "not said"
