@@ -14,7 +14,7 @@ from palpate.core import PalpateError
 from palpate.material.law import FloatArray
 from palpate.material.spec import DECIMALS, DELIMITERS, BenchSpec
 
-MOST_ROWS = 200_000
+MOST_ROWS = 50_000
 """Rows beyond these are thinned evenly: no curve needs more."""
 MOST_BYTES = 2_000_000_000
 _HEAD = 400

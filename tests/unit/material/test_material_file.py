@@ -1,0 +1,108 @@
+"""A material file is written and read back whole; a wrong one is refused with file, key and remedy."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.material import Material, get_material, list_materials, read_material, write_material
+from palpate.study import MaterialSpec, read_study
+
+TEXTS = [
+    "zaid_2024_ecoflex_00_30",
+    "neo-hooke:0.0141",
+    "mooney-rivlin:0.1,0.05",
+    "mooney-rivlin:0.1,0.05,0.01",
+    "mooney-rivlin:0.1,0.05,0.01,-0.004,0.003",
+    "gent:0.03,80",
+    "ogden:0.63,1.3,0.0012,5,-0.01,-2",
+    "arruda-boyce:0.028,3",
+    "yeoh:0.014115599999999999,0,1e-17",
+]
+
+
+@pytest.mark.parametrize("text", [*TEXTS, *list_materials()])
+def test_a_material_is_read_back_whole(text: str, tmp_path: Path) -> None:
+    material = get_material(text).with_bulk_ratio(1234.5)
+    path = tmp_path / "mine.yaml"
+    write_material(path, material)
+    again = read_material(path)
+    assert again.law.constants == material.law.constants
+    assert np.array_equal(again.law.parameters, material.law.parameters)
+    assert again.key_data() == material.key_data()
+    assert again.name == material.name
+    assert again.source == material.source
+    assert again.licence == material.licence
+    assert again.quality == material.quality
+    assert again.caution == material.caution
+    assert again.stretch_range == material.stretch_range
+    assert get_material(str(path)).key_data() == material.key_data()
+
+
+GOOD = "name: mine\nlaw: yeoh\nconstants:\n  C10: 0.01\n  C20: 0.0001\n  C30: 0.000001\n"
+WRONG = {
+    "not YAML": ("name: [\n", "this is not YAML"),
+    "a list": ("- 1\n- 2\n", "is no material file"),
+    "no constants": ("name: mine\nlaw: yeoh\n", "is no material file"),
+    "an unknown key": (GOOD + "colour: red\n", "there is no key colour"),
+    "an unknown law": (GOOD.replace("yeoh", "rubber"), "There is no law 'rubber'"),
+    "constants of another law": (GOOD.replace("C30", "mu"), "The constants of yeoh are not"),
+    "text for a number": (GOOD.replace("0.01", "soft"), "constants.C10 is 'soft'"),
+    "a nan": (GOOD.replace("0.01", ".nan"), "constants.C10 is nan"),
+    "constants as a list": ("name: mine\nlaw: yeoh\nconstants: [1, 2, 3]\n", "constants are no mapping"),
+    "no stiffness": (GOOD.replace("0.01", "-0.01"), "must be positive"),
+    "a bulk ratio of 1": (GOOD + "bulk_ratio: 1\n", "K/mu"),
+    "a range of one number": (GOOD + "stretch_range: 3\n", "stretch_range is not two numbers"),
+    "gent without a limit": ("name: a\nlaw: gent\nconstants: {mu: 0.1, Jm: 0}\n", "Gent's Jm is 0"),
+    "gent by other names": ("name: a\nlaw: gent\nconstants: {mu: 0.1, J: 3}\n", "They are mu,Jm"),
+    "ogden without a pair": ("name: a\nlaw: ogden\nconstants: {mu1: 0.1}\n", "The constants of ogden are not"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_file_is_refused(case: str, tmp_path: Path) -> None:
+    text, says = WRONG[case]
+    path = tmp_path / "wrong.yaml"
+    path.write_text(text)
+    with pytest.raises(PalpateError, match=says) as refused:
+        read_material(path)
+    assert "wrong.yaml" in str(refused.value)
+
+
+def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PalpateError, match="cannot be read"):
+        read_material(tmp_path / "nowhere.yaml")
+    (tmp_path / "bytes.yaml").write_bytes(b"\xff\xfe\x00\x80")
+    with pytest.raises(PalpateError, match="not a text file"):
+        read_material(tmp_path / "bytes.yaml")
+    with pytest.raises(PalpateError, match="cannot be written"):
+        write_material(tmp_path / "no" / "folder.yaml", get_material("neo-hooke:0.01"))
+
+
+def test_a_study_takes_a_material_file_relative_to_its_own_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "studies"
+    folder.mkdir()
+    write_material(folder / "mine.yaml", Material("mine", get_material("gent:0.03,80").law))
+    (folder / "study.yaml").write_text("name: mine\nmaterial:\n  name: mine.yaml\n  bulk_ratio: 500\n")
+    monkeypatch.chdir(tmp_path)
+    material = read_study("studies/study.yaml").material.material()
+    assert material.law.constants == {"mu": 0.03, "Jm": 80}
+    assert material.bulk_ratio == 500
+
+
+@pytest.mark.parametrize("name", list_materials())
+def test_a_study_takes_any_material_of_the_library(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_text(f"name: any\nmaterial:\n  name: {name}\n")
+    assert read_study(path).material.material().name == name
+    assert MaterialSpec(name=name).material().key_data() == get_material(name).key_data()
+
+
+def test_a_study_refuses_a_material_file_that_is_wrong_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_text("name: mine\nmaterial:\n  name: nowhere.yaml\n")
+    with pytest.raises(PalpateError, match=r"study.yaml:3: material.name.*nowhere.yaml cannot be read"):
+        read_study(path)

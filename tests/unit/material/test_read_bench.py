@@ -1,0 +1,349 @@
+"""Files of every bench are read rightly or refused with row, column and remedy; never a traceback, never slowly."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from palpate.cli import main
+from palpate.core import PalpateError
+from palpate.material import BenchSpec, Loading, Sample, get_material, read_bench, trace_curve
+
+DATA = Path(__file__).parent / "data"
+STRAIN = np.linspace(0.02, 2.0, 25)
+STRESS = trace_curve(get_material("zaid_2024_ecoflex_00_30"), Loading.TENSION.mode, 1 + STRAIN).nominal
+
+
+def write(path: Path, text: str | bytes) -> Path:
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def table(
+    header: str = "Strain (mm/mm),Stress (MPa)",
+    strain: np.ndarray = STRAIN,
+    stress: np.ndarray = STRESS,
+    *,
+    delimiter: str = ",",
+    decimal: str = ".",
+) -> str:
+    rows = [f"{a:.9g}{delimiter}{b:.9g}".replace(".", decimal) for a, b in zip(strain, stress, strict=True)]
+    return "\n".join([header, *rows, ""])
+
+
+def read(path: Path, **spec: object) -> Sample:
+    (sample,) = read_bench(path, BenchSpec(**spec))
+    return sample
+
+
+def holds(sample: Sample, rel: float = 1e-6) -> bool:
+    """Whether a sample is the curve that the files of these tests hold."""
+    return sample.stretch == pytest.approx(1 + STRAIN, rel=rel) and sample.nominal == pytest.approx(STRESS, rel=rel)
+
+
+ZWICK = "Zwick testXpert\r\nDehnung;Standardkraft\r\n%;N\r\n"
+INSTRON = (
+    '"Specimen label","A 1"\n"Width","6","mm"\n\n"Time","Tensile strain","Tensile stress"\n"(s)","(%)","(kPa)"\n'
+)
+
+
+def rows(strain: np.ndarray, stress: np.ndarray, form: str) -> str:
+    return "".join(form.format(a=a, b=b) for a, b in zip(strain, stress, strict=True))
+
+
+READ_RIGHTLY: dict[str, tuple[str | bytes, dict[str, object]]] = {
+    "plain": (table(), {}),
+    "per cent and kPa": (table("strain [%],stress [kPa]", 100 * STRAIN, 1e3 * STRESS), {}),
+    "Pa without brackets": (table("strain,stress_Pa", STRAIN, 1e6 * STRESS), {}),
+    "stretch": (table("stretch,stress (N/mm²)", 1 + STRAIN), {}),
+    "semicolons and decimal commas": (table("Dehnung;Spannung (MPa)", delimiter=";", decimal=","), {}),
+    "tabs and decimal commas": (table("Dehnung\tSpannung (MPa)", delimiter="\t", decimal=","), {}),
+    "spaces": (table("strain stress_MPa", delimiter="  "), {}),
+    "byte order mark": (b"\xef\xbb\xbf" + table().encode(), {}),
+    "UTF-16": (table().encode("utf-16"), {}),
+    "Latin-1": (table("Dehnung (mm/mm),Spannung (N/mm²)").encode("latin-1"), {}),
+    "comments": ("# tension of sample 3\n" + table().replace("\n", "\n// pause\n", 3), {}),
+    "header in a comment": ("# strain stress_MPa\n" + table("", delimiter=" ").lstrip(), {}),
+    "carriage returns": (table().replace("\n", "\r"), {}),
+    "trailing delimiters": (table(delimiter=";", header="strain;stress (MPa);").replace("\n", ";\n"), {}),
+    "Zwick: force in N, per cent, a row of units": (
+        ZWICK + rows(100 * STRAIN, 18 * STRESS, "{a:.9f};{b:.9f}\r\n").replace(".", ","),
+        {"section": 18.0},
+    ),
+    "Instron: quotes, preamble, a row of units": (
+        INSTRON + rows(100 * STRAIN, 1e3 * STRESS, '"0.1","{a:.9f}","{b:.9f}"\n'),
+        {},
+    ),
+    "travel in mm": (table("Extension (mm),Load (N)", 33 * STRAIN, 18 * STRESS), {"gauge_length": 33, "section": 18}),
+    "true strain and true stress": (
+        table("e,s", np.log1p(STRAIN), STRESS * (1 + STRAIN)),
+        {"strain": "e", "strain_unit": "log", "stress": "s", "stress_unit": "MPa", "true_stress": True},
+    ),
+    "no header, columns by number": (
+        "\n".join(f"{b:.9f} {a:.9f}" for a, b in zip(1 + STRAIN, STRESS, strict=True)),
+        {"strain": "2", "strain_unit": "stretch", "stress": "1", "stress_unit": "MPa"},
+    ),
+    "engineering beside true columns": (
+        "Time (s),True Strain,True Stress (MPa),Engineering Strain,Engineering Stress (MPa)\n"
+        + rows(STRAIN, STRESS, "0,9,9,{a:.9f},{b:.9f}\n"),
+        {},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", READ_RIGHTLY)
+def test_a_file_of_any_bench_is_read(case: str, tmp_path: Path) -> None:
+    text, spec = READ_RIGHTLY[case]
+    sample = read(write(tmp_path / "tension.csv", text), **spec)
+    assert sample.loading is Loading.TENSION
+    assert holds(sample)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    delimiter=st.sampled_from([";", "\t", " ", ","]),
+    decimal=st.sampled_from([".", ","]),
+    preamble=st.lists(st.sampled_from(["Operator;;", "Speed 500 mm/min", "# note", "", "Norm: ISO 37"]), max_size=4),
+    newline=st.sampled_from(["\n", "\r\n"]),
+    digits=st.integers(6, 12),
+    extra=st.booleans(),
+)
+def test_whatever_the_bench_writes_is_read_back(
+    delimiter: str,
+    decimal: str,
+    preamble: list[str],
+    newline: str,
+    digits: int,
+    extra: bool,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    if delimiter == decimal:
+        decimal = "."
+    names = ["time_s", "strain", "stress_MPa"] if extra else ["strain", "stress_MPa"]
+    lines = [*preamble, delimiter.join(names)]
+    for at, (a, b) in enumerate(zip(STRAIN, STRESS, strict=True)):
+        cells = [f"{value:.{digits}e}".replace(".", decimal) for value in ((0.1 * at, a, b) if extra else (a, b))]
+        lines.append(delimiter.join(cells))
+    path = tmp_path_factory.mktemp("bench") / "tension.csv"
+    path.write_bytes(newline.join(lines).encode())
+    assert holds(read(path), rel=1e-5)
+
+
+MALFORMED: dict[str, tuple[str | bytes, dict[str, object], str]] = {
+    "empty": ("", {}, "is empty"),
+    "only comments": ("# nothing\n# at all\n", {}, "is empty"),
+    "only a header": ("strain,stress (MPa)\n", {}, "no row holds two numbers"),
+    "one row": ("strain,stress (MPa)\n0.1,0.2\n", {}, "has 1 row of numbers"),
+    "four rows": ("strain,stress (MPa)\n0.1,0.2\n0.2,0.3\n0.3,0.4\n0.4,0.5\n", {}, "has 4 rows of numbers"),
+    "one column": ("stress (MPa)\n0.1\n0.2\n0.3\n0.4\n0.5\n0.6\n", {}, "no row holds two numbers"),
+    "text in numbers": (
+        table().replace("\n", "\nslipped,0.1\n", 6).replace("slipped,0.1\n", "", 5),
+        {},
+        "row 7, column 1 .*'slipped' is no number",
+    ),
+    "text in the first row": ("strain,stress (MPa)\nn/a,0.1\n" + table("").lstrip(), {}, "row 2, column 1: 'n/a'"),
+    "a unit in a cell": (
+        table().replace("\n", "\n0.1,0.2 kPa\n", 3).replace("0.1,0.2 kPa\n", "", 2),
+        {},
+        "row 4, column 2 .*Write numbers only",
+    ),
+    "NaN": (table().replace("\n", "\nnan,0.1\n", 4).replace("nan,0.1\n", "", 3), {}, "row 5, column 1 .*'nan'"),
+    "infinity": (table().replace("\n", "\n0.1,inf\n", 4).replace("0.1,inf\n", "", 3), {}, "row 5, column 2 .*'inf'"),
+    "an empty cell": (
+        table().replace("\n", "\n,0.1\n", 4).replace("\n,0.1", "", 3),
+        {},
+        "row 5, column 1 .* is empty",
+    ),
+    "a decimal comma with a comma as delimiter": (
+        "strain,stress (MPa)\n" + rows(STRAIN, STRESS, "{a:.3f},{b:.5f}\n").replace(".", ","),
+        {},
+        "names 2 columns, but row 2 has 4 cells",
+    ),
+    "the wrong delimiter asked for": (table(), {"delimiter": "semicolon"}, "no row holds two numbers"),
+    "two decimal marks": (
+        table(delimiter=";", decimal=",", header="strain;stress (MPa)") + "2.5;0.1\n",
+        {},
+        "row 27, column 1 .*one mark throughout",
+    ),
+    "thousands": (
+        table(delimiter=";", decimal=",", header="strain;stress (Pa)") + "2,5;1.234,5\n",
+        {},
+        "'1.234,5' is no number.*none for thousands",
+    ),
+    "a row too long": (table() + "2.1,0.1,7\n", {}, "row 27 has 3 cells where 2 are usual"),
+    "mixed units": (
+        "strain;stress (MPa)\n-;kPa\n" + table("", delimiter=";").lstrip(),
+        {},
+        "stress .* is in MPa and in kPa.*--stress-unit",
+    ),
+    "no unit of stress": (table("strain,stress"), {}, "without a unit.*--stress-unit"),
+    "millipascal": (table("strain,stress (mPa)"), {}, "--stress-unit"),
+    "per cent without saying so": (table("strain,stress (MPa)", 100 * STRAIN), {}, "up to 200 without a unit.*%"),
+    "duplicate columns": (
+        "strain,stress (MPa),stress (MPa)\n" + rows(STRAIN, STRESS, "{a},{b},{b}\n"),
+        {},
+        r"columns 2 \(stress \(MPa\)\), 3 .* may all be the stress.*--stress NUMBER",
+    ),
+    "two strains": (
+        "strain 1,strain 2,stress (MPa)\n" + rows(STRAIN, STRESS, "{a},{a},{b}\n"),
+        {},
+        "may all be the strain.*--strain NUMBER",
+    ),
+    "no column of stress": (
+        "strain,temperature\n" + rows(STRAIN, STRESS, "{a},{b}\n"),
+        {},
+        "no column is called stress",
+    ),
+    "a column that is not there": (table(), {"stress": "force"}, "there is no column 'force'; there are 1"),
+    "travel without a gauge length": (table("Extension (mm),Stress (MPa)"), {}, "--gauge-length"),
+    "force without a section": (table("strain,Force (N)"), {}, "--section"),
+    "constant stress": (table(stress=0 * STRESS), {}, "stress stays at 0"),
+    "constant strain": (table(strain=0 * STRAIN + 0.1), {}, "stretch stays at"),
+    "compression called tension": (table(strain=-0.3 * STRAIN, stress=-STRESS), {}, "--compression"),
+    "stress against strain": (table(stress=-STRESS), {}, "sign against the strain"),
+    "stress in Pa called MPa": (table(stress=1e6 * STRESS), {}, "reaches .* MPa"),
+    "binary": (bytes(range(256)) * 40, {}, "binary data"),
+    "a spreadsheet": (b"PK\x03\x04" + bytes(500), {}, "spreadsheet.*CSV"),
+    "an image": (b"\x89PNG\r\n\x1a\n" + bytes(3000), {}, "binary data"),
+    "a page of text": ("It was a dark and stormy night.\n" * 50, {}, "no row holds two numbers"),
+    "columns swapped": (
+        "stress (MPa),strain (-)\n" + rows(STRAIN, STRESS, "{a},{b}\n"),
+        {"strain": "1", "stress": "1"},
+        "both",
+    ),
+}
+
+
+def test_there_are_thirty_malformed_files_and_more() -> None:
+    assert len(MALFORMED) >= 30
+
+
+@pytest.mark.parametrize("case", MALFORMED)
+def test_a_malformed_file_is_refused_with_row_column_and_remedy(case: str, tmp_path: Path) -> None:
+    text, spec, says = MALFORMED[case]
+    path = write(tmp_path / "tension.csv", text)
+    started = time.perf_counter()
+    with pytest.raises(PalpateError, match=f"(?s){says}") as refused:
+        read_bench(path, BenchSpec(**spec))
+    assert time.perf_counter() - started < 5
+    assert str(path) in refused.value.what
+    assert refused.value.remedy
+
+
+@pytest.mark.parametrize("case", MALFORMED)
+def test_the_command_refuses_it_in_one_sentence_and_leaves_with_2(
+    case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text, spec, _ = MALFORMED[case]
+    path = write(tmp_path / "tension.csv", text)
+    flags = [word for key, value in spec.items() for word in (f"--{key.replace('_', '-')}", str(value))]
+    with pytest.raises(SystemExit) as left:
+        main(["fit", str(path), "--alone", "--no-figure", *flags])
+    shown = capsys.readouterr()
+    assert left.value.code == 2
+    assert shown.err.startswith("Error: ")
+    assert len(shown.err.strip().splitlines()) <= 2
+    assert "Traceback" not in shown.err
+
+
+def test_ten_million_rows_are_read_in_five_seconds(tmp_path: Path) -> None:
+    strain = np.linspace(0.001, 2.0, 100_000)
+    stress = trace_curve(get_material("zaid_2024_ecoflex_00_30"), Loading.TENSION.mode, 1 + strain).nominal
+    block = [f"{a:.6f},{b:.6f}\n" * 100 for a, b in zip(strain, stress, strict=True)]
+    path = write(tmp_path / "tension.csv", "strain,stress (MPa)\n" + "".join(block))
+    del block
+    started = time.perf_counter()
+    sample = read(path)
+    assert time.perf_counter() - started < 5
+    assert 40_000 < len(sample.stretch) <= 51_000
+    assert "thinned" in sample.notes[0]
+    assert np.interp(2.0, sample.stretch, sample.nominal) == pytest.approx(np.interp(1.0, strain, stress), rel=1e-3)
+
+
+def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PalpateError, match="cannot be read"):
+        read_bench(tmp_path / "tension.csv")
+    with pytest.raises(PalpateError, match="cannot be read"):
+        read_bench(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "loading"),
+    [
+        ("Zug_1", Loading.TENSION),
+        ("sample ASTM D412", Loading.TENSION),
+        ("compression 3", Loading.COMPRESSION),
+        ("D395_a", Loading.COMPRESSION),
+        ("equibiaxial", Loading.EQUIBIAXIAL),
+        ("ET_stress_stretch", Loading.EQUIBIAXIAL),
+        ("pure shear 2", Loading.PLANAR),
+        ("PS_stress_stretch", Loading.PLANAR),
+        ("uniaxial", Loading.UNIAXIAL),
+    ],
+)
+def test_the_test_is_read_from_the_name_of_the_file(name: str, loading: Loading, tmp_path: Path) -> None:
+    assert read(write(tmp_path / f"{name}.csv", table(strain=0.4 * STRAIN))).loading is loading
+
+
+def test_a_file_that_does_not_say_its_test_is_refused(tmp_path: Path) -> None:
+    for name in ("sample", "tension_and_compression"):
+        with pytest.raises(PalpateError, match="--tension, --compression"):
+            read_bench(write(tmp_path / f"{name}.csv", table()))
+
+
+@pytest.mark.parametrize(("strain_sign", "stress_sign"), [(1, 1), (-1, -1), (-1, 1), (1, -1)])
+def test_compression_comes_out_negative_whichever_sign_the_bench_gives_it(
+    strain_sign: int, stress_sign: int, tmp_path: Path
+) -> None:
+    squeezed = np.linspace(0.01, 0.5, 30)
+    stress = -trace_curve(get_material("zaid_2024_ecoflex_00_30"), Loading.COMPRESSION.mode, 1 - squeezed).nominal
+    text = table("strain,stress (MPa)", strain_sign * squeezed, stress_sign * stress)
+    sample = read(write(tmp_path / "compression.csv", text))
+    assert sample.stretch == pytest.approx(1 - squeezed)
+    assert sample.nominal == pytest.approx(-stress)
+
+
+def test_compression_to_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PalpateError, match="A stretch is positive"):
+        read_bench(write(tmp_path / "compression.csv", table()))
+
+
+def test_samples_are_told_apart_by_a_column(tmp_path: Path) -> None:
+    text = "specimen,strain,stress (MPa)\n" + "".join(
+        rows(STRAIN, factor * STRESS, f"{number},{{a:.9f}},{{b:.9f}}\n") for number, factor in ((1, 1.0), (2, 1.1))
+    )
+    first, second = read_bench(write(tmp_path / "tension.csv", text))
+    assert holds(first)
+    assert second.nominal == pytest.approx(1.1 * STRESS, rel=1e-6)
+    assert second.name == "tension.csv sample 2"
+
+
+def test_samples_stand_side_by_side_and_may_be_of_different_length(tmp_path: Path) -> None:
+    lines = ["strain,stress (MPa),strain,stress (MPa)"]
+    for at, (a, b) in enumerate(zip(STRAIN, STRESS, strict=True)):
+        lines.append(f"{a:.9f},{b:.9f}," + (f"{a:.9f},{1.1 * b:.9f}" if at < 15 else ","))
+    first, second = read_bench(write(tmp_path / "tension.csv", "\n".join(lines)))
+    assert holds(first)
+    assert len(second.stretch) == 15
+    assert second.nominal == pytest.approx(1.1 * STRESS[:15], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["Ecoflex 00-30", "Ecoflex 00-50", "Dragon Skin 10 MEDIUM", "Dragon Skin 30"])
+def test_the_shared_files_are_read_without_a_word(name: str) -> None:
+    sample = read(DATA / "marechal_2020" / f"{name}.csv")
+    assert sample.loading is Loading.TENSION
+    assert 300 < len(sample.stretch) < 730
+    assert sample.stretch[0] == pytest.approx(1.06, abs=0.02)
+    assert 1 < sample.nominal.max() < 5
+
+
+def test_meuniers_silicone_is_read_with_columns_by_number() -> None:
+    spec = {"strain": "2", "strain_unit": "stretch", "stress": "1", "stress_unit": "MPa"}
+    folder = DATA / "meunier_2008"
+    both = read(folder / "UT_stress_stretch.txt", **spec, loading="uniaxial")
+    assert (both.stretch.min(), both.nominal.min()) == (0.49, -1.3878)
+    assert read(folder / "ET_stress_stretch.txt", **spec).loading is Loading.EQUIBIAXIAL
+    assert read(folder / "PS_stress_stretch.txt", **spec).loading is Loading.PLANAR
