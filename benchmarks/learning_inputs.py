@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 Predict = Callable[[Array], Array]
 
 SEED = 0
-KERNEL_IMAGES = 6000
-LENGTHS, PENALTIES = (3.0, 6.0, 12.0, 24.0), (1e-3, 1e-2, 1e-1)
+KERNEL_IMAGES = 4000
+LENGTHS, PENALTIES = (1.5, 3.0, 6.0, 12.0), (1e-4, 1e-3, 1e-2)
 """Length scales (in units of the whitened components' spread) and penalties among which kernel regression chooses."""
 COLUMNS = ("markers", "input", "clean_rmse_deg", "clean_max_deg", "jittered_rmse_deg", "seconds")
 

@@ -31,8 +31,8 @@ def claims(
     """
     from palpate.grid import evaluate_claims, read_evidence, write_claims
 
-    grids, convergence = read_evidence(results)
-    answers = evaluate_claims(grids, convergence)
+    grids, meshes = read_evidence(results)
+    answers = evaluate_claims(grids, meshes)
     if out is not None:
         words = ["palpate", "claims", *(str(folder) for folder in results), "--out", str(out)]
         write_claims(out, answers, grids, shlex.join(words))

@@ -18,8 +18,10 @@ MEASURED_MPA = {5.0: 0.25, 0.5: -0.10}
 WITHIN = 0.05
 """Share within which a stress is the same."""
 PRINTED_ELEMENTS = 2438
-CONVERGENCE = "convergence.csv"
-"""What `palpate convergence --out` leaves."""
+HALVES = 2
+"""A half model has half the elements of the dome."""
+CONVERGENCE = "convergence*.csv"
+"""What `palpate convergence --out` leaves, also where a contact law was added to the name."""
 
 
 def judge_law() -> Finding:
@@ -34,26 +36,22 @@ def judge_law() -> Finding:
     return Finding.of(max(map(abs, errors)) < WITHIN, figures)
 
 
-def judge_mesh(folder: Path | None) -> Finding:
-    """C2: from how many elements on the greatest stress is within 5 % of the finest mesh.
+def judge_mesh(path: Path) -> Finding:
+    """C2: from how many elements of the whole dome on the greatest stress is within 5 % of the finest mesh.
 
     Parameters
     ----------
-    folder
-        Where `palpate convergence --out` wrote; `None` where there is none.
+    path
+        Table that `palpate convergence --out` wrote, of a half model.
     """
-    if folder is None:
-        return Finding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
-    meshes = _read_meshes(folder / CONVERGENCE)
-    figures = ", ".join(f"{count:g}: {100 * error:+.1f} %" for count, error in meshes)
-    if meshes[-1][0] <= PRINTED_ELEMENTS:
-        return Finding(Verdict.OPEN, figures, f"needs a mesh of more than {PRINTED_ELEMENTS} elements")
-    first = next(i for i in range(len(meshes)) if all(abs(error) < WITHIN for _, error in meshes[i:]))
-    enough = meshes[first][0] if first < len(meshes) - 1 else None  # the finest is only compared with itself
-    if enough is None:
-        return Finding.of(False, f"elements of the half dome and error of the stress: {figures}; no mesh is within")
-    text = f"elements of the half dome and error of the stress: {figures}; within from {enough:g} on"
-    return Finding.of(enough <= PRINTED_ELEMENTS, text)
+    meshes = [(HALVES * elements, error) for elements, error in _read_meshes(path)]
+    figures = ", ".join(f"{elements:g}: {100 * error:+.1f} %" for elements, error in meshes[:-1])
+    figures = f"elements of the whole dome and stress against the finest mesh, {meshes[-1][0]:g}: {figures}"
+    first = next(number for number in range(len(meshes)) if all(abs(e) < WITHIN for _, e in meshes[number:]))
+    if first == len(meshes) - 1:  # the finest is compared with itself alone
+        open_ended = meshes[-1][0] <= PRINTED_ELEMENTS
+        return Finding(Verdict.OPEN, figures, "needs finer meshes") if open_ended else Finding.of(False, figures)
+    return Finding.of(meshes[first][0] <= PRINTED_ELEMENTS, f"{figures}; within 5 % from {meshes[first][0]:g} on")
 
 
 def _read_meshes(path: Path) -> list[tuple[float, float]]:

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.core import PalpateError
 from palpate.grid.claim import CLAIMS, Answer, Finding, Verdict
 from palpate.grid.claims_of_errors import judge_best, judge_height, judge_line, judge_markers, judge_thickness
 from palpate.grid.claims_of_material import CONVERGENCE, judge_law, judge_mesh
@@ -37,30 +36,31 @@ JUDGES: dict[str, Callable[[Evidence], Finding]] = {
 """Claims that one grid decides."""
 
 
-def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], Path | None]:
-    """Read result folders: grids, and at most one convergence study.
+NO_MESHES = Finding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
+
+
+def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
+    """Read result folders: the grids, and the tables of convergence studies.
 
     Raises
     ------
     PalpateError
-        If a folder holds neither, or two hold a convergence study.
+        If a folder holds neither.
     """
-    meshes = [folder for folder in folders if (folder / CONVERGENCE).is_file()]
-    if len(meshes) > 1:
-        raise PalpateError(f"{meshes[0]} and {meshes[1]} both hold a convergence study.", "Give one of them.")
-    grids = tuple(Evidence(read_grid(folder), str(folder)) for folder in folders if folder not in meshes)
-    return grids, meshes[0] if meshes else None
+    meshes = {folder: sorted(folder.glob(CONVERGENCE)) for folder in folders}
+    grids = tuple(Evidence(read_grid(folder), str(folder)) for folder in folders if not meshes[folder])
+    return grids, tuple(path for paths in meshes.values() for path in paths)
 
 
-def evaluate_claims(grids: Sequence[Evidence], convergence: Path | None = None) -> tuple[Answer, ...]:
+def evaluate_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[Answer, ...]:
     """Answer every claim.
 
     Parameters
     ----------
     grids
         Studies of the paper's designs, one a contact law or way of learning.
-    convergence
-        Folder of `palpate convergence`, for C2.
+    meshes
+        Tables of `palpate convergence`, for C2.
 
     Returns
     -------
@@ -68,10 +68,10 @@ def evaluate_claims(grids: Sequence[Evidence], convergence: Path | None = None) 
         By claim, then in the order of the grids. A claim whose designs a grid does not have is not decided, and
         the answer names them.
     """
-    answers = [
-        Answer(CLAIMS["C1"], "Table 2", judge_law()),
-        Answer(CLAIMS["C2"], "mesh study", judge_mesh(convergence)),
-    ]
+    answers = [Answer(CLAIMS["C1"], "Table 2", judge_law())]
+    answers += [Answer(CLAIMS["C2"], _name_meshes(path), judge_mesh(path)) for path in meshes]
+    if not meshes:
+        answers.append(Answer(CLAIMS["C2"], "no mesh study", NO_MESHES))
     names = name_sources(grids)
     for claim, judge in JUDGES.items():
         for evidence, name in zip(grids, names, strict=True):
@@ -85,6 +85,11 @@ def name_sources(grids: Sequence[Evidence]) -> tuple[str, ...]:
     """Name of each grid by what it is; two of the same kind are told apart by their folders."""
     kinds = Counter(evidence.label for evidence in grids)
     return tuple(e.label if kinds[e.label] == 1 else f"{e.label} ({e.folder})" for e in grids)
+
+
+def _name_meshes(path: Path) -> str:
+    """``"mesh study, no slip"`` from ``convergence_no_slip.csv``."""
+    return ", ".join(["mesh study", *path.stem.split("_", 1)[1:]]).replace("_", " ")
 
 
 def _judge(judge: Callable[[Evidence], Finding], evidence: Evidence) -> Finding:
