@@ -65,8 +65,8 @@ def judge_inversion(evidence: Evidence) -> Finding:
         return Finding(
             Verdict.OPEN,
             figures,
-            "the presses hold the apex to the wall, so that T = 1 mm keeps its flat state, while the inverted one exists "
-            "beside it; which of them a real dome takes hangs on knocks and flaws, which the paper does not give",
+            "the presses hold the apex to the wall, so that T = 1 mm keeps its flat state, while the inverted one "
+            "exists beside it; which a real dome takes hangs on knocks and flaws, which the paper does not give",
         )
     return Finding.of(False, figures)
 
