@@ -185,6 +185,7 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
             for (name, value), (low, high) in zip(found.constants.items(), found.intervals, strict=True)
         ],
         "confidence": found.spec.confidence,
+        "intervals_from": "samples" if found.from_samples else "rows",
         "shear_modulus_mpa": found.law.shear_modulus,
         "condition": found.condition,
         "aicc": found.aicc,
@@ -268,7 +269,7 @@ def _print(told: dict[str, Any]) -> None:
         for item in told["samples"]
     ]
     print_table("samples", ["file", "test", "rows", "stretch", "greatest kPa", "notes"], rows)
-    interval = f"{100 * told['confidence']:g} % interval"
+    interval = f"{100 * told['confidence']:g} % interval, from differences between {told['intervals_from']}"
     rows = [
         [item["name"], f"{item['value']:.8g}", "-" if math.isnan(item["low"]) else _span(item["low"], item["high"])]
         for item in told["constants"]

@@ -15,7 +15,7 @@ from palpate.material.prepare import average_samples, prepare_sample
 from palpate.material.rank import predict_unseen, rank_models
 from palpate.material.read_bench import read_bench
 from palpate.material.sample import Loading, Sample
-from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec
+from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec, Weighting
 from palpate.material.stress import isochoric
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "Polynomial",
     "PrepareSpec",
     "Sample",
+    "Weighting",
     "average_samples",
     "draw_fit",
     "find_stable_ranges",

@@ -93,7 +93,7 @@ def _draw_panel(axis: Axes, samples: Sequence[Sample], fit: Fit, scale: float) -
         mean = average_samples(samples)
         band = (scale * (mean.mean - mean.spread), scale * (mean.mean + mean.spread))
         axis.fill_between(mean.stretch, *band, color=_MEAN, alpha=0.15, linewidth=0, label="± one deviation")
-        axis.plot(mean.stretch, scale * mean.mean, color=_MEAN, linestyle="--", linewidth=1.3, label="mean")
+        axis.plot(mean.stretch, scale * mean.mean, color=_MEAN, linestyle="--", linewidth=1.1, zorder=4, label="mean")
     grid = np.linspace(min(low, 1.0), max(high, 1.0), _POINTS)
     axis.plot(grid, scale * fit.nominal(samples[0].mode, grid), color=_MODEL, linewidth=1.8, label=fit.model.name)
     axis.axhline(0, color="0.8", linewidth=0.6, zorder=0)

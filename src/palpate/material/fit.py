@@ -75,6 +75,8 @@ class Fit:
         By mode.
     held
         Whether a bound or the stability holds the fit.
+    from_samples
+        Whether the intervals come from the differences between samples, not from those between rows.
     """
 
     spec: FitSpec
@@ -89,6 +91,7 @@ class Fit:
     quality: tuple[ModeQuality, ...]
     stability: tuple[StableRange, ...]
     held: bool
+    from_samples: bool
 
     @property
     def law(self) -> Law:

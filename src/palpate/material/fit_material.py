@@ -6,8 +6,9 @@ the search has one to three unknowns (variable projection; the derivative is Kau
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from palpate.material.fit import Fit, judge
 from palpate.material.law import FloatArray
 from palpate.material.least_squares import lengths, solve_linear, solve_positive_definite, solve_signed
 from palpate.material.model import Model, PolynomialModel, get_model
-from palpate.material.sample import Sample
+from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec, Weighting
 
 _LEAST_SHARE = 0.01
@@ -33,6 +34,8 @@ _STATES = 400
 _GOOD_STARTS = 3
 """Best starts that are searched to the end."""
 _AT_BOUND = 1e-6
+_FEWEST_SAMPLES = 3
+"""Samples of each test from which their differences tell the intervals."""
 
 
 class _Data(NamedTuple):
@@ -51,8 +54,12 @@ class _Solution:
     held: bool
 
 
-def fit_material(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit | None = None) -> Fit:
+def fit_material(samples: Sequence[Sample], spec: FitSpec | None = None) -> Fit:
     """Fit one model to all samples.
+
+    Where every test has three samples or more, the intervals come from the differences between samples (a jackknife
+    that leaves each out in turn, by test); with fewer they take every row for an observation of its own, which is
+    right for noise and too narrow where specimens differ.
 
     Parameters
     ----------
@@ -60,13 +67,48 @@ def fit_material(samples: Sequence[Sample], spec: FitSpec | None = None, near: F
         Of one or several modes.
     spec
         Model, weights, stability.
-    near
-        A fit of the same model to almost the same rows: its shapes are the only start of the search.
 
     Raises
     ------
     PalpateError
         If there are fewer rows than the model has constants, or no stable fit exists.
+    """
+    fit = fit_rows(samples, spec)
+    if fit.held or min(Counter(sample.loading for sample in samples).values()) < _FEWEST_SAMPLES:
+        return fit
+    try:
+        return replace(fit, intervals=_intervals_between(samples, fit), from_samples=True)
+    except PalpateError:
+        return fit
+
+
+def _intervals_between(samples: Sequence[Sample], fit: Fit) -> FloatArray:
+    """Confidence intervals (p, 2) by the stratified jackknife (Shao & Tu 1995, section 6.2), a stratum a test.
+
+    Student's distribution has Satterthwaite's degrees of freedom, for one test may decide a constant alone.
+    """
+    left_out: dict[Loading, list[FloatArray]] = {}
+    for at, sample in enumerate(samples):
+        other = fit_rows([*samples[:at], *samples[at + 1 :]], fit.spec, near=fit)
+        left_out.setdefault(sample.loading, []).append(np.concatenate([other.linear, other.shapes]))
+    parts = np.array([np.var(np.array(each), axis=0) * (len(each) - 1) for each in left_out.values()])
+    free = np.array([len(each) - 1 for each in left_out.values()])[:, None]
+    variance = np.maximum(parts.sum(axis=0), 1e-300)
+    freedom = variance**2 / np.maximum((parts**2 / free).sum(axis=0), 1e-300)
+    half = stdtrit(freedom, 0.5 + 0.5 * fit.spec.confidence) * np.sqrt(variance)
+    values = np.concatenate([fit.linear, fit.shapes])
+    return np.column_stack([values - half, values + half])
+
+
+def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit | None = None) -> Fit:
+    """Fit one model to all rows of all samples, each row an observation of its own.
+
+    Parameters
+    ----------
+    samples, spec
+        As for `fit_material`.
+    near
+        A fit of the same model to almost the same rows: its shapes are the only start of the search.
     """
     spec = spec or FitSpec()
     model = get_model(spec.model)
@@ -95,6 +137,7 @@ def fit_material(samples: Sequence[Sample], spec: FitSpec | None = None, near: F
         quality=judge(samples, [model.terms(s.principal, solution.shapes) @ solution.linear for s in samples]),
         stability=find_stable_ranges(model.law(solution.linear, solution.shapes), low, high),
         held=solution.held,
+        from_samples=False,
     )
 
 

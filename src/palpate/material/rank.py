@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from palpate.core import PalpateError
 from palpate.material.curve import Mode, stretches
 from palpate.material.fit import Fit
-from palpate.material.fit_material import fit_material
+from palpate.material.fit_material import fit_rows
 from palpate.material.law import FloatArray
 from palpate.material.model import MODELS, SECOND_INVARIANT
 from palpate.material.sample import Sample
@@ -87,7 +87,7 @@ def rank_models(
     for name in names:
         chosen = spec.model_copy(update={"model": name})
         try:
-            fit = fit_material(samples, chosen)
+            fit = fit_rows(samples, chosen)
         except PalpateError as error:
             found.append(Ranked(name, None, float("inf"), float("nan"), error.what))
             continue
@@ -108,7 +108,7 @@ def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
     squares = []
     for at, sample in enumerate(samples):
         try:
-            other = fit_material([*samples[:at], *samples[at + 1 :]], fit.spec, near=fit)
+            other = fit_rows([*samples[:at], *samples[at + 1 :]], fit.spec, near=fit)
         except PalpateError:
             return float("nan")
         with np.errstate(over="ignore", invalid="ignore"):
@@ -161,7 +161,7 @@ def _fit_second_invariant(samples: Sequence[Sample], spec: FitSpec) -> list[Fit]
     """The stable fit of Yeoh's law with a term in I2; empty where there is none."""
     chosen = spec.model_copy(update={"model": SECOND_INVARIANT.name, "stable": True})
     try:
-        return [fit_material(samples, chosen)]
+        return [fit_rows(samples, chosen)]
     except PalpateError:
         return []
 

@@ -1,12 +1,12 @@
 """Fits against known answers: Treloar's rubber, the paper's silicone from its own curves, and honest intervals.
 
-Treloar's table (95 rows, two digitisations) holds unweighted least-squares fits to each mode and to all, and their R² on
-every mode. Two of its rows cannot be met to the printed digits, and need not be:
+Treloar's table (95 rows, two digitisations) holds unweighted least-squares fits to each mode and to all, and their R²
+on every mode. Two of its rows cannot be met to the printed digits, and need not be:
 
 * *Mooney–Rivlin on planar data alone.* There ``l2 = 1``, so I1 = I2 and stress depends on C10 + C01 only: the sum is
   compared. The R² of the fit in the other modes has no meaning either and is left out.
-* *Yeoh on the equibiaxial data of digitisation A.* The printed C20 and C30 are 4.9e-5 and 1.9e-5 from the least squares solved in rational
-  numbers (`tests/unit/material/test_fit_material.py`), the printed constants have a larger sum of squares than ours.
+* *Yeoh on the equibiaxial data of digitisation A.* The printed C20 and C30 are 4.9e-5 and 1.9e-5 from the least squares
+  solved in rational numbers (`tests/unit/material/test_fit_material.py`); their sum of squares is larger than ours.
 
 Ogden's parameters are not unique, so his objective is compared, and R² on the fitted modes only.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.material import Fit, FitSpec, Loading, Mode, Sample, fit_material, trace_curve
+from palpate.material import Fit, FitSpec, Loading, Mode, Sample, Weighting, fit_material, trace_curve
 from palpate.verify.case import Row, below, compare
 from palpate.verify.mapped import FloatArray
 from palpate.verify.read_reference import Reference, read_reference
@@ -61,7 +61,7 @@ def treloar_quality() -> list[Row]:
     ours, printed, at = [], [], []
     data = read_reference("treloar_data")
     for name in _MODELS:
-        for label, samples, fit, _ in _fits(name):
+        for label, _, fit, _ in _fits(name):
             digitisation, fitted = label.split(", ")[:2]
             table = read_reference("treloar_fits").where(digitisation=digitisation, model=name)
             for mode, r2 in zip(table.labels("fitted_to", "evaluated_on"), table["R2"], strict=True):
@@ -81,7 +81,7 @@ def treloar_quality() -> list[Row]:
 def yeoh_recovery() -> list[Row]:
     """The paper's Table 2 from its own curves without noise."""
     rows = []
-    for weighting in ("uniform", "relative", "mode"):
+    for weighting in Weighting:
         fit = fit_material(_paper_curves(), FitSpec(weighting=weighting))
         expected = list(YEOH.law.constants.values())
         rows.append(

@@ -29,6 +29,7 @@ from palpate.material import (
     trace_curve,
 )
 from palpate.material.drucker import drucker_matrix
+from palpate.material.fit_material import fit_rows
 from palpate.material.least_squares import solve_bounded, solve_linear, solve_positive_definite
 from palpate.verify.read_reference import read_reference
 
@@ -160,9 +161,32 @@ def test_intervals_of_shapes_hold_the_truth_as_often_as_they_say(model: str, tex
         noisy = [
             Sample(s.name, s.loading, s.stretch, s.nominal + 2e-4 * rng.normal(size=len(s.stretch))) for s in clean
         ]
-        intervals = fit_material(noisy, FitSpec(model=model), near=first).intervals
+        intervals = fit_rows(noisy, FitSpec(model=model), near=first).intervals
         held += (intervals[:, 0] <= truth) & (truth <= intervals[:, 1])
     assert np.all(np.abs(held / count - 0.95) < 0.04)
+
+
+def test_intervals_of_samples_that_differ_hold_the_truth_as_often_as_they_say() -> None:
+    """Specimens 4 % apart: the rows of one are not independent, so intervals between rows would be far too narrow."""
+    clean, truth = curves("zaid_2024_ecoflex_00_30"), np.array([0.0141156, 0.0001106, 4.8e-6])
+    between, rows, count = np.zeros(3), np.zeros(3), 200
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        samples = [
+            replace(s, nominal=s.nominal * (1 + 0.04 * rng.normal()) + 1e-4 * rng.normal(size=len(s.stretch)))
+            for s in clean
+            for _ in range(5)
+        ]
+        for held, fit in ((between, fit_material(samples)), (rows, fit_rows(samples))):
+            held += (fit.intervals[:, 0] <= truth) & (truth <= fit.intervals[:, 1])
+    assert np.all(np.abs(between / count - 0.95) < 0.04)
+    assert (rows / count).min() < 0.8
+
+
+def test_intervals_come_from_rows_where_a_test_has_too_few_samples() -> None:
+    samples = curves("zaid_2024_ecoflex_00_30", noise=0.01, samples=3)
+    assert fit_material(samples).from_samples
+    assert not fit_material(samples[1:]).from_samples
 
 
 def test_an_interval_widens_with_its_confidence() -> None:

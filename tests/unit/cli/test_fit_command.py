@@ -1,0 +1,164 @@
+"""`palpate fit` and `palpate material`."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.cli import main
+from palpate.material import Loading, get_material, list_materials, read_material, trace_curve
+
+DATA = Path(__file__).parents[1] / "material" / "data"
+ECOFLEX = DATA / "marechal_2020" / "Ecoflex 00-30.csv"
+MEUNIER = DATA / "meunier_2008"
+
+
+def call(*words: str | Path) -> int:
+    with pytest.raises(SystemExit) as left:
+        main([str(word) for word in words])
+    assert isinstance(left.value.code, int)
+    return left.value.code
+
+
+def told(capsys: pytest.CaptureFixture[str], *words: str | Path) -> dict:
+    assert call("fit", *words, "--json") == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Five samples each of tension and compression of the paper's silicone, a few per cent apart, as Zwick writes."""
+    folder, rng = tmp_path_factory.mktemp("bench"), np.random.default_rng(4)
+    paper = get_material("zaid_2024_ecoflex_00_30")
+    for loading, strain in (
+        (Loading.TENSION, np.linspace(0, 4, 300)),
+        (Loading.COMPRESSION, np.linspace(0, 0.5, 80)),
+    ):
+        sign = 1 if loading is Loading.TENSION else -1
+        exact = sign * trace_curve(paper, loading.mode, 1 + sign * strain).nominal
+        for number in range(5):
+            stress = exact * (1 + 0.04 * rng.normal()) + 2e-4 * rng.normal(size=len(exact))
+            lines = [f"Probe {number + 1}", "Dehnung;Spannung", "%;kPa"]
+            lines += [f"{100 * a:.4f};{1e3 * b:.5f}".replace(".", ",") for a, b in zip(strain, stress, strict=True)]
+            (folder / f"{loading}_{number + 1}.csv").write_text("\r\n".join(lines), "latin-1")
+    return folder
+
+
+def test_ten_files_of_a_bench_give_the_material_its_limits_and_the_picture(
+    bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, figure = tmp_path / "mine.yaml", tmp_path / "fit.png"
+    assert call("fit", *sorted(bench.glob("*.csv")), "--model", "yeoh", "-o", out, "--figure", figure) == 0
+    shown = capsys.readouterr().out
+    for text in (
+        "tension_5.csv",
+        "C30",
+        "95 % interval, from differences between samples",
+        "R²",
+        "not measured",
+        "AICc behind",
+        "one sample left out",
+    ):
+        assert text in shown
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    material = read_material(out)
+    paper = get_material("zaid_2024_ecoflex_00_30")
+    assert material.law.shear_modulus == pytest.approx(paper.law.shear_modulus, rel=0.08)
+    assert material.stretch_range == pytest.approx((0.5, 5.0), rel=0.01)
+    assert material.name == "mine"
+    assert "tension_1.csv" in material.source
+
+
+def test_json_holds_what_the_tables_show(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shown = told(capsys, *sorted(bench.glob("*.csv")), "--no-figure")
+    assert [item["name"] for item in shown["constants"]] == ["C10", "C20", "C30"]
+    assert all(item["low"] < item["value"] < item["high"] for item in shown["constants"])
+    assert len(shown["samples"]) == 10
+    assert {item["mode"] for item in shown["unseen"]} == {"equibiaxial", "planar"}
+    assert len(shown["ranking"]) == 10
+    yeoh = next(item for item in shown["ranking"] if item["model"] == "yeoh")
+    assert 0.005 < yeoh["left_out"] < 0.1
+    assert shown["files"] == []
+
+
+def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone") == 0
+    shown = capsys.readouterr().out
+    assert "-3.6" in shown
+    assert "Warning: Unstable (Drucker) in the uniaxial mode above a stretch of 11.68." in shown
+    assert "With --stable: C10 0.00796" in shown
+
+
+def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = told(capsys, ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "--stable")
+    assert shown["stable"]
+    assert shown["stable_fit"] is None
+    assert shown["constants"][0]["low"] is None
+    assert shown["warnings"] == ["A bound or the stability holds the fit, so least squares gives no intervals."]
+
+
+def test_an_unstable_material_is_written_with_its_caution(tmp_path: Path) -> None:
+    out = tmp_path / "soft.yaml"
+    assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
+    assert "above a stretch of 11.68" in read_material(out).caution
+
+
+def test_files_are_given_to_their_test(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    columns = ("--strain", "2", "--strain-unit", "stretch", "--stress", "1", "--stress-unit", "MPa")
+    files = ("--uniaxial", MEUNIER / "UT_stress_stretch.txt", "--planar", MEUNIER / "PS_stress_stretch.txt")
+    picture = tmp_path / "fit.svg"
+    shown = told(capsys, *files, *columns, "--figure", picture)
+    assert [item["test"] for item in shown["samples"]] == ["uniaxial", "planar"]
+    assert [item["mode"] for item in shown["unseen"]] == ["equibiaxial"]
+    assert "<svg" in picture.read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ((), "There are no files"),
+        (("nowhere.csv",), "nowhere.csv cannot be read"),
+        ((ECOFLEX, "--model", "rubber"), "There is no model 'rubber'"),
+        ((ECOFLEX, "--weighting", "heavy"), "--weighting"),
+        ((ECOFLEX, "--strain-unit", "inch"), "--strain-unit"),
+        ((ECOFLEX, "--toe", "yes"), "--toe"),
+        ((ECOFLEX, "--confidence", "95"), "--confidence"),
+        ((ECOFLEX, "--figure", "fit.bmp"), "does not end in .png"),
+        ((ECOFLEX, "--figure", "no/folder/fit.png"), "cannot be written"),
+        ((ECOFLEX, "--no-figure", "-o", "no/folder/mine.yaml"), "cannot be written"),
+        ((ECOFLEX, "--model", "mooney-rivlin", "--no-figure", "-o", "mine.yaml"), "must be positive"),
+        ((ECOFLEX, "--colour", "red"), "--colour"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_with_2(
+    words: tuple[str | Path, ...],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert call("fit", *words, *(() if "--alone" in words or not words else ("--alone",))) == 2
+    shown = capsys.readouterr()
+    assert says in shown.err
+    assert "Traceback" not in shown.err
+
+
+def test_the_library_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("material", "list", "--json") == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert [item["name"] for item in shown] == list(list_materials())
+    assert all(item["stable"] for item in shown)
+    assert call("material", "list") == 0
+    assert "meunier_2008_silicone" in capsys.readouterr().out
+
+
+def test_a_material_is_shown_with_its_pedigree(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call("material", "show", "marechal_2020_ecoflex_00_30") == 0
+    shown = capsys.readouterr().out
+    for text in ("C30", "Open Database License", "crosshead travel", "E 47.79 kPa", "Drucker-stable: yes"):
+        assert text in shown
+    assert call("material", "show", "yeoh:0.1,-0.01,0", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["stable"] is False
+    assert call("material", "show", "cheese") == 2
