@@ -128,6 +128,12 @@ def test_one_missing_design_of_48_is_named():
     assert set(needs.values()) == {"needs H10 T3 with 91 markers"}
 
 
+def test_one_dome_refutes_what_is_said_of_every_dome():
+    one = grid(CONTRARY["C6"], keep=lambda h, t, m: (h, t) == (30, 4))
+    assert verdict("C6", one) == FAILS
+    assert verdict("C6", grid(keep=lambda h, t, m: (h, t) == (30, 4))) == OPEN
+
+
 def test_a_design_that_failed_is_missing_with_its_reason():
     failed = [
         replace(design, clean=None, jittered=None, failure="the lamp went out")
