@@ -20,6 +20,8 @@ LOW, HIGH = 0.05, 20.0
 """Uniaxial stretches between which a law is scanned, if data do not go further."""
 _POINTS = 400
 """Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale."""
+_ROUND_OFF = 1e-12
+"""Share of the greatest eigenvalue that the smallest one of a large exponent of Ogden's may lose by cancellation."""
 
 
 @dataclass(frozen=True)
@@ -100,4 +102,4 @@ def _least(law: Law, mode: Mode, stretch: FloatArray) -> FloatArray:
     matrix = drucker_matrix(law.code, law.parameters, stretches(mode, stretch))
     middle = 0.5 * (matrix[:, 0, 0] + matrix[:, 1, 1])
     radius = np.hypot(0.5 * (matrix[:, 0, 0] - matrix[:, 1, 1]), matrix[:, 0, 1])
-    return np.asarray(middle - radius)
+    return np.asarray(middle - radius + _ROUND_OFF * (np.abs(middle) + radius))

@@ -19,6 +19,8 @@ from palpate.material.spec import FitSpec
 
 _AS_GOOD = 3.0
 """A model is a peer if its error is at most so many times that of the best."""
+_UNDETERMINED = 1e8
+"""Condition number beyond which the constants are any of many, and so is what they say of other modes."""
 _POINTS = 60
 """Stretches at which models are compared."""
 
@@ -59,7 +61,8 @@ class UnseenError:
     high
         Stretch to which it is judged: that of the greatest I1 measured.
     relative
-        Median distance from the other models that fit about as well: RMS over their greatest stress; nan without any.
+        Median distance from the other models that fit about as well: RMS over their greatest stress; nan without
+        any, and where the data do not determine the constants.
     peers
         Their names.
     """
@@ -148,7 +151,8 @@ def predict_unseen(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]
         with np.errstate(over="ignore", invalid="ignore"):
             own = fit.nominal(mode, grid)
             distances = [_distance(own, peer.nominal(mode, grid)) for peer in peers]
-        relative = float(np.median(distances)) if distances else float("nan")
+        known = distances and fit.condition < _UNDETERMINED
+        relative = float(np.median(distances)) if known else float("nan")
         found.append(UnseenError(mode, high, relative, tuple(peer.model.name for peer in peers)))
     return tuple(found)
 

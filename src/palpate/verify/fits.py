@@ -5,8 +5,8 @@ on every mode. Two of its rows cannot be met to the printed digits, and need not
 
 * *Mooney–Rivlin on planar data alone.* There ``l2 = 1``, so I1 = I2 and stress depends on C10 + C01 only: the sum is
   compared. The R² of the fit in the other modes has no meaning either and is left out.
-* *Yeoh on the equibiaxial data of digitisation A.* The printed C20 and C30 are 4.9e-5 and 1.9e-5 from the least squares
-  solved in rational numbers (`tests/unit/material/test_fit_material.py`); their sum of squares is larger than ours.
+* *Yeoh on the equibiaxial data of digitisation A.* The printed C20 and C30 are 4.9e-5 and 1.9e-5 off the solution in
+  rational numbers (`tests/unit/material/test_fit_material.py`); their sum of squares is larger than ours.
 
 Ogden's parameters are not unique, so his objective is compared, and R² on the fitted modes only.
 """

@@ -258,6 +258,12 @@ def test_a_law_without_stiffness_is_unstable_from_rest() -> None:
         fit.material("unusable")
 
 
+def test_an_ogden_whose_terms_are_all_stable_is_stable_whatever_its_exponents() -> None:
+    for alpha in (-28.0, -9.0, -2.0, 0.5, 3.0, 12.0, 28.0):
+        law = get_material(f"ogden:{0.02 / alpha!r},{alpha!r}").law
+        assert all(item.whole for item in find_stable_ranges(law)), alpha
+
+
 def test_drucker_matrix_is_the_slope_of_the_stress_differences() -> None:
     law, h = get_material("ogden:0.63,1.3,0.0012,5,-0.01,-2").law, 1e-5
     logs = np.random.default_rng(0).normal(scale=0.4, size=(50, 2))
@@ -351,7 +357,7 @@ def test_a_model_with_more_constants_than_rows_is_ranked_last_with_the_reason() 
 
 
 def test_predicted_errors_of_unseen_modes_are_of_the_right_size_on_treloar() -> None:
-    """Fits to one mode: within a factor of 20, most within 4; those that are absurd elsewhere are all known."""
+    """Fits to one mode: within a factor of 6, most within 4; those that are absurd elsewhere are all known."""
     every = {mode: treloar("B", mode)[0] for mode in ("uniaxial", "equibiaxial", "planar")}
     ratios = []
     for seen in every:
@@ -363,12 +369,14 @@ def test_predicted_errors_of_unseen_modes_are_of_the_right_size_on_treloar() -> 
                 with np.errstate(over="ignore"):
                     error = item.fit.nominal_of(sample) - sample.nominal
                     true = float(np.sqrt(np.mean(error**2)) / sample.nominal.max())
-                if true > 5:
+                if np.isnan(unseen.relative):
+                    assert item.fit.condition > 1e8
+                elif true > 5:
                     assert unseen.relative > 1, (seen, item.name, unseen.mode)
                 elif item.fit.stable:
                     ratios.append(unseen.relative / true)
     assert len(ratios) > 30
-    assert 1 / 20 < min(ratios) < max(ratios) < 20
+    assert 1 / 6 < min(ratios) < max(ratios) < 6
     assert np.mean((np.array(ratios) > 1 / 4) & (np.array(ratios) < 4)) > 0.8
 
 
