@@ -20,6 +20,8 @@ TITLE_INCH = 3.9
 """Least width of a picture: its title fits."""
 DOTS_PER_INCH = 160
 COLOURS = "viridis"
+FEW = 0.1
+"""Numbers below get three decimals."""
 MARKS = "osD^vPX*"
 LINES = ("-", "--", "-.", ":")
 
@@ -146,5 +148,5 @@ def _empty_figure(width: float, height: float) -> Figure:
 
 def _write_number(axis: Any, place: tuple[int, int], value: float, colour: tuple[float, ...]) -> None:
     luminance = float(np.dot(colour[:3], (0.2126, 0.7152, 0.0722)))
-    text = f"{value:.2f}" if np.isfinite(value) else "–"
+    text = f"{value:.{2 if abs(value) >= FEW else 3}f}" if np.isfinite(value) else "–"
     axis.text(*place, text, ha="center", va="center", fontsize=9, color="black" if luminance > 0.45 else "white")

@@ -7,13 +7,19 @@ import os
 import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from palpate.core import PalpateError
 from palpate.grid.claim import CLAIMS, Answer, Verdict
 from palpate.grid.evaluate_claims import name_sources
 from palpate.grid.evidence import Evidence
+from palpate.grid.grid import SpecificationGrid
 from palpate.grid.plot import draw_plot, name_plot, refuse_unknown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PICTURES = {
     "C3": ("heat", "peak_stress_straight_mpa"),
@@ -30,6 +36,9 @@ PICTURES = {
 }
 """Kind and metric of the picture that shows what decides a claim."""
 COLUMNS = ("claim", "the paper", "it holds if", "in", "figures", "verdict")
+
+OF_DOMES = ("C3", "C4", "C5")
+"""Claims about domes, whose figures all layouts share: one panel is enough."""
 
 Pictures = Mapping[tuple[str, str], str]
 """Path of a picture, relative to the page, by claim and source."""
@@ -151,24 +160,30 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
     written: dict[tuple[str, str], Path] = {}
     for evidence, name in zip(grids, name_sources(grids), strict=True):
         for claim, (kind, metric) in PICTURES.items():
+            grid = _first_layout(evidence.grid) if claim in OF_DOMES else evidence.grid
             try:
-                refuse_unknown(evidence.grid, kind, metric)
+                refuse_unknown(grid, kind, metric)
             except PalpateError:  # nothing to draw: the answer says what is missing
                 continue
             path = folder / f"{name_plot(kind, metric)}_{_plain(name)}.svg"
             if path not in written.values():
-                _write_picture(path, evidence, kind, metric)
+                _write_picture(path, draw_plot(grid, kind, metric))
             written[claim, name] = path
     return written
 
 
-def _write_picture(path: Path, evidence: Evidence, kind: str, metric: str) -> None:
+def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
+    """The rows of the layout that comes first."""
+    return replace(grid, rows=tuple(row for row in grid.rows if row["markers"] == grid.rows[0]["markers"]))
+
+
+def _write_picture(path: Path, figure: Figure) -> None:
     # imported here because a drawing library loads slowly
     from palpate.grid.draw import write_picture
 
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
-        write_picture(Path(folder) / path.name, draw_plot(evidence.grid, kind, metric))
+        write_picture(Path(folder) / path.name, figure)
         os.replace(Path(folder) / path.name, path)
 
 
