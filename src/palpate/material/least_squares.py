@@ -14,6 +14,10 @@ from palpate.material.law import FloatArray
 _CUTS = 40
 """Rounds of cutting planes; four or five are usual."""
 _ENOUGH = 1e-8
+_PLANES = 60
+"""Planes added in a round, those of the worst states."""
+_SINGULAR = 1e6
+"""Condition number beyond which constants are held small."""
 
 
 def solve_linear(A: FloatArray, b: FloatArray) -> FloatArray:
@@ -32,6 +36,10 @@ def solve_bounded(A: FloatArray, b: FloatArray, G: FloatArray, h: FloatArray) ->
     """
     scale = lengths(A)
     q, r = np.linalg.qr(A / scale)
+    if np.linalg.cond(r) > _SINGULAR:  # the data leave constants open: of all solutions, nearly the smallest
+        ridge = np.vstack([A / scale, np.eye(len(scale)) / _SINGULAR])
+        q, r = np.linalg.qr(ridge)
+        b = np.concatenate([b, np.zeros(len(scale))])
     inverse = np.linalg.inv(r)
     target = q.T @ b
     reduced = (G / scale) @ inverse
@@ -76,8 +84,9 @@ def solve_positive_definite(
     c = solve_linear(A, b)
     for _ in range(_CUTS):
         values, vectors = np.linalg.eigh(np.einsum("k,kmij->mij", c, matrices))
-        bad = values[:, 0] < margin - _ENOUGH
-        if not bad.any():
+        worst = np.argsort(values[:, 0])[:_PLANES]
+        bad = worst[values[worst, 0] < margin - _ENOUGH]
+        if not len(bad):
             touching = planes[np.abs(planes @ c - margin) < 1e-6] if len(planes) else planes
             return c, touching
         v = vectors[bad, :, 0]

@@ -34,21 +34,31 @@ class StressUnit(StrEnum):
     KILONEWTON = "kN"
 
 
+_STRAIN_UNITS = ", ".join(StrainUnit)
+_STRESS_UNITS = ", ".join(StressUnit)
+
+
 class BenchSpec(Spec):
     """How the files of a test bench are to be read; what is left open is found in the file or asked for."""
 
     loading: Loading | None = parameter(None, unit="", meaning="the test; empty: as file name or preamble say")
     strain: str | None = parameter(None, unit="", meaning="column of strain, stretch or travel: name or number")
-    strain_unit: StrainUnit | None = parameter(None, unit="", meaning="its unit; empty: as the header says")
+    strain_unit: StrainUnit | None = parameter(
+        None, unit="", meaning=f"its unit, {_STRAIN_UNITS}; empty: as the header says"
+    )
     stress: str | None = parameter(None, unit="", meaning="column of stress or force: name or number")
-    stress_unit: StressUnit | None = parameter(None, unit="", meaning="its unit; empty: as the header says")
+    stress_unit: StressUnit | None = parameter(
+        None, unit="", meaning=f"its unit, {_STRESS_UNITS}; empty: as the header says"
+    )
     true_stress: bool = parameter(False, unit="", meaning="whether the stress is true (Cauchy), not nominal")
     gauge_length: float | None = parameter(None, unit="mm", meaning="gauge length, for a column of travel", gt=0)
     section: float | None = parameter(None, unit="mm2", meaning="undeformed section, for a column of force", gt=0)
     sample: str | None = parameter(None, unit="", meaning="column that numbers the samples: name or number")
-    decimal: Literal["point", "comma"] | None = parameter(None, unit="", meaning="decimal mark; empty: found")
+    decimal: Literal["point", "comma"] | None = parameter(
+        None, unit="", meaning="decimal mark, point or comma; empty: found"
+    )
     delimiter: Literal["comma", "semicolon", "tab", "space"] | None = parameter(
-        None, unit="", meaning="what stands between cells; empty: found"
+        None, unit="", meaning="what stands between cells: comma, semicolon, tab or space; empty: found"
     )
 
 
@@ -59,7 +69,9 @@ class PrepareSpec(Spec):
     greatest_stretch: float = parameter(1e3, unit="1", meaning="rows of greater stretch are left out", gt=1)
     until_break: bool = parameter(True, unit="", meaning="cut where the specimen breaks or is unloaded")
     toe: Literal["none", "auto"] = parameter(
-        "none", unit="", meaning="shift the strain so that the steepest line of the toe passes through zero"
+        "none",
+        unit="",
+        meaning="none, or auto: shift the strain so that the steepest line of the toe passes through zero",
     )
     strain_factor: float = parameter(
         1.0, unit="1", meaning="gauge over crosshead strain, to correct a strain of crosshead travel", gt=0
@@ -84,7 +96,7 @@ class FitSpec(Spec):
     weighting: Weighting = parameter(
         Weighting.UNIFORM,
         unit="",
-        meaning="how an error counts: as it is, relative to its stress, or to the greatest stress of its mode",
+        meaning="uniform: an error counts as it is; relative: over its stress; mode: over the greatest of its mode",
     )
     stable: bool = parameter(False, unit="", meaning="hold the fit to Drucker's stability")
     stable_from: float = parameter(

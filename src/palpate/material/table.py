@@ -184,12 +184,14 @@ def _read_head(
             return tuple(cells), (), ()
         return (), (), ()
     last = _trimmed(dialect.split(texts[-1]))
-    if len(last) > 1 and (odd := [cell for cell in last if cell and dialect.number(cell) is None]) != last:
-        column = last.index(odd[0]) + 1
+    words = [cell for cell in last if cell and dialect.number(cell) is None]
+    if words and len(words) < sum(map(bool, last)):
         raise PalpateError(
-            f"{path}: row {lines[-1][0]}, column {column}: '{odd[0][:40]}' is no number.",
+            f"{path}: row {lines[-1][0]}, column {last.index(words[0]) + 1}: '{words[0][:40]}' is no number.",
             "Mend or delete the row, or put # in front of it.",
         )
+    if not words:
+        return (), (), tuple(texts)
     above = _trimmed(dialect.split(texts[-2])) if len(texts) > 1 else []
     if len(above) == len(last) > 1 and all(map(_is_unit, last)):
         header, units, rest = above, last, texts[:-2]

@@ -18,7 +18,7 @@ CASES: tuple[Case, ...] = (
     Case("yeoh_drucker_limits", "exact", material.drucker_limits),
     Case("treloar_parameters", "least squares", fits.treloar_parameters),
     Case("treloar_quality", "least squares", fits.treloar_quality),
-    Case("yeoh_recovery", "exact", fits.yeoh_recovery),
+    Case("table_2_recovery", "exact", fits.table_2_recovery),
     Case("interval_coverage", "Student's t", fits.interval_coverage),
     Case("one_element", "exact, incompressible", material.one_element),
     Case("one_element_in_shear", "exact", material.one_element_in_shear),

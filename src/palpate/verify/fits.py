@@ -78,7 +78,7 @@ def treloar_quality() -> list[Row]:
     return [compare("R²; of Ogden's fits where it is below the reference's", told, printed, 1e-4, at, scale)]
 
 
-def yeoh_recovery() -> list[Row]:
+def table_2_recovery() -> list[Row]:
     """The paper's Table 2 from its own curves without noise."""
     rows = []
     for weighting in Weighting:

@@ -347,3 +347,48 @@ def test_meuniers_silicone_is_read_with_columns_by_number() -> None:
     assert (both.stretch.min(), both.nominal.min()) == (0.49, -1.3878)
     assert read(folder / "ET_stress_stretch.txt", **spec).loading is Loading.EQUIBIAXIAL
     assert read(folder / "PS_stress_stretch.txt", **spec).loading is Loading.PLANAR
+
+
+def test_files_damaged_at_random_are_read_or_refused_and_nothing_else(tmp_path: Path) -> None:
+    """Bytes put in, taken out and changed in files that are right: only a `PalpateError` may come of it."""
+    rng = np.random.default_rng(11)
+    whole = [text if isinstance(text, bytes) else text.encode() for text, _ in READ_RIGHTLY.values()]
+    scraps = [
+        b",",
+        b";",
+        b"\t",
+        b"\n",
+        b'"',
+        b"nan",
+        b"1e400",
+        b"-",
+        b"\x00",
+        b"\xff",
+        b"abc",
+        b"%",
+        b"(Pa)",
+        b"#",
+        b"1_0",
+    ]
+    path = tmp_path / "tension.csv"
+    read_well = 0
+    for _ in range(1500):
+        damaged = bytearray(whole[rng.integers(len(whole))])
+        for _ in range(rng.integers(0, 5)):
+            at = int(rng.integers(len(damaged)))
+            match rng.integers(3):
+                case 0:
+                    damaged[at:at] = scraps[rng.integers(len(scraps))]
+                case 1:
+                    del damaged[at : at + int(rng.integers(1, 20))]
+                    damaged = damaged or bytearray(b"\n")
+                case _:
+                    damaged[at] = int(rng.integers(256))
+        path.write_bytes(damaged)
+        try:
+            samples = read_bench(path, BenchSpec(gauge_length=33, section=18))
+        except PalpateError:
+            continue
+        assert all(np.isfinite(sample.nominal).all() and (sample.stretch > 0).all() for sample in samples)
+        read_well += 1
+    assert 200 < read_well < 1200
