@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from palpate.material.curve import Mode, stretches, uniaxial_range
-from palpate.material.drucker import StableRange
+from palpate.material.drucker import StableRange, find_stable_ranges
 from palpate.material.law import FloatArray, Law
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
 from palpate.material.model import Model
@@ -71,8 +72,8 @@ class Fit:
         Akaike's criterion with the correction for few rows; comparable between fits to the same rows and weights.
     quality
         By mode measured.
-    stability
-        By mode.
+    scanned
+        Uniaxial stretches between which `stability` is scanned.
     held
         Whether a bound or the stability holds the fit.
     from_samples
@@ -89,7 +90,7 @@ class Fit:
     count: int
     aicc: float
     quality: tuple[ModeQuality, ...]
-    stability: tuple[StableRange, ...]
+    scanned: tuple[float, float]
     held: bool
     from_samples: bool
 
@@ -103,6 +104,11 @@ class Fit:
         """All constants by name, linear ones first."""
         values = (float(value) for value in (*self.linear, *self.shapes))
         return dict(zip(self.model.constants, values, strict=True))
+
+    @cached_property
+    def stability(self) -> tuple[StableRange, ...]:
+        """Where each mode loses Drucker's stability."""
+        return find_stable_ranges(self.law, *self.scanned)
 
     @property
     def stable(self) -> bool:

@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 
 from palpate.core import PalpateError
 from palpate.material.curve import Mode, stretches, uniaxial_range
-from palpate.material.drucker import drucker_matrix, find_stable_ranges, scan_ends
+from palpate.material.drucker import drucker_matrix, scan_ends
 from palpate.material.fit import Fit, judge
 from palpate.material.law import FloatArray
 from palpate.material.least_squares import lengths, solve_linear, solve_positive_definite, solve_signed
@@ -135,7 +135,7 @@ def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit |
         count=len(data.nominal),
         aicc=_aicc(solution.objective, len(data.nominal), len(model.constants)),
         quality=judge(samples, [model.terms(s.principal, solution.shapes) @ solution.linear for s in samples]),
-        stability=find_stable_ranges(model.law(solution.linear, solution.shapes), low, high),
+        scanned=(low, high),
         held=solution.held,
         from_samples=False,
     )
