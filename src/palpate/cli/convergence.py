@@ -34,13 +34,11 @@ def convergence(
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
     flags = flags or PressFlags()
-    dome = flags.dome()
-    mesh, material, wall = flags.problem()
-    points = place_markers(dome, MarkerSpec(count=markers)).positions
+    points = place_markers(flags.dome(), MarkerSpec(count=markers)).positions
     if out is not None:
         _make_folder(out)
     announce_compilation()
-    results = study_convergence(dome, material, points, wall, meshes, mesh=mesh.spec, on_press=_tell)
+    results = study_convergence(*flags.problem(), points, meshes, _tell)
     if out is not None:
         _write_results(out, results)
     if json:

@@ -23,7 +23,14 @@ REQUIRED = {
 }
 """Distribution → module without which nothing runs."""
 
-EXTRAS = {"torch": ("torch", "learn"), "optuna": ("optuna", "learn"), "meshio": ("meshio", "viz")}
+EXTRAS = {
+    "torch": ("torch", "learn"),
+    "optuna": ("optuna", "learn"),
+    "build123d": ("build123d", "cad"),
+    "trimesh": ("trimesh", "cad"),
+    "ezdxf": ("ezdxf", "cad"),
+    "meshio": ("meshio", "viz"),
+}
 """Distribution → module, and the extra that brings it."""
 
 SYSTEM_PACKAGES = {

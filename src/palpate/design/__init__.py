@@ -5,24 +5,53 @@ from palpate.design.check_design import check_design, refuse_errors
 from palpate.design.dome import Dome, DomeShape
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import MarkerLayout
+from palpate.design.module import Module, build_module, build_solid
+from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.rings import ring_count, ring_diameters
-from palpate.design.spec import DomeSpec, MarkerSpec
+from palpate.design.solid import (
+    Arc,
+    Outline,
+    Solid,
+    SurfaceMesh,
+    box,
+    cylinder,
+    extrude,
+    read_step,
+    revolve,
+    write_step,
+)
+from palpate.design.spec import DomeSpec, MarkerSpec, MountSpec
 
 __all__ = [
+    "Arc",
     "Dome",
     "DomeShape",
     "DomeSpec",
     "Finding",
     "MarkerLayout",
     "MarkerSpec",
+    "Module",
+    "MountSpec",
+    "Outline",
     "Severity",
+    "Solid",
+    "SurfaceMesh",
+    "box",
     "build_dome",
+    "build_module",
+    "build_solid",
     "check_design",
+    "cylinder",
+    "extrude",
     "place_markers",
+    "place_orientation_mark",
     "read_points",
+    "read_step",
     "refuse_errors",
+    "revolve",
     "ring_count",
     "ring_diameters",
+    "write_step",
 ]

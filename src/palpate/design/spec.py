@@ -33,6 +33,18 @@ class DomeSpec(Spec):
     )
 
 
+class MountSpec(Spec):
+    """The flange by which a dome is clamped, cast in one piece with it."""
+
+    flange_width: float = parameter(
+        6.0, unit="mm", meaning="width of the flange beyond the wall at the base", ge=2, le=30
+    )
+    flange_thickness: float = parameter(3.0, unit="mm", meaning="thickness of the flange below the base", ge=1, le=10)
+    draft_deg: float = parameter(
+        1.0, unit="deg", meaning="draft of the flange's edges, wider away from the dome", ge=0, le=10
+    )
+
+
 class MarkerSpec(Spec):
     """Dots printed on the inner surface: preset rings, rings of one's own, or a free layout."""
 

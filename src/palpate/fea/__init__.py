@@ -15,7 +15,7 @@ from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.press import FEA_VERSION, Branch, Ended, Press
 from palpate.fea.solid import Solid, State
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import SolverSpec, WallSpec, contact_text, read_contact
+from palpate.fea.spec import SolverSpec, WallSpec, read_contact
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.stress import cauchy_stress
 
@@ -45,7 +45,6 @@ __all__ = [
     "WallSpec",
     "cauchy_stress",
     "check_export",
-    "contact_text",
     "deck_text",
     "export_press",
     "find_stability",

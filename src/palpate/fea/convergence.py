@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.design import Dome
 from palpate.fea.arrays import FloatArray
 from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.fea.spec import WallSpec
 from palpate.material import Material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import Mesh, MeshSpec, mesh_dome
 
 CELLS = (8, 11, 16, 22, 32)
 """Cells from pole to rim: each mesh has about twice the elements of the one before."""
@@ -60,28 +59,23 @@ class MeshResult:
 
 
 def study_convergence(
-    dome: Dome,
+    mesh: Mesh,
     material: Material,
+    wall: WallSpec,
     points: FloatArray,
-    wall: WallSpec | None = None,
     cells: Sequence[int] = CELLS,
-    *,
-    mesh: MeshSpec | None = None,
-    solver: SolverSpec | None = None,
     on_press: Callable[[int, Press], None] = lambda cells, press: None,
 ) -> tuple[MeshResult, ...]:
     """Press one dome on finer and finer meshes.
 
     Parameters
     ----------
-    dome, material, wall, solver
-        As in `palpate.fea.solve_press`.
+    mesh, material, wall
+        As in `palpate.fea.solve_press`; the mesh gives dome, layers, rim, half or whole.
     points
         (m, 3) mm of the undeformed inner surface, followed on every mesh.
     cells
         Cells from pole to rim, at least two different numbers.
-    mesh
-        The rest of the mesh: layers, rim, half or whole.
     on_press
         Told of every press when it is solved.
 
@@ -100,11 +94,10 @@ def study_convergence(
         raise PalpateError(
             f"A convergence study needs two meshes, and was given {len(counts)}.", "Give several numbers of cells."
         )
-    mesh = mesh or MeshSpec()
     presses = []
     for count in counts:
-        spec = mesh.model_copy(update={"cells": MeshSpec(cells=count).cells})
-        presses.append(solve_press(mesh_dome(dome, spec), material, wall, solver))
+        spec = mesh.spec.model_copy(update={"cells": MeshSpec(cells=count).cells})
+        presses.append(solve_press(mesh_dome(mesh.dome, spec), material, wall))
         on_press(count, presses[-1])
     return tuple(_compare(presses, points, _deepest_shared(presses)))
 

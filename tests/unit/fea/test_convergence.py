@@ -7,16 +7,18 @@ from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.fea import WallSpec, plot_convergence, study_convergence
 from palpate.material import get_material
+from palpate.mesh import mesh_dome
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_dome(DomeSpec(height=20, thickness=4))
 POINTS = place_markers(DOME, MarkerSpec(count=7)).positions
+MESH = mesh_dome(DOME)
 WALL = WallSpec(contact="frictionless", depth=1.6)
 
 
 @pytest.fixture(scope="module")
 def results():
-    return study_convergence(DOME, MATERIAL, POINTS, WALL, (12, 4, 6, 8))
+    return study_convergence(MESH, MATERIAL, WALL, POINTS, (12, 4, 6, 8))
 
 
 def test_study_convergence_goes_from_coarse_to_fine_and_its_errors_fall(results) -> None:
@@ -30,7 +32,7 @@ def test_study_convergence_goes_from_coarse_to_fine_and_its_errors_fall(results)
 
 def test_one_mesh_is_not_a_study() -> None:
     with pytest.raises(PalpateError, match="needs two meshes, and was given 1"):
-        study_convergence(DOME, MATERIAL, POINTS, WALL, (8, 8))
+        study_convergence(MESH, MATERIAL, WALL, POINTS, (8, 8))
 
 
 def test_plot_convergence_shows_every_mesh_and_the_papers_limit(results) -> None:

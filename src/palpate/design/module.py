@@ -1,0 +1,110 @@
+"""The contact module: a dome and the flange by which it is clamped, cast in one piece.
+
+         .-''''-.
+       .'  .--.  '.          outer and inner sphere of the dome
+      /  .'    '.  \\
+     |  |        |  |
+    _|__|        |__|_       z = 0
+   /___|          |___\\      flange, its edges drafted
+       <--- B --->
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.design.dome import Dome
+from palpate.design.solid import Arc, Outline, Point, Solid, revolve
+from palpate.design.spec import MountSpec
+
+
+@dataclass(frozen=True)
+class Module:
+    """Dimensions of a contact module, mm.
+
+    Attributes
+    ----------
+    dome
+        The dome, possibly scaled.
+    flange_thickness
+        From z = 0 down.
+    flange_radius, opening_radius
+        Outer edge and opening at z = 0.
+    flange_foot, opening_foot
+        The same at the foot of the flange, wider by the draft.
+    """
+
+    dome: Dome
+    flange_thickness: float
+    flange_radius: float
+    opening_radius: float
+    flange_foot: float
+    opening_foot: float
+
+    @property
+    def foot(self) -> float:
+        """Height of the foot of the flange, mm, negative."""
+        return -self.flange_thickness
+
+    def outline(self) -> Outline:
+        """Half the section of the module, (x, z) mm."""
+        dome = self.dome
+        return [
+            (0.0, dome.height + dome.thickness),
+            self._arc(dome.outer_radius, down=True),
+            (self.flange_radius, 0.0),
+            (self.flange_foot, self.foot),
+            (self.opening_foot, self.foot),
+            (self.opening_radius, 0.0),
+            self._arc(dome.radius, down=False),
+        ]
+
+    def outside(self) -> Outline:
+        """Half the section of all that lies within the outer surface."""
+        return [*self.outline()[:4], (0.0, self.foot)]
+
+    def inside(self) -> Outline:
+        """Half the section of the hollow."""
+        return [
+            (0.0, self.dome.height),
+            self._arc(self.dome.radius, down=True),
+            (self.opening_foot, self.foot),
+            (0.0, self.foot),
+        ]
+
+    def _arc(self, radius: float, *, down: bool) -> Arc:
+        """Arc of a sphere of this radius about the dome's centre between its apex and the base plane."""
+        center = self.dome.center_z
+        angle = np.arccos(-center / radius)
+
+        def at(share: float) -> Point:
+            return float(radius * np.sin(share * angle)), float(center + radius * np.cos(share * angle))
+
+        base = (at(1.0)[0], 0.0)
+        return Arc(at(0.5), base) if down else Arc(at(0.5), (0.0, center + radius))
+
+
+def build_module(dome: Dome, mount: MountSpec, scale: float = 1.0) -> Module:
+    """Lay out a module.
+
+    Parameters
+    ----------
+    dome
+        Its dome.
+    mount
+        Its flange.
+    scale
+        Factor on every length, for a mold whose part shrinks.
+    """
+    dome = Dome(scale * dome.height, scale * dome.base_radius, scale * dome.thickness)
+    thickness = scale * mount.flange_thickness
+    outer = float(np.sqrt(dome.outer_radius**2 - dome.center_z**2)) + scale * mount.flange_width
+    draft = thickness * float(np.tan(np.radians(mount.draft_deg)))
+    return Module(dome, thickness, outer, dome.base_radius, outer + draft, dome.base_radius + draft)
+
+
+def build_solid(module: Module) -> Solid:
+    """Build the body of a module."""
+    return revolve(module.outline())

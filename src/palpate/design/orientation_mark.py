@@ -1,0 +1,31 @@
+"""The orientation mark: one more dot, outside the others, that breaks the symmetry of the rings.
+
+Rings of 6, 12, 18, … dots that all begin at azimuth 0 look the same turned by 60° and in a mirror through every 30°.
+A dot at 15° lies as far from all of those as it can.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.design.dome import Dome
+from palpate.design.markers import MarkerLayout
+
+AZIMUTH_DEG = 15.0
+_CLEARANCE = 1.4
+"""Distance from the outermost dots, over the diameter of a dot, where the dome has room."""
+
+
+def place_orientation_mark(dome: Dome, layout: MarkerLayout) -> NDArray[np.float64]:
+    """Place the mark beyond the outermost dots, or half way from them to the rim where there is less room.
+
+    Returns
+    -------
+    ndarray
+        (3,) mm, centre of the mark.
+    """
+    rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
+    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + dome.base_radius) / 2)
+    point: NDArray[np.float64] = dome.inner_point(outermost, np.radians(AZIMUTH_DEG))
+    return point

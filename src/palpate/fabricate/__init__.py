@@ -1,0 +1,29 @@
+"""Fabricate: from a design to the workshop: mold, print pattern, enclosure and instructions."""
+
+from palpate.fabricate.artwork import Artwork, carry_to_dome, draw_artwork, flatten
+from palpate.fabricate.check_process import check_process
+from palpate.fabricate.enclosure import Enclosure, build_enclosure
+from palpate.fabricate.mold import Mold, build_mold
+from palpate.fabricate.pack import FabricationPack, PackSpec
+from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
+from palpate.fabricate.template import build_template
+from palpate.fabricate.write_pack import write_pack
+
+__all__ = [
+    "Artwork",
+    "CameraBody",
+    "Enclosure",
+    "FabricationPack",
+    "Mold",
+    "PackSpec",
+    "PadMapping",
+    "ProcessSpec",
+    "build_enclosure",
+    "build_mold",
+    "build_template",
+    "carry_to_dome",
+    "check_process",
+    "draw_artwork",
+    "flatten",
+    "write_pack",
+]

@@ -1,0 +1,84 @@
+"""The print pattern: the flat artwork of a cliché from which a pad carries the dots to the inside of a dome.
+
+The page shows the dome's inside as the pad comes to it, from the base up: x of the page is minus x of the dome, y is
+y, for a viewer who looks along +z with y upward has -x to the right. A dot at the polar angle t of the inner sphere
+lies on the page
+
+* ``axis``: at ``r sin t``, its distance from the axis; the pad moves along the axis and does not spread (the paper);
+* ``arc``: at ``r t``; the pad rolls from the apex outward and keeps lengths along the meridian.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.design import Dome, MarkerLayout, place_orientation_mark
+from palpate.fabricate.spec import PadMapping
+
+FloatArray = NDArray[np.float64]
+
+_MARGIN = 6.0
+"""Distance of the alignment crosses from the rim, mm."""
+
+
+@dataclass(frozen=True)
+class Artwork:
+    """Dots on a page whose origin is the dome's axis.
+
+    Attributes
+    ----------
+    dots
+        (n, 2) mm, in the order of the markers.
+    diameter
+        Of a dot, mm.
+    mark
+        (2,) mm, the orientation mark, or `None`.
+    crosses
+        (4, 2) mm, centres of the alignment crosses, on the axes of the page.
+    rim
+        Radius of the dome's rim on the page, mm.
+    mapping
+        How the pad carries dots.
+    """
+
+    dots: FloatArray
+    diameter: float
+    mark: FloatArray | None
+    crosses: FloatArray
+    rim: float
+    mapping: PadMapping
+
+
+def draw_artwork(dome: Dome, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
+    """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
+    rim = float(np.abs(flatten(dome, dome.inner_point([dome.base_radius], [0.0]), mapping)).max())
+    reach = rim + _MARGIN
+    return Artwork(
+        dots=flatten(dome, layout.positions, mapping),
+        diameter=layout.diameter,
+        mark=flatten(dome, place_orientation_mark(dome, layout)[None], mapping)[0] if mark else None,
+        crosses=np.array([[reach, 0.0], [0.0, reach], [-reach, 0.0], [0.0, -reach]]),
+        rim=rim,
+        mapping=mapping,
+    )
+
+
+def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
+    """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
+    rho = np.hypot(points[:, 0], points[:, 1])
+    if mapping is PadMapping.ARC:
+        length = dome.radius * np.arctan2(rho, points[:, 2] - dome.center_z)
+        scale = np.divide(length, rho, out=np.ones_like(rho), where=rho > 0)
+    else:
+        scale = np.ones_like(rho)
+    return np.asarray(points[:, :2] * scale[:, None] * [-1.0, 1.0])
+
+
+def carry_to_dome(dome: Dome, page: FloatArray, mapping: PadMapping) -> FloatArray:
+    """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
+    reach = np.hypot(page[:, 0], page[:, 1])
+    rho = dome.radius * np.sin(reach / dome.radius) if mapping is PadMapping.ARC else reach
+    return dome.inner_point(rho, np.arctan2(page[:, 1], -page[:, 0]))

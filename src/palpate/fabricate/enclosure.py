@@ -1,0 +1,187 @@
+"""The enclosure: a housing that holds camera, light and module, a clamp ring, and a plate for a robot's flange.
+
+          .-''-.
+      ___|______|___      clamp ring over the flange, M3 screws
+     |_|__________|_|
+     | |___    ___| |     seat of an LED ring
+     |     \\  /     |
+     |      \\/      |     camera's pinhole, `distance` below the base
+     |    [camera]  |     shelf that the camera is screwed to
+     |______________|
+       |___|__|___|       robot plate, ISO 9409-1-50-4-M6
+
+The bodies of cameras: the DAVIS 346 is 60 mm x 40 mm x 25 mm without its lens (maker's data sheet); a 28 mm board
+camera is a 32 mm square board whose holes for M2 screws stand 28 mm apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.design import Module, Solid, box, cylinder, revolve
+from palpate.fabricate.spec import CameraBody, ProcessSpec
+
+WALL, SHELF, RING_HEIGHT = 3.0, 4.0, 6.0
+"""Wall and shelf of the housing, and height of the clamp ring, mm."""
+LED_WIDTH, LED_HEIGHT = 6.0, 4.0
+"""Room for a ring of LEDs about the opening, mm."""
+SQUEEZE = 0.2
+"""How much the clamp ring compresses the flange, mm."""
+M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6
+"""Diameters of holes: a self-cut M3 thread in plastic, M3 and M6 screws passing (ISO 273, medium), mm."""
+SCREWS = 6
+ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0, 8.0
+"""Flange 50-4-M6 of ISO 9409-1, mm: pitch circle, centring boss, its height, pin, and thickness of our plate."""
+ISO_RADIUS = 31.5
+
+
+@dataclass(frozen=True)
+class Body:
+    """A camera's body: its size across, its depth behind the pinhole, the lens, and its screws.
+
+    Attributes
+    ----------
+    across
+        (2,) mm, along x and y.
+    depth
+        From the front of the body to its back, mm.
+    lens
+        Diameter of the hole for the lens, mm.
+    pinhole
+        Distance from the front of the body to the pinhole of the lens, mm.
+    screws
+        (x, y) mm of its screws, and their diameter.
+    """
+
+    across: tuple[float, float]
+    depth: float
+    lens: float
+    pinhole: float
+    screws: tuple[tuple[float, float], ...]
+    screw: float
+
+
+def _corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
+    return ((-x, -y), (x, -y), (-x, y), (x, y))
+
+
+BODIES = {
+    CameraBody.DAVIS346: Body((60.0, 40.0), 25.0, 30.0, 14.0, _corners(24.0, 14.0), 2.5),
+    CameraBody.BOARD28: Body((32.0, 32.0), 12.0, 15.0, 8.0, _corners(14.0, 14.0), 2.2),
+}
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """Parts of an enclosure, assembled, in the frame of the module.
+
+    Attributes
+    ----------
+    parts
+        Solids by name: ``housing``, ``clamp_ring``, ``robot_plate``.
+    camera_distance
+        From the pinhole up to the base plane, mm.
+    """
+
+    parts: dict[str, Solid]
+    camera_distance: float
+
+
+def build_enclosure(module: Module, camera_distance: float, spec: ProcessSpec) -> Enclosure:
+    """Build the enclosure of a module for a camera whose pinhole is `camera_distance` mm below the base.
+
+    Raises
+    ------
+    PalpateError
+        If the camera would stand in the light's seat.
+    """
+    body = BODIES[spec.camera_body]
+    shelf = -camera_distance - body.pinhole
+    room = module.foot - LED_HEIGHT - WALL
+    if shelf + SHELF + body.pinhole > room:
+        raise PalpateError(
+            f"The camera is {camera_distance:g} mm below the base; light and flange reach {-room:g} mm down.",
+            f"Take a distance of at least {-room + SHELF:.3g} mm.",
+        )
+    bore = max(module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
+    outer = max(bore + WALL, module.flange_foot + M3_CLEAR + 2 * WALL, ISO_RADIUS)
+    low = shelf - body.depth - WALL
+    parts = {
+        "housing": _housing(module, spec, body, (bore, outer, shelf, low)),
+        "clamp_ring": _clamp_ring(module, spec, outer),
+        "robot_plate": _robot_plate((bore + outer) / 2, outer, low),
+    }
+    return Enclosure(parts, camera_distance)
+
+
+def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[float, float]]:
+    angles = np.radians(first_deg) + 2 * np.pi * np.arange(count) / count
+    return [(float(radius * np.cos(angle)), float(radius * np.sin(angle))) for angle in angles]
+
+
+def _housing(module: Module, spec: ProcessSpec, body: Body, sizes: tuple[float, float, float, float]) -> Solid:
+    """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
+    bore, outer, shelf, low = sizes
+    seat, lip = module.foot, module.foot - LED_HEIGHT - WALL
+    opening = module.opening_foot
+    section = [
+        (outer, seat),
+        (outer, low),
+        (bore, low),
+        (bore, lip),
+        (opening + LED_WIDTH, lip),
+        (opening + LED_WIDTH, seat - WALL),
+        (opening, seat - WALL),
+        (opening, seat),
+    ]
+    tube = revolve(section)
+    plate = cylinder(bore + WALL / 2, shelf, shelf + SHELF)
+    tube = tube.join(plate).cut(cylinder(body.lens / 2, shelf - 1, shelf + SHELF + 1))
+    holes = [cylinder(body.screw / 2, shelf - 1, shelf + SHELF + 1, at) for at in body.screws]
+    screws = [cylinder(M3_CORE / 2, seat - 10, seat + 1, at) for at in _screw_places(module, outer)]
+    under = [cylinder(M3_CORE / 2, low - 1, low + 10, at) for at in _circle(4, (bore + outer) / 2, 0.0)]
+    cable = box((-6.0, 0.0, low + WALL), (6.0, outer + 1, low + WALL + 8.0))
+    return tube.cut(*holes, *screws, *under, cable)
+
+
+def _screw_places(module: Module, outer: float) -> list[tuple[float, float]]:
+    return _circle(SCREWS, (module.flange_foot + outer) / 2 + 0.25)
+
+
+def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> Solid:
+    """Ring that lies on the housing around the flange and presses on its upper face."""
+    inside = module.flange_radius - 0.6 * (module.flange_radius - _base_radius(module))
+    edge = module.flange_foot + spec.clearance
+    top = module.foot + RING_HEIGHT + SQUEEZE
+    section = [
+        (edge, module.foot),
+        (outer, module.foot),
+        (outer, top),
+        (inside, top),
+        (inside, -SQUEEZE),
+        (edge, -SQUEEZE),
+    ]
+    screws = [cylinder(M3_CLEAR / 2, module.foot - 1, top + 1, at) for at in _screw_places(module, outer)]
+    return revolve(section).cut(*screws)
+
+
+def _base_radius(module: Module) -> float:
+    dome = module.dome
+    return max(
+        float(np.sqrt(dome.outer_radius**2 - dome.center_z**2)), dome.outer_radius if dome.center_z > 0 else 0.0
+    )
+
+
+def _robot_plate(screw_radius: float, outer: float, top: float) -> Solid:
+    """Plate with the boss, screws and pin of ISO 9409-1-50-4-M6, screwed under the housing."""
+    plate = cylinder(outer, top - ISO_PLATE, top).join(
+        cylinder(ISO_BOSS / 2 - 0.05, top - ISO_PLATE - ISO_BOSS_HEIGHT, top - ISO_PLATE / 2)
+    )
+    screws = [cylinder(M6_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
+    heads = [cylinder(5.5, top - 4.0, top + 1, at) for at in _circle(4, ISO_PITCH / 2, 45.0)]
+    pin = cylinder(ISO_PIN / 2 + 0.05, top - ISO_PLATE - 1, top + 1, _circle(1, ISO_PITCH / 2, 90.0)[0])
+    fixing = [cylinder(M3_CLEAR / 2, top - ISO_PLATE - 1, top + 1, at) for at in _circle(4, screw_radius, 0.0)]
+    return plate.cut(*screws, *heads, *fixing, pin)

@@ -1,0 +1,193 @@
+"""The sheet for the workshop: what to mix, pour, wait for, print and measure, in Markdown and as PDF."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+
+from palpate.camera import Camera
+from palpate.design import Dome, DomeShape, Finding, MarkerLayout
+from palpate.fabricate.enclosure import Enclosure
+from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
+from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
+
+_LINES, _WIDTH = 58, 92
+"""Lines of a page of text and characters of a line."""
+_MAPPINGS = {
+    PadMapping.AXIS: "along the dome's axis (distance from the axis is kept)",
+    PadMapping.ARC: "to equal arcs (distance from the apex along the meridian is kept)",
+}
+_BODIES = {CameraBody.DAVIS346: "DAVIS 346", CameraBody.BOARD28: "board camera with holes 28 mm apart"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and its lines; numbered where they are steps."""
+
+    title: str
+    lines: tuple[str, ...]
+    steps: bool = False
+
+
+def write_instructions(
+    dome: Dome,
+    layout: MarkerLayout,
+    material: str,
+    made: tuple[Mold, Enclosure, Camera, ProcessSpec],
+    findings: Sequence[Finding],
+) -> list[Section]:
+    """Write the sheet of a module.
+
+    Parameters
+    ----------
+    dome, layout
+        The design.
+    material
+        Name of the elastomer.
+    made
+        Mold, enclosure, camera and process.
+    findings
+        Limits that the design meets.
+    """
+    mold, enclosure, camera, spec = made
+    volume = mold.hollow() / 1000
+    mixed = volume * (1 + spec.excess_percent / 100)
+    return [
+        Section("Contact module", tuple(_describe(dome, layout, material, mold))),
+        Section("Material", tuple(_list_material(mixed, mold, spec))),
+        Section("Cast", tuple(_cast(mixed, mold)), steps=True),
+        Section(
+            "Print the markers",
+            tuple(_print_markers(layout, spec, has_template=dome.shape is not DomeShape.CAP)),
+            steps=True,
+        ),
+        Section("Inspect", tuple(_inspect(dome, layout))),
+        Section("Enclosure", tuple(_assemble(enclosure, camera, spec)), steps=True),
+        Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
+    ]
+
+
+def _describe(dome: Dome, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
+    return [
+        f"{dome.shape}: H = {dome.height:g} mm, B = {dome.base_radius:g} mm, T = {dome.thickness:g} mm, "
+        f"inner radius {dome.radius:.5g} mm.",
+        f"{len(layout)} markers of {layout.diameter:g} mm on the inner surface. Elastomer: {material}.",
+        f"The mold is larger than the part by the shrinkage of the elastomer "
+        f"(factor {mold.module.dome.height / dome.height:.5f}).",
+    ]
+
+
+def _list_material(mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
+    return [
+        f"Elastomer {mixed:.1f} mL in all: part A {mixed / 2:.1f} mL, part B {mixed / 2:.1f} mL (1:1 by volume).",
+        f"Mold in PLA, {len(mold.parts)} parts: {', '.join(mold.parts)}. Layers of 0.1 mm, 100 % around the hollow; "
+        "cavity with its opening up, core with its plate on the bed.",
+        "Mold release or soapy water; a hose clamp or cable ties around the mold.",
+        *(
+            [f"Three dowels of {DOWEL_DIAMETER:g} mm, 12 mm long, in the halves of the cavity."]
+            if mold.is_split
+            else []
+        ),
+        f"Silicone ink (black) and cliché or template; dots of {spec.smallest_dot:g} mm and more.",
+    ]
+
+
+def _cast(mixed: float, mold: Mold) -> list[str]:
+    return [
+        "Sand the hollow of cavity and core smooth; wash, dry, and spray with mold release.",
+        *(["Join the halves of the cavity on their dowels and tighten the band."] if mold.is_split else []),
+        f"Mix {mixed / 2:.1f} mL of part A and {mixed / 2:.1f} mL of part B slowly for 3 min. "
+        "Pot life 45 min at 23 °C.",
+        "Draw air out under vacuum for 5 min.",
+        "Fill the cavity two thirds, apex down; set the core in so that the three pins enter: it fits one way only.",
+        "Pour through the hole until elastomer stands in every vent. Clamp.",
+        "Cure for 4 h at 23 °C on a level table.",
+        "Lift the core straight out with the part on it, then peel the part off from the flange. Cut the sprues.",
+    ]
+
+
+def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
+    return [
+        "Wipe the inner surface with isopropanol; let it dry.",
+        f"Have the cliché made from artwork.dxf. The pad carries dots {_MAPPINGS[spec.mapping]}; "
+        "the artwork is drawn for that, and as seen when the pad comes to the dome from its base.",
+        "Center the pad on the alignment crosses; the dome stands on the core, or in the cavity, opening up.",
+        f"Print {len(layout)} dots in one stroke.",
+        *(["Without a pad printer: set template.stl into the dome and dab every hole."] if has_template else []),
+        *(
+            ["The single dot outside the rings at 15° is the orientation mark: do not leave it out."]
+            if spec.orientation_mark
+            else []
+        ),
+        "Let the ink cure as its maker says.",
+    ]
+
+
+def _inspect(dome: Dome, layout: MarkerLayout) -> list[str]:
+    return [
+        f"Thickness at the apex and at four places half way down: {dome.thickness:g} ± "
+        f"{max(0.05, 0.05 * dome.thickness):.2g} mm.",
+        f"Inner height over the base: {dome.height:g} ± 0.2 mm.",
+        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within 0.2 mm of markers.csv.",
+        "No bubble above 0.5 mm; inner surface matt and even.",
+    ]
+
+
+def _assemble(enclosure: Enclosure, camera: Camera, spec: ProcessSpec) -> list[str]:
+    view = camera.spec
+    half = [0.5 * size / focal for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))]
+    wide = [2 * tangent * enclosure.camera_distance for tangent in half]
+    return [
+        f"Screw the camera ({_BODIES[spec.camera_body]}) under the shelf; its pinhole stands "
+        f"{enclosure.camera_distance:g} mm below the base of the dome.",
+        f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm.",
+        "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
+        "Set the module's flange on the seat, the orientation mark 75° from the cable slot; "
+        "screw the clamp ring on, crosswise.",
+        "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",
+    ]
+
+
+def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[str]) -> None:
+    """Write the sheet as Markdown, with pictures beside it."""
+    text = ["# How to make this contact module", ""]
+    for section in sections:
+        text += [f"## {section.title}", ""]
+        marks = [f"{k}. " if section.steps else "* " for k in range(1, len(section.lines) + 1)]
+        text += [mark + line for mark, line in zip(marks, section.lines, strict=True)]
+        text.append("")
+    text += [f"![{Path(name).stem.replace('_', ' ')}]({name})" for name in pictures]
+    path.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def write_sheet(path: Path, sections: Sequence[Section], figures: Sequence[Figure]) -> None:
+    """Write the sheet as PDF: pages of text, then the drawings."""
+    with PdfPages(path, metadata={"CreationDate": None}) as pages:
+        lines = [line for section in sections for line in _lay_out(section)]
+        for start in range(0, len(lines), _LINES):
+            pages.savefig(_page(lines[start : start + _LINES]))
+        for figure in figures:
+            pages.savefig(figure)
+
+
+def _lay_out(section: Section) -> list[tuple[str, bool]]:
+    """Lines of a section, and whether each is a heading."""
+    lines = [(section.title, True)]
+    for k, line in enumerate(section.lines, start=1):
+        mark = f"{k}. " if section.steps else "·  "
+        wrapped = textwrap.wrap(line, _WIDTH, initial_indent=mark, subsequent_indent="   ")
+        lines += [(part, False) for part in wrapped]
+    return [*lines, ("", False)]
+
+
+def _page(lines: Sequence[tuple[str, bool]]) -> Figure:
+    figure = Figure(figsize=(8.27, 11.69))
+    for k, (line, heading) in enumerate(lines):
+        size, weight = (11, "bold") if heading else (9, "normal")
+        figure.text(0.09, 0.955 - k * 0.0155, line, fontsize=size, fontweight=weight, va="top")
+    return figure

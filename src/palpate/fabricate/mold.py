@@ -1,0 +1,158 @@
+"""The mold: a cavity with the outer surface, and a core with the inner one that closes it from above.
+
+Drawn as it stands when the elastomer is poured, apex down:
+
+      pour  vents                      core: plate and plug
+     __|_|___|__________
+    |___ |  __________ _|  <- parting plane, at the foot of the flange
+    | | '--'.        .'--' |
+    | |pin   '.____.'      |  cavity
+    |________________________|
+
+The flange is the highest part of the hollow, so pour hole and vents end on it. Three pins on the cavity stand at
+30°, 150° and 280°: the mold closes one way only. The plug and the flange's edge are drafted. A dome that bulges over
+its base cannot leave a cavity of one piece: its cavity is cut in halves along the axis, held by dowels and a band.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import PalpateError
+from palpate.design import DomeShape, Module, Solid, box, cylinder, revolve
+from palpate.fabricate.spec import ProcessSpec
+
+PIN_AZIMUTHS_DEG = (30.0, 150.0, 280.0)
+POUR_AZIMUTH_DEG = 90.0
+DOWEL_DIAMETER, DOWEL_DEPTH = 2.0, 6.0
+"""Steel dowels in the halves of a split cavity, mm."""
+_BLIND = 0.5
+"""How much deeper than its pin a hole is, mm."""
+
+
+@dataclass(frozen=True)
+class Mold:
+    """A mold in the frame of its module, assembled.
+
+    Attributes
+    ----------
+    module
+        The scaled module that fills it.
+    parts
+        Solids by name: ``mold_core`` and ``mold_cavity``, or the halves of the cavity.
+    radius
+        Outer radius, mm.
+    """
+
+    module: Module
+    parts: dict[str, Solid]
+    radius: float
+
+    @property
+    def is_split(self) -> bool:
+        """Whether the cavity is in halves."""
+        return len(self.parts) > 2
+
+    def hollow(self) -> float:
+        """Volume between cavity and core, mm³: what the elastomer fills."""
+        module = self.module
+        return revolve(module.outside()).volume - revolve(module.inside()).volume
+
+
+def build_mold(module: Module, spec: ProcessSpec) -> Mold:
+    """Build the mold of a module that is already scaled for shrinkage.
+
+    Raises
+    ------
+    PalpateError
+        If pour hole or pins do not fit.
+    """
+    flange = module.flange_foot - module.opening_foot
+    if spec.pour_diameter > flange - 2 * spec.printer_wall:
+        raise PalpateError(
+            f"The pour hole is {spec.pour_diameter:g} mm wide, the flange it ends on {flange:.3g} mm.",
+            f"Take at most {flange - 2 * spec.printer_wall:.2g} mm, or a wider flange.",
+        )
+    if spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall) > spec.mold_wall:
+        raise PalpateError(
+            f"A pin of {spec.pin_diameter:g} mm does not fit into a mold wall of {spec.mold_wall:g} mm.",
+            f"Take at least {spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall):.3g} mm of wall.",
+        )
+    if spec.pin_height + _BLIND + spec.printer_wall > spec.plate:
+        raise PalpateError(
+            f"A pin {spec.pin_height:g} mm high goes through a plate of {spec.plate:g} mm.",
+            f"Take at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm of plate.",
+        )
+    radius = module.flange_foot + spec.mold_wall
+    dowel = DOWEL_DIAMETER + 2 * spec.printer_wall
+    if module.dome.shape is DomeShape.CAP and min(spec.mold_floor, radius - module.dome.outer_radius) < dowel:
+        raise PalpateError(
+            f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
+            f"{spec.mold_floor:g} mm.",
+            f"Take a floor of at least {dowel:.2g} mm.",
+        )
+    cavity = _build_cavity(module, spec, radius)
+    core = _build_core(module, spec, radius)
+    if module.dome.shape is not DomeShape.CAP:
+        return Mold(module, {"mold_core": core, "mold_cavity": cavity}, radius)
+    return Mold(module, {"mold_core": core, **_split(cavity, module, radius, spec)}, radius)
+
+
+def _at(radius: float, azimuth_deg: float) -> tuple[float, float]:
+    angle = np.radians(azimuth_deg)
+    return float(radius * np.cos(angle)), float(radius * np.sin(angle))
+
+
+def _pins(module: Module, spec: ProcessSpec) -> list[tuple[float, float]]:
+    middle = module.flange_foot + spec.mold_wall / 2
+    return [_at(middle, azimuth) for azimuth in PIN_AZIMUTHS_DEG]
+
+
+def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> Solid:
+    top = module.dome.height + module.dome.thickness + spec.mold_floor
+    block = cylinder(radius, module.foot, top).cut(revolve(module.outside()))
+    root = module.foot + spec.mold_floor / 4
+    pins = [cylinder(spec.pin_diameter / 2, module.foot - spec.pin_height, root, at) for at in _pins(module, spec)]
+    return block.join(*pins)
+
+
+def _build_core(module: Module, spec: ProcessSpec, radius: float) -> Solid:
+    foot, low = module.foot, module.foot - spec.plate
+    core = cylinder(radius, low, foot).join(revolve(module.inside()))
+    hole = spec.pin_diameter / 2 + spec.clearance
+    holes = [cylinder(hole, foot - spec.pin_height - _BLIND, foot, at) for at in _pins(module, spec)]
+    middle = (module.opening_foot + module.flange_foot) / 2
+    pour = cylinder(spec.pour_diameter / 2, low, foot, _at(middle, POUR_AZIMUTH_DEG))
+    vents = [
+        cylinder(spec.vent_diameter / 2, low, foot, _at(middle, azimuth)) for azimuth in vent_azimuths(spec.vents)
+    ]
+    return core.cut(*holes, pour, *vents)
+
+
+def vent_azimuths(count: int) -> list[float]:
+    """Azimuths of the vents, deg: evenly between the pour hole and itself once around."""
+    return [POUR_AZIMUTH_DEG + 360.0 * (k + 1) / (count + 1) for k in range(count)]
+
+
+def _split(cavity: Solid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, Solid]:
+    """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
+    low, high = module.foot - spec.pin_height, module.dome.height + module.dome.thickness + spec.mold_floor
+    across = (module.dome.outer_radius + radius) / 2
+    floor = high - spec.mold_floor / 2
+    height = module.dome.center_z
+    places = [(-across, height), (across, height + 2 * DOWEL_DIAMETER), (0.0, floor)]
+    dowels = [_dowel(x, z, (DOWEL_DIAMETER + spec.clearance) / 2) for x, z in places]
+    margin = 2 * radius
+    front = box((-margin, -margin, low - 1), (margin, 0.0, high + 1))
+    back = box((-margin, 0.0, low - 1), (margin, margin, high + 1))
+    return {
+        "mold_cavity_front": cavity.common(front).cut(*dowels),
+        "mold_cavity_back": cavity.common(back).cut(*dowels),
+    }
+
+
+def _dowel(x: float, z: float, radius: float) -> Solid:
+    """Hole for a dowel along y about (x, z)."""
+    return cylinder(radius, -DOWEL_DEPTH, DOWEL_DEPTH).turned("x", 90.0).moved(x, 0.0, z)

@@ -1,0 +1,55 @@
+"""What a person may choose about how a contact module is made."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from palpate.core import Spec, parameter
+
+PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
+ECOFLEX = "Smooth-On technical bulletin, Ecoflex series"
+
+
+class PadMapping(StrEnum):
+    """How a pad carries a flat dot to the dome: along the dome's axis, or to an equal arc from the apex."""
+
+    AXIS = "axis"
+    ARC = "arc"
+
+
+class CameraBody(StrEnum):
+    """Camera that the enclosure has a seat for."""
+
+    DAVIS346 = "davis346"
+    BOARD28 = "board28"
+
+
+class ProcessSpec(Spec):
+    """Mold, print of the markers and enclosure."""
+
+    mold_wall: float = parameter(8.0, unit="mm", meaning="wall of the mold around the flange", ge=6, le=40)
+    mold_floor: float = parameter(4.0, unit="mm", meaning="floor of the cavity below the apex", ge=1, le=40)
+    plate: float = parameter(6.0, unit="mm", meaning="thickness of the core's plate", ge=3, le=40)
+    shrinkage_percent: float = parameter(
+        0.1, unit="%", meaning="linear shrinkage of the cured elastomer", source=ECOFLEX, ge=0, le=5
+    )
+    pin_diameter: float = parameter(4.0, unit="mm", meaning="diameter of the registration pins", ge=2, le=10)
+    pin_height: float = parameter(4.0, unit="mm", meaning="height of the registration pins", ge=1, le=20)
+    clearance: float = parameter(
+        0.15, unit="mm", meaning="gap around a pin, and of parts that are put into each other", ge=0.02, le=1
+    )
+    pour_diameter: float = parameter(5.0, unit="mm", meaning="diameter of the pour hole", ge=2, le=20)
+    vent_diameter: float = parameter(1.5, unit="mm", meaning="diameter of a vent", ge=0.5, le=5)
+    vents: int = parameter(6, unit="1", meaning="number of vents at the highest ring of the cavity", ge=2, le=24)
+    printer_wall: float = parameter(0.8, unit="mm", meaning="thinnest wall the printer makes", ge=0.1, le=5)
+    mapping: PadMapping = PadMapping.AXIS
+    orientation_mark: bool = True
+    smallest_dot: float = parameter(0.4, unit="mm", meaning="smallest dot the pad prints", gt=0, le=5)
+    smallest_gap: float = parameter(0.3, unit="mm", meaning="smallest gap between dots the pad keeps", gt=0, le=5)
+    steepest_deg: float = parameter(
+        65.0, unit="deg", meaning="slope of the dome against the base that a pad still reaches", ge=10, le=90
+    )
+    camera_body: CameraBody = CameraBody.BOARD28
+    excess_percent: float = parameter(
+        30.0, unit="%", meaning="elastomer mixed beyond the module's volume, for cup and sprues", ge=0, le=300
+    )

@@ -1,0 +1,228 @@
+"""Write a fabrication pack: all of it, or nothing."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from palpate.camera import Camera, build_camera
+from palpate.core import PalpateError, provenance
+from palpate.design import (
+    Dome,
+    Finding,
+    MarkerLayout,
+    Module,
+    Severity,
+    Solid,
+    SurfaceMesh,
+    build_dome,
+    build_module,
+    build_solid,
+    place_markers,
+    refuse_errors,
+    write_step,
+)
+from palpate.fabricate.artwork import Artwork, draw_artwork
+from palpate.fabricate.check_process import check_mold, check_process, refuse_interference
+from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
+from palpate.fabricate.enclosure import Enclosure, build_enclosure
+from palpate.fabricate.instructions import write_instructions, write_markdown, write_sheet
+from palpate.fabricate.mesh_file import write_mesh
+from palpate.fabricate.mold import Mold, build_mold
+from palpate.fabricate.pack import FabricationPack, PackSpec
+from palpate.fabricate.template import build_template
+from palpate.fabricate.write_artwork import draw_page, write_dxf, write_pdf, write_svg
+
+MANIFEST = "manifest.json"
+_HOLLOW = 1e-3
+"""Share by which the hollow of a mold, shrunk, may miss the volume of its module."""
+_TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring")
+"""Parts that are printed upside down."""
+_UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+@dataclass(frozen=True)
+class _Made:
+    """Everything that a pack shows."""
+
+    dome: Dome
+    layout: MarkerLayout
+    module: Module
+    mold: Mold
+    enclosure: Enclosure
+    artwork: Artwork
+    camera: Camera
+    solids: dict[str, Solid]
+
+
+def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
+    """Write everything a workshop needs to make a contact module and its enclosure.
+
+    Parameters
+    ----------
+    folder
+        New or empty folder.
+    spec
+        The design and how it is made.
+
+    Returns
+    -------
+    FabricationPack
+        With the hash of every file.
+
+    Raises
+    ------
+    PalpateError
+        If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
+    """
+    dome = build_dome(spec.dome)
+    layout = place_markers(dome, spec.markers)
+    camera = build_camera(spec.camera)
+    findings = check_process(dome, layout, spec.material, camera, spec.process)
+    refuse_errors(findings)
+    with _new_folder(folder) as work:
+        made = _make(spec, dome, layout, camera)
+        findings = (*findings, *check_mold(made.mold, spec.process))
+        meshes, findings = _write_solids(work, made, spec, findings)
+        _write_print(work, made)
+        _write_sheets(work, made, meshes, spec, findings)
+        volumes = {name: solid.volume for name, solid in made.solids.items()}
+        files = {path.relative_to(work).as_posix(): _hash(path) for path in sorted(work.rglob("*")) if path.is_file()}
+        _write_manifest(work / MANIFEST, spec, (files, volumes, findings))
+    return FabricationPack(folder, files, volumes, findings)
+
+
+def _make(spec: PackSpec, dome: Dome, layout: MarkerLayout, camera: Camera) -> _Made:
+    module = build_module(dome, spec.mount)
+    scale = 1 / (1 - spec.process.shrinkage_percent / 100)
+    mold = build_mold(build_module(dome, spec.mount, scale), spec.process)
+    body = build_solid(module)
+    missed = mold.hollow() / scale**3 / body.volume - 1
+    if abs(missed) > _HOLLOW:
+        raise PalpateError(
+            f"The mold's hollow misses the module's volume by {100 * missed:.2g} %.", "Report this design."
+        )
+    enclosure = build_enclosure(module, spec.camera.distance, spec.process)
+    refuse_interference(mold.parts)
+    refuse_interference({**enclosure.parts, "module": body}, intended=frozenset(("clamp_ring", "module")))
+    artwork = draw_artwork(dome, layout, spec.process.mapping, mark=spec.process.orientation_mark)
+    solids = {"module": body, **mold.parts, **enclosure.parts}
+    return _Made(dome, layout, module, mold, enclosure, artwork, camera, solids)
+
+
+def _write_solids(
+    work: Path, made: _Made, spec: PackSpec, findings: tuple[Finding, ...]
+) -> tuple[dict[str, SurfaceMesh], tuple[Finding, ...]]:
+    """Write STEP of the assemblies and, as it is printed, STL and 3MF of every part."""
+    write_step(work / "module.step", "contact_module", {"module": made.solids["module"]})
+    write_step(work / "mold.step", "mold", made.mold.parts)
+    write_step(work / "enclosure.step", "enclosure", {**made.enclosure.parts, "module": made.solids["module"]})
+    meshes = {name: _for_printer(name, solid.mesh()) for name, solid in made.solids.items()}
+    try:
+        meshes["template"] = build_template(made.dome, made.layout, spec.process)
+    except PalpateError as error:
+        findings = (*findings, Finding(Severity.NOTE, "no-template", error.what, error.remedy))
+    for name, mesh in meshes.items():
+        for suffix in ("stl", "3mf"):
+            write_mesh(work / f"{name}.{suffix}", mesh)
+    return meshes, findings
+
+
+def _for_printer(name: str, mesh: SurfaceMesh) -> SurfaceMesh:
+    """Set a part on the bed: a cavity with its opening up, everything else as it is drawn."""
+    return mesh.turned(_UPSIDE_DOWN if name in _TURNED else np.eye(3))
+
+
+def _as_printed(name: str, solid: Solid) -> Solid:
+    return solid.turned("x", 180.0) if name in _TURNED else solid
+
+
+def _write_print(work: Path, made: _Made) -> None:
+    write_dxf(work / "artwork.dxf", made.artwork)
+    write_svg(work / "artwork.svg", made.artwork)
+    write_pdf(work / "artwork.pdf", made.artwork, _title(made))
+    with (work / "markers.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["marker", "x_mm", "y_mm", "z_mm", "page_x_mm", "page_y_mm"])
+        for number, (place, page) in enumerate(zip(made.layout.positions, made.artwork.dots, strict=True)):
+            writer.writerow([number, *(f"{value:.4f}" for value in (*place, *page))])
+
+
+def _title(made: _Made) -> str:
+    dome = made.dome
+    return f"H {dome.height:g}  T {dome.thickness:g}  B {dome.base_radius:g} mm, {len(made.layout)} markers"
+
+
+def _write_sheets(
+    work: Path, made: _Made, meshes: dict[str, SurfaceMesh], spec: PackSpec, findings: tuple[Finding, ...]
+) -> None:
+    process = spec.process
+    mold = made.mold
+    figures = {
+        "module_section": draw_module_section(made.module),
+        "mold_section": draw_mold_section(mold.module, mold.radius, process.mold_floor, process.plate),
+        "mold_parts": draw_bodies([(name, _as_printed(name, solid)) for name, solid in mold.parts.items()]),
+        "enclosure_parts": draw_bodies([("module", made.solids["module"]), *made.enclosure.parts.items()]),
+    }
+    for name, figure in figures.items():
+        figure.savefig(work / f"{name}.png", dpi=120)
+    sections = write_instructions(
+        made.dome, made.layout, spec.material.name, (mold, made.enclosure, made.camera, process), findings
+    )
+    write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
+    write_sheet(work / "instructions.pdf", sections, [*figures.values(), draw_page(made.artwork, _title(made))])
+
+
+def _write_manifest(
+    path: Path, spec: PackSpec, found: tuple[dict[str, str], dict[str, float], tuple[Finding, ...]]
+) -> None:
+    files, volumes, findings = found
+    data = {
+        "made_by": provenance(),
+        "design": {
+            "dome": spec.dome.model_dump(mode="json"),
+            "markers": spec.markers.model_dump(mode="json"),
+            "mount": spec.mount.model_dump(mode="json"),
+            "material": spec.material.name,
+            "process": spec.process.model_dump(mode="json"),
+            "camera": spec.camera.model_dump(mode="json"),
+        },
+        "volumes_mm3": volumes,
+        "findings": [asdict(finding) for finding in findings],
+        "sha256": files,
+    }
+    path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@contextmanager
+def _new_folder(folder: Path) -> Iterator[Path]:
+    """A folder beside the one asked for, which takes its place when the block ends well and vanishes when not."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise PalpateError(f"{folder} exists and is not an empty folder.", "Choose another, or remove it.")
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    except OSError as error:
+        raise PalpateError(f"The folder {folder} cannot be written: {error.strerror}.", "Choose another.") from error
+    try:
+        yield work
+        if folder.exists():
+            folder.rmdir()
+        work.chmod(0o755)
+        work.replace(folder)
+    except BaseException:
+        shutil.rmtree(work, ignore_errors=True)
+        raise

@@ -1,0 +1,23 @@
+"""The orientation mark."""
+
+import numpy as np
+import pytest
+
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+
+
+@pytest.mark.parametrize("height", [10, 20, 30])
+@pytest.mark.parametrize("count", [7, 37, 91, 169])
+def test_place_orientation_mark_breaks_every_symmetry_and_touches_no_dot(height: float, count: int) -> None:
+    dome = build_dome(DomeSpec(height=height))
+    layout = place_markers(dome, MarkerSpec(count=count))
+    mark = place_orientation_mark(dome, layout)
+    assert dome.distance_to_inner(mark) == pytest.approx(0.0, abs=1e-9)
+    assert dome.distance_to_rim(mark[None])[0] > 0
+    assert np.linalg.norm(layout.positions - mark, axis=1).min() > 1.1 * layout.diameter
+    for turn in np.radians(60.0 * np.arange(1, 6)):
+        turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ mark[:2]
+        assert np.linalg.norm(turned - mark[:2]) > layout.diameter
+    for axis in np.radians(30.0 * np.arange(12)):
+        mirrored = 2 * (mark[:2] @ [np.cos(axis), np.sin(axis)]) * np.array([np.cos(axis), np.sin(axis)]) - mark[:2]
+        assert np.linalg.norm(mirrored - mark[:2]) > layout.diameter

@@ -1,0 +1,92 @@
+"""Mold, enclosure and template as solids."""
+
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_dome, build_module, build_solid, place_markers
+from palpate.fabricate import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
+
+pytest.importorskip("build123d")
+SPEC = ProcessSpec()
+
+
+def module_of(height: float, thickness: float = 2.0):
+    return build_module(build_dome(DomeSpec(height=height, thickness=thickness)), MountSpec())
+
+
+@pytest.mark.parametrize("height", [10, 20, 30])
+def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
+    module = module_of(height)
+    mold = build_mold(module, SPEC)
+    assert mold.hollow() == pytest.approx(build_solid(module).volume, rel=1e-9)
+    body = build_solid(module)
+    for part in mold.parts.values():
+        assert part.pieces == 1
+        assert body.overlap(part) == pytest.approx(0.0, abs=1e-3)
+        assert part.mesh().is_watertight
+    assert mold.is_split == (height > 20)
+
+
+def test_pins_fit_with_the_clearance_asked_and_one_way_only() -> None:
+    mold = build_mold(module_of(20), SPEC)
+    core, cavity = mold.parts["mold_core"], mold.parts["mold_cavity"]
+    assert core.overlap(cavity) < 1e-3
+    assert core.overlap(cavity.moved(x=0.9 * SPEC.clearance)) < 1e-3
+    assert core.overlap(cavity.moved(x=1.5 * SPEC.clearance)) > 1e-2
+    for turn in (60.0, 110.0, 120.0, 130.0, 180.0, 240.0):
+        assert core.overlap(cavity.turned("z", turn)) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"pour_diameter": 12}, "pour hole is 12 mm wide"),
+        ({"pin_diameter": 8}, "pin of 8 mm does not fit"),
+        ({"pin_height": 6}, "goes through a plate of 6 mm"),
+    ],
+)
+def test_a_mold_that_cannot_be_is_refused_with_the_number(change: dict[str, float], message: str) -> None:
+    with pytest.raises(PalpateError, match=message):
+        build_mold(module_of(20), ProcessSpec(**change))
+
+
+@pytest.mark.parametrize("camera", CameraBody)
+def test_build_enclosure_holds_the_module_and_nothing_interferes(camera: CameraBody) -> None:
+    module = module_of(20)
+    enclosure = build_enclosure(module, 48.0, ProcessSpec(camera_body=camera))
+    parts, body = enclosure.parts, build_solid(module)
+    assert parts["housing"].overlap(body) < 1e-3
+    assert parts["housing"].overlap(parts["clamp_ring"]) < 1e-3
+    assert parts["housing"].overlap(parts["robot_plate"]) < 1e-3
+    squeezed = parts["clamp_ring"].overlap(body)
+    assert 0 < squeezed < 0.1 * body.volume
+    for part in parts.values():
+        assert part.pieces == 1
+
+
+def test_a_camera_in_the_light_is_refused() -> None:
+    with pytest.raises(PalpateError, match="is 8 mm below the base"):
+        build_enclosure(module_of(20), 8.0, SPEC)
+
+
+def test_build_template_has_a_hole_at_every_marker() -> None:
+    dome = build_dome(DomeSpec(height=20))
+    layout = place_markers(dome, MarkerSpec(count=37))
+    mesh = build_template(dome, layout, SPEC)
+    assert mesh.is_watertight
+    edges = len(
+        np.unique(np.sort(np.concatenate([mesh.triangles[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1), axis=0)
+    )
+    euler = len(mesh.points) - edges + len(mesh.triangles)
+    assert euler == 2 - 2 * 38  # a shell with a hole through it at each of 37 markers and at the mark
+
+
+@pytest.mark.parametrize(
+    ("height", "count", "diameter", "message"),
+    [(30, 37, 1.5, "does not pass"), (20, 169, 2.4, "holes would stand|Holes")],
+)
+def test_a_template_that_cannot_be_is_refused(height: float, count: int, diameter: float, message: str) -> None:
+    dome = build_dome(DomeSpec(height=height))
+    with pytest.raises(PalpateError, match=message):
+        build_template(dome, place_markers(dome, MarkerSpec(count=count, diameter=diameter)), SPEC)
