@@ -13,6 +13,7 @@ from palpate.design.rings import ring_count, ring_diameters
 from palpate.design.solid import (
     Arc,
     Outline,
+    Point,
     Solid,
     SurfaceMesh,
     box,
@@ -35,6 +36,7 @@ __all__ = [
     "Module",
     "MountSpec",
     "Outline",
+    "Point",
     "Severity",
     "Solid",
     "SurfaceMesh",

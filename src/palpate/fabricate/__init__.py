@@ -6,6 +6,7 @@ from palpate.fabricate.enclosure import Enclosure, build_enclosure
 from palpate.fabricate.mold import Mold, build_mold
 from palpate.fabricate.pack import FabricationPack, PackSpec
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
+from palpate.fabricate.specimen import SpecimenMold, build_specimen_molds, write_specimen_molds
 from palpate.fabricate.template import build_template
 from palpate.fabricate.write_pack import write_pack
 
@@ -18,12 +19,15 @@ __all__ = [
     "PackSpec",
     "PadMapping",
     "ProcessSpec",
+    "SpecimenMold",
     "build_enclosure",
     "build_mold",
+    "build_specimen_molds",
     "build_template",
     "carry_to_dome",
     "check_process",
     "draw_artwork",
     "flatten",
     "write_pack",
+    "write_specimen_molds",
 ]

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import json
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -35,6 +30,7 @@ from palpate.fabricate.artwork import Artwork, draw_artwork
 from palpate.fabricate.check_process import check_mold, check_process, refuse_interference
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
+from palpate.fabricate.folder import hash_files, new_folder
 from palpate.fabricate.instructions import write_instructions, write_markdown, write_sheet
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
@@ -89,14 +85,14 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     camera = build_camera(spec.camera)
     findings = check_process(dome, layout, spec.material, camera, spec.process)
     refuse_errors(findings)
-    with _new_folder(folder) as work:
+    with new_folder(folder) as work:
         made = _make(spec, dome, layout, camera)
         findings = (*findings, *check_mold(made.mold, spec.process))
         meshes, findings = _write_solids(work, made, spec, findings)
         _write_print(work, made)
         _write_sheets(work, made, meshes, spec, findings)
         volumes = {name: solid.volume for name, solid in made.solids.items()}
-        files = {path.relative_to(work).as_posix(): _hash(path) for path in sorted(work.rglob("*")) if path.is_file()}
+        files = hash_files(work)
         _write_manifest(work / MANIFEST, spec, (files, volumes, findings))
     return FabricationPack(folder, files, volumes, findings)
 
@@ -201,28 +197,3 @@ def _write_manifest(
         "sha256": files,
     }
     path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-
-
-def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-@contextmanager
-def _new_folder(folder: Path) -> Iterator[Path]:
-    """A folder beside the one asked for, which takes its place when the block ends well and vanishes when not."""
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise PalpateError(f"{folder} exists and is not an empty folder.", "Choose another, or remove it.")
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    except OSError as error:
-        raise PalpateError(f"The folder {folder} cannot be written: {error.strerror}.", "Choose another.") from error
-    try:
-        yield work
-        if folder.exists():
-            folder.rmdir()
-        work.chmod(0o755)
-        work.replace(folder)
-    except BaseException:
-        shutil.rmtree(work, ignore_errors=True)
-        raise

@@ -1,0 +1,30 @@
+"""`palpate specimens`: molds of the test specimens from which a material is fitted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from palpate.cli.flag import JsonFlag, default, flag
+from palpate.cli.output import print_json
+from palpate.fabricate import ProcessSpec, write_specimen_molds
+
+_OUT = "New folder for the molds."
+_COUNT = "Specimens of each kind a tray casts."
+
+
+def specimens(
+    *,
+    out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
+    count: Annotated[int, Parameter(help=_COUNT)] = 5,
+    shrinkage: Annotated[float, flag(ProcessSpec, "shrinkage_percent")] = default(ProcessSpec, "shrinkage_percent"),
+    json: JsonFlag = False,
+) -> None:
+    """Write molds of dumbbells (ASTM D412 die C) and cylinders (ASTM D395 type 1)."""
+    files = write_specimen_molds(out, ProcessSpec(shrinkage_percent=shrinkage), count)
+    if json:
+        print_json({"folder": str(out), "sha256": files})
+    else:
+        print(f"{len(files) + 1} files in {out}")
