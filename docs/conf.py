@@ -1,0 +1,78 @@
+"""Documentation: MyST pages, the reference from docstrings, the tables of specs and commands from the program."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "src"))
+
+from palpate import __version__  # noqa: E402
+from palpate.core import Spec, parameters  # noqa: E402
+
+project, author, copyright, release = "palpate", "The palpate developers", "The palpate developers", __version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
+myst_heading_anchors = 3
+exclude_patterns = ["_build", "results/**/*.csv", "images/*.py"]
+html_theme = "pydata_sphinx_theme"
+html_theme_options = {"show_toc_level": 2, "navigation_with_keys": False}
+html_title = "palpate"
+autodoc_member_order = "groupwise"
+autodoc_typehints = "none"
+napoleon_google_docstring = False
+nitpicky = False
+suppress_warnings = ["ref.python", "myst.header", "myst.xref_missing"]
+
+STAGES = ("design", "material", "mesh", "fea", "camera", "dataset", "learn", "fabricate", "study", "grid", "verify")
+COMMANDS = (
+    "run press stability convergence deck design limit claims fit make specimens verify doctor".split()  # noqa: SIM905
+)
+
+
+def write_reference() -> None:
+    """Write a page a stage: its specs as tables, its public names from their docstrings; and one of the commands."""
+    for stage in STAGES:
+        module = importlib.import_module(f"palpate.{stage}")
+        title = f"palpate.{stage}"
+        lines = [f"# {title}", "", f"```{{automodule}} {title}", "```", ""]
+        for name in sorted(module.__all__):
+            item = getattr(module, name)
+            if isinstance(item, type) and issubclass(item, Spec):
+                lines += _table(item)
+            elif callable(item) and getattr(item, "__module__", "").startswith("palpate"):
+                kind = "autoclass" if isinstance(item, type) else "autofunction"
+                lines += [f"```{{{kind}}} {title}.{name}", *([":members:"] if kind == "autoclass" else []), "```", ""]
+        _write(HERE / "reference" / f"{stage}.md", "\n".join(lines))
+    lines = ["# Commands", "", "`palpate COMMAND --help`, as the program prints it.", ""]
+    for command in COMMANDS:
+        call = [sys.executable, "-c", "from palpate.cli import main; main()", command, "--help"]
+        text = subprocess.run(call, capture_output=True, text=True, check=True, cwd=HERE.parent, env=_plain()).stdout
+        lines += [f"## palpate {command}", "", "```text", text.strip(), "```", ""]
+    _write(HERE / "reference" / "commands.md", "\n".join(lines))
+
+
+def _table(spec: type[Spec]) -> list[str]:
+    lines = [f"## {spec.__name__}", "", (spec.__doc__ or "").strip().splitlines()[0], ""]
+    lines += ["| name | default | unit | meaning |", "|---|---|---|---|"]
+    for note in parameters(spec):
+        default = spec.model_fields[note.name].get_default(call_default_factory=True)
+        lines.append(f"| `{note.name}` | {default} | {note.unit} | {note.meaning} |")
+    return [*lines, ""]
+
+
+def _plain() -> dict[str, str]:
+    return {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "PYTHONPATH": str(HERE.parent / "src")}
+
+
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(exist_ok=True)
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+write_reference()

@@ -1,0 +1,26 @@
+"""Follow markers through a press and see them in the camera."""
+
+import numpy as np
+
+from palpate.camera import build_camera
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.fea import WallSpec, solve_press
+from palpate.material import get_material
+from palpate.mesh import mesh_dome
+
+
+def main() -> float:
+    dome = build_dome(DomeSpec(height=20, thickness=3))
+    layout = place_markers(dome, MarkerSpec(count=37)).positions
+    wall = WallSpec(tilt_deg=5, azimuth_deg=30, depth=2.4)
+    press = solve_press(mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
+    camera = build_camera()
+    moved = camera.project(press.positions(layout)) - camera.project(layout)
+    travel = np.linalg.norm(moved, axis=-1)
+    for depth, length in zip(press.depth, travel, strict=True):
+        print(f"{depth:.1f} mm: markers move {length.mean():.2f} px, at most {length.max():.2f} px")
+    return float(travel[-1].mean())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,19 @@
+"""Find the depth from which a thin dome can rest in two ways."""
+
+from palpate.design import DomeSpec, build_dome
+from palpate.fea import WallSpec, find_stability
+from palpate.material import get_material
+from palpate.mesh import MeshSpec, mesh_dome
+
+
+def main() -> float:
+    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=1)), MeshSpec(cells=10))
+    found = find_stability(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=4.0, contact="frictionless"))
+    print(found.message)
+    for depth, flat, inverted in zip(found.depth, found.flat_energy, found.inverted_energy, strict=True):
+        print(f"{depth:.2f} mm: flat {flat:.4f} mJ, inverted {inverted:.4f} mJ")
+    return found.inverted_from
+
+
+if __name__ == "__main__":
+    main()

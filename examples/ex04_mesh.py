@@ -1,0 +1,20 @@
+"""Is the mesh fine enough? Force and markers against the number of elements."""
+
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.fea import WallSpec, study_convergence
+from palpate.material import get_material
+from palpate.mesh import mesh_dome
+
+
+def main() -> float:
+    dome = build_dome(DomeSpec(height=20, thickness=4))
+    points = place_markers(dome, MarkerSpec(count=37)).positions
+    wall = WallSpec(tilt_deg=5, depth=1.6, contact="frictionless")
+    results = study_convergence(mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30"), wall, points, (6, 9, 13))
+    for result in results:
+        print(f"{result.elements} elements: {result.force:.4f} N, markers {100 * result.marker_error:.2f} % of depth")
+    return results[1].force_error
+
+
+if __name__ == "__main__":
+    main()
