@@ -40,6 +40,7 @@ FRONT_DOORS = {
     "material": {"Material", "get_material", "list_materials"},
     "mesh": {"Mesh", "MeshSpec", "Rim", "mesh_dome"},
     "camera": {"Camera", "CameraSpec", "build_camera", "preset"},
+    "markers": {"Blobs", "DetectSpec", "Detector", "prepare_detector"},
     "fea": {
         "DeckSpec",
         "FEA_VERSION",

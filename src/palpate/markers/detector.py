@@ -1,0 +1,224 @@
+"""A detector: what is looked for, with every choice made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.markers.blobs import Blobs
+from palpate.markers.centre import fit_centres
+from palpate.markers.grey import to_grey
+from palpate.markers.opencv import blur, fill_hull, grow, simple_blobs
+from palpate.markers.segment import Segments, heights, measure_noise, segment
+from palpate.markers.spec import DetectSpec
+
+Image = NDArray[np.float32]
+_ROUNDS = (2, 2)
+_ROUNDS_TO_MEASURE = (8, 0)
+_SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
+_EDGE_PX = 0.8
+"""Blur of an edge to begin with: a pixel's own width and a lens in focus."""
+_CLEAR = 40.0
+"""Contrast of a blob's sum over its noise at which half of its elongation is believed."""
+_HALF = 0.8
+"""Least fullness of a dot: a disc has 1, two that touch 0.9, a ring 0.7."""
+
+
+@dataclass(frozen=True, eq=False)
+class Detector:
+    """Finds dots of one polarity and size inside a mask.
+
+    Attributes
+    ----------
+    spec
+        What was chosen.
+    dark
+        Whether dots are darker than what is about them.
+    diameter_px
+        Diameter of a dot.
+    mask
+        (h, w) where dots are looked for; `None` for everywhere.
+    edge_px
+        Blur of a dot's edge, by lens and pixel.
+    """
+
+    spec: DetectSpec
+    dark: bool
+    diameter_px: float
+    mask: NDArray[np.bool_] | None
+    edge_px: float = _EDGE_PX
+
+    def find(self, image: NDArray[Any]) -> Blobs:
+        """Find the dots of an image.
+
+        Parameters
+        ----------
+        image
+            (h, w) or (h, w, 3), any number type.
+
+        Raises
+        ------
+        PalpateError
+            If it is not an image, is too small or too large, or has another size than the mask.
+        """
+        grey = to_grey(image, self.spec.largest_mpx)
+        if self.mask is not None and self.mask.shape != grey.shape:
+            raise PalpateError(
+                f"The image has {grey.shape[1]} × {grey.shape[0]} px, the detector was made for "
+                f"{self.mask.shape[1]} × {self.mask.shape[0]}.",
+                "Make a detector from an image of this size.",
+            )
+        return self._by_opencv(grey) if self.spec.method == "opencv" else self._by_centroid(grey)
+
+    def _by_centroid(self, grey: Image) -> Blobs:
+        return self._fit(grey, _ROUNDS)[0]
+
+    def _fit(self, grey: Image, rounds: tuple[int, int]) -> tuple[Blobs, float]:
+        """Blobs, and the median blur of their edges."""
+        raised = -grey if self.dark else grey
+        noise = measure_noise(grey)
+        height, factor = heights(-raised, self.diameter_px)
+        segments = segment(height, self.diameter_px, self.spec.threshold * noise * factor, self.spec.evenness)
+        chosen = choose_dots(segments, self.diameter_px, self.spec)
+        if self.mask is not None:
+            chosen = chosen[inside(self.mask, segments.middle_px[chosen])]
+        return _refine(raised, segments, chosen, noise, (self.edge_px, rounds))
+
+    def _by_opencv(self, grey: Image) -> Blobs:
+        low, high = float(grey.min()), float(grey.max())
+        scaled = np.rint((grey - low) * (255.0 / max(high - low, 1e-9))).astype(np.uint8)
+        found = simple_blobs(scaled, self.diameter_px, self.dark)
+        keep = np.ones(len(found), bool) if self.mask is None else inside(self.mask, found[:, :2])
+        found = found[keep][np.argsort(found[keep][:, 1], kind="stable")]
+        margin = found[:, 2] / 2.0
+        x, y = found[:, 0], found[:, 1]
+        cut = (x < margin) | (y < margin) | (x > grey.shape[1] - 1 - margin) | (y > grey.shape[0] - 1 - margin)
+        unknown = np.full(len(found), np.nan)
+        return Blobs(found[:, :2], found[:, 2], unknown, unknown, cut, measure_noise(grey))
+
+
+def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Detector:
+    """Choose polarity, size and mask from an image, where the spec leaves them open.
+
+    Every size and polarity is tried on the image (shrunk where the dots allow it); the one with the most dots that
+    agree in size and contrast, and the fewest things that do not, is taken.
+
+    Raises
+    ------
+    PalpateError
+        If nothing in the image looks like a field of dots.
+    """
+    spec = spec or DetectSpec()
+    grey = to_grey(image, spec.largest_mpx)
+    choices = [
+        (_score(grey, dark, size, spec), dark, size)
+        for dark in ([True, False] if spec.polarity == "auto" else [spec.polarity == "dark"])
+        for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
+        if size < min(grey.shape) / 3
+    ]
+    (score, measured), dark, _ = max(choices, key=lambda choice: choice[0][0], default=((0.0, 0.0), True, 0.0))
+    if score <= 0.0:
+        raise PalpateError(
+            f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
+            "Check light and focus, or give polarity and diameter_px.",
+        )
+    rough = Detector(spec, dark, spec.diameter_px or measured, None)
+    blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
+    mask = _find_mask(blobs, grey.shape) if spec.mask == "auto" else None
+    return Detector(spec, dark, rough.diameter_px, mask, edge)
+
+
+def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDArray[np.intp]:
+    """Numbers of the candidates that look like dots, by size, roundness, fullness and contrast."""
+    size = segments.diameter_px / diameter_px
+    good = (size > 0.4) & (size < 2.2) & (segments.roundness > spec.roundness) & (segments.fullness > _HALF)
+    good &= (segments.area_px >= 4) | segments.at_border
+    for values in (segments.contrast, segments.diameter_px):
+        if good.any():
+            good &= values > spec.evenness * float(np.median(values[good]))
+    return np.flatnonzero(good)
+
+
+def inside(mask: NDArray[np.bool_], points_px: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(n,) whether points lie in a mask."""
+    column = np.clip(np.rint(points_px[:, 0]).astype(int), 0, mask.shape[1] - 1)
+    row = np.clip(np.rint(points_px[:, 1]).astype(int), 0, mask.shape[0] - 1)
+    return np.asarray(mask[row, column])
+
+
+def _refine(
+    raised: Image, segments: Segments, chosen: NDArray[np.intp], noise: float, fit: tuple[float, tuple[int, int]]
+) -> tuple[Blobs, float]:
+    """Blobs with centres fitted on the image, and the median blur of their edges."""
+    labels = segments.labels
+    spread = _calm(segments.spread[chosen], segments.contrast[chosen] / noise * np.sqrt(segments.area_px[chosen]))
+    # a disc of the blob's area and axes
+    scale = segments.area_px[chosen] / (4.0 * np.pi * np.sqrt(np.maximum(_determinant(spread), 1e-3)))
+    start = np.column_stack([segments.middle_px[chosen], spread * scale[:, None]])
+    fitted = fit_centres(raised, labels, (chosen + 1).astype(np.int32), start, *fit)
+    good = np.isfinite(fitted[:, 0])
+    fitted, start, chosen = fitted[good], start[good], chosen[good]
+    diameter = 4.0 * _determinant(start[:, 2:]) ** 0.25 * fitted[:, 2]
+    blobs = Blobs(
+        positions_px=fitted[:, :2].copy(),
+        diameter_px=diameter,
+        contrast=fitted[:, 3].copy(),
+        sigma_px=fitted[:, 5] * noise,
+        at_border=segments.at_border[chosen],
+        noise=noise,
+    )
+    return blobs, float(np.median(fitted[:, 4])) if len(fitted) else fit[0]
+
+
+def _calm(spread: NDArray[np.float64], clarity: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Shapes drawn towards a circle where the noise would shape them (`clarity`: contrast over noise of the sum)."""
+    weight = 1.0 / (1.0 + (clarity / _CLEAR) ** 2)
+    middle = (spread[:, 0] + spread[:, 2]) / 2.0
+    circle = np.stack([middle, np.zeros_like(middle), middle], axis=-1)
+    return np.asarray(spread + weight[:, None] * (circle - spread))
+
+
+def _determinant(spread: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(spread[:, 0] * spread[:, 2] - spread[:, 1] ** 2)
+
+
+def _score(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[float, float]:
+    """How well an image fits dots of a size, and the median diameter of what was found."""
+    step = int(max(1, size // 8))
+    if step > 1:
+        grey = blur(grey, 0.5 * step)[::step, ::step]
+    noise = measure_noise(grey)
+    height, factor = heights(grey if dark else -grey, size / step)
+    segments = segment(height, size / step, spec.threshold * noise * factor, spec.evenness)
+    chosen = choose_dots(segments, size / step, spec)
+    if len(chosen) < 3:
+        return 0.0, size
+    diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
+    typical = float(np.median(diameter))
+    alike = (np.abs(np.log(diameter / typical)) < 0.4) & (np.abs(np.log(contrast / np.median(contrast))) < 0.7)
+    area = float((diameter[alike] ** 2).sum()) / float((segments.diameter_px**2).sum())
+    fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
+    return float(alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))), typical * step
+
+
+def _find_mask(blobs: Blobs, shape: tuple[int, int]) -> NDArray[np.bool_] | None:
+    """Where the largest group of neighbouring dots is, and one spacing more."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    if len(blobs) < 4:
+        return None
+    tree = cKDTree(blobs.positions_px)
+    spacing = float(np.median(tree.query(blobs.positions_px, 2)[0][:, 1]))
+    pairs = tree.query_pairs(2.6 * spacing, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(blobs), len(blobs)))
+    _, group = connected_components(graph, directed=False)
+    largest = group == np.bincount(group).argmax()
+    if largest.sum() < 4:
+        return None
+    return grow(fill_hull(blobs.positions_px[largest], shape), int(np.ceil(1.5 * spacing)))

@@ -1,0 +1,89 @@
+"""What this room takes from OpenCV, 4.10 to 5, in one place: filters, components, its blob detector."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import MissingExtraError
+
+Image = NDArray[np.float32]
+
+
+def load() -> Any:
+    """The library.
+
+    Raises
+    ------
+    MissingExtraError
+        If OpenCV is not installed.
+    """
+    try:
+        import cv2
+    except ImportError as error:
+        raise MissingExtraError("OpenCV", "vision") from error
+    return cv2
+
+
+def blur(image: Image, sigma_px: float) -> Image:
+    """Gaussian blur; borders are mirrored."""
+    return np.asarray(load().GaussianBlur(image, (0, 0), sigma_px), np.float32)
+
+
+def box(image: Image, size_px: int) -> Image:
+    """Mean over a square."""
+    return np.asarray(load().blur(image, (size_px, size_px)), np.float32)
+
+
+def close(image: Image, size_px: int) -> Image:
+    """Grey closing by a square: fills what is darker and narrower than it."""
+    cv2 = load()
+    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size_px, size_px))
+    return np.asarray(cv2.morphologyEx(image, cv2.MORPH_CLOSE, kernel), np.float32)
+
+
+def local_maxima(image: Image, size_px: int) -> NDArray[np.bool_]:
+    """Pixels that are the greatest of the square about them."""
+    cv2 = load()
+    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size_px, size_px))
+    return np.asarray(image >= cv2.dilate(image, kernel))
+
+
+def components(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.int32]]:
+    """Number of 8-connected components and (h, w) labels, 0 outside them."""
+    count, labels = load().connectedComponents(mask.astype(np.uint8), connectivity=8, ltype=4)
+    return int(count) - 1, np.asarray(labels, np.int32)
+
+
+def grow(mask: NDArray[np.bool_], margin_px: int) -> NDArray[np.bool_]:
+    """The mask and what lies within a margin of it."""
+    cv2 = load()
+    size = 2 * margin_px + 1
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), kernel)) > 0
+
+
+def fill_hull(points_px: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Mask of the convex hull of points (n, 2), n ≥ 3."""
+    cv2 = load()
+    mask = np.zeros(shape, np.uint8)
+    hull = cv2.convexHull(np.rint(points_px).astype(np.int32).reshape(-1, 1, 2))
+    cv2.fillConvexPoly(mask, hull, 1)
+    return mask > 0
+
+
+def simple_blobs(image: NDArray[np.uint8], diameter_px: float, dark: bool) -> NDArray[np.float64]:
+    """Centres and diameters (n, 3) by OpenCV's `SimpleBlobDetector`."""
+    cv2 = load()
+    spec = cv2.SimpleBlobDetector_Params()
+    area = np.pi / 4 * diameter_px**2
+    spec.filterByColor, spec.blobColor = True, 0 if dark else 255
+    spec.filterByArea, spec.minArea, spec.maxArea = True, float(area / 3), float(3 * area)
+    spec.filterByConvexity, spec.filterByInertia, spec.filterByCircularity = False, True, False
+    spec.minInertiaRatio = 0.2
+    spec.minDistBetweenBlobs = float(max(0.8 * diameter_px, 1.0))
+    spec.minThreshold, spec.maxThreshold, spec.thresholdStep, spec.minRepeatability = 10.0, 245.0, 5.0, 3
+    found = cv2.SimpleBlobDetector_create(spec).detect(image)
+    return np.array([[*point.pt, point.size] for point in found], float).reshape(-1, 3)

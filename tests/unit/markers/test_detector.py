@@ -1,0 +1,149 @@
+import numpy as np
+import pytest
+from drawn_dots import bound, draw_dots, lattice, match, with_noise
+
+from palpate.core import PalpateError, generator
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.markers import Detector, DetectSpec, prepare_detector
+
+SETTINGS = [(50.0, 5.0), (100.0, 3.0), (100.0, 1.0), (200.0, 2.0)]
+
+
+def drawn(diameter, edge, contrast, noise, count=12):
+    rng = generator(3, diameter, edge, contrast, noise)
+    centres, shape = lattice(count, 2 * diameter + 6, rng)
+    return with_noise(draw_dots(centres, diameter, edge, contrast, shape), noise, rng), centres
+
+
+@pytest.mark.parametrize("diameter", [4.0, 6.0, 8.0, 12.0])
+@pytest.mark.parametrize("edge", [0.6, 1.0, 1.5])
+def test_centres_reach_the_bound_and_every_dot_is_found_once(diameter, edge):
+    for contrast, noise in SETTINGS:
+        image, centres = drawn(diameter, edge, contrast, noise)
+        errors, missed, extra = match(prepare_detector(image).find(image).positions_px, centres)
+        rms = np.sqrt(np.mean(errors**2))
+        assert rms <= 1.3 * bound(diameter, edge, contrast, noise) + 0.01, (contrast, noise, rms)
+        if contrast / noise >= 15:
+            assert (missed, extra) == (0, 0)
+
+
+@pytest.mark.parametrize("diameter", [4.0, 6.0, 12.0])
+def test_centres_have_no_bias_over_the_phases_of_a_pixel(diameter):
+    phase = np.arange(9) / 9 - 4 / 9
+    spacing = 2 * diameter + 6
+    centres = np.array(
+        [[(i + 0.5) * spacing + phase[i], (j + 0.5) * spacing + phase[j]] for i in range(9) for j in range(9)]
+    )
+    image = draw_dots(centres, diameter, 1.0, 100.0, (int(9 * spacing) + 2,) * 2)
+    errors, missed, extra = match(prepare_detector(image).find(image).positions_px, centres)
+    assert (missed, extra) == (0, 0)
+    assert np.abs(errors).max() <= 0.01
+    assert np.abs(errors.mean(axis=0)).max() <= 1e-3
+
+
+def test_the_standard_deviation_it_states_is_the_one_it_has():
+    image, centres = drawn(6.0, 1.0, 100.0, 3.0, count=20)
+    blobs = prepare_detector(image).find(image)
+    errors, _, _ = match(blobs.positions_px, centres)
+    assert np.median(blobs.sigma_px) == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.15)
+    assert blobs.noise == pytest.approx(3.0, rel=0.1)
+
+
+@pytest.mark.parametrize("kind", ["bright", "colour", "sixteen bit", "single precision"])
+def test_polarity_colour_and_depth_of_the_image_change_nothing(kind):
+    image, centres = drawn(7.0, 1.0, 100.0, 2.0)
+    reference = prepare_detector(image).find(image)
+    other = {
+        "bright": 255 - image,
+        "colour": np.stack([image] * 3, axis=-1),
+        "sixteen bit": image.astype(np.uint16) * 200,
+        "single precision": image.astype(np.float32) * 40.0,
+    }[kind]
+    detector = prepare_detector(other)
+    assert detector.dark == (kind != "bright")
+    np.testing.assert_allclose(detector.find(other).positions_px, reference.positions_px, atol=1e-3)
+    _, missed, extra = match(reference.positions_px, centres)
+    assert (missed, extra) == (0, 0)
+
+
+@pytest.mark.parametrize("diameter", [5.0, 9.0, 20.0, 45.0])
+def test_the_size_of_the_dots_is_read_from_the_image(diameter):
+    image, centres = drawn(diameter, 1.0, 80.0, 2.0, count=7)
+    detector = prepare_detector(image)
+    assert detector.diameter_px == pytest.approx(diameter, rel=0.15)
+    blobs = detector.find(image)
+    assert len(blobs) == len(centres)
+    np.testing.assert_allclose(blobs.diameter_px, diameter, rtol=0.1)
+
+
+def test_opencv_finds_the_same_dots():
+    image, centres = drawn(8.0, 1.0, 100.0, 2.0)
+    detector = prepare_detector(image, DetectSpec(method="opencv"))
+    errors, missed, extra = match(detector.find(image).positions_px, centres)
+    assert (missed, extra) == (0, 0)
+    assert np.sqrt(np.mean(errors**2)) < 0.1
+
+
+def test_uneven_light_and_clutter_outside_the_field_do_not_matter():
+    rng = generator(5, "clutter")
+    layout = place_markers(build_dome(DomeSpec()), MarkerSpec(count=91))
+    centres = layout.positions[:, :2] * 5.0 + [173.0, 130.0]
+    image = draw_dots(centres, 7.0, 1.0, 110.0, (260, 346), ground=200.0)
+    y, x = np.mgrid[:260, :346]
+    image *= 1.0 - 0.5 * ((x - 150) ** 2 + (y - 100) ** 2) / 230**2
+    image[:, :12], image[240:, 320:] = 30.0, 250.0
+    image[5:12, 300:306] = 20.0
+    image = with_noise(image, 2.0, rng)
+    errors, missed, extra = match(prepare_detector(image).find(image).positions_px, centres)
+    assert (missed, extra) == (0, 0)
+    assert np.sqrt(np.mean(errors**2)) < 0.05
+
+
+def test_dots_that_nearly_touch_are_two_and_a_cut_one_is_marked():
+    centres = np.array([[40.0, 40], [50, 40], [80, 40], [110, 40], [40, 80], [80, 80], [110, 80], [0.5, 60]])
+    image = with_noise(draw_dots(centres, 8.0, 0.8, 120.0, (110, 140)), 2.0, generator(1, "touch"))
+    blobs = prepare_detector(image, DetectSpec(mask="none")).find(image)
+    assert len(blobs) == len(centres)
+    assert blobs.positions_px[blobs.at_border].round().tolist() == [[0.0, 60.0]] or blobs.at_border.sum() == 1
+
+
+def test_elongated_dots_keep_their_centre():
+    rng = generator(2, "ellipse")
+    centres, shape = lattice(8, 30, rng)
+    y, x = np.mgrid[: shape[0], : shape[1]].astype(float)
+    image = np.full(shape, 200.0)
+    for column, row in centres:
+        a, b = (x - column) + 0.6 * (y - row), (y - row) - 0.6 * (x - column)
+        image -= 100.0 / (1.0 + np.exp((np.hypot(a / 7.0, b / 4.0) - 1.0) * 5.0))
+    errors, missed, extra = match(prepare_detector(image).find(image).positions_px, centres)
+    assert (missed, extra) == (0, 0)
+    assert np.abs(errors).max() < 0.01
+
+
+@pytest.mark.parametrize("image", [np.zeros((260, 346), np.uint8), np.full((50, 60, 3), 255, np.uint8)])
+def test_an_even_image_has_no_field_of_dots(image):
+    with pytest.raises(PalpateError, match="No field of dots"):
+        prepare_detector(image)
+    assert len(Detector(DetectSpec(), True, 6.0, None).find(image)) == 0
+
+
+@pytest.mark.parametrize(
+    ("image", "words"),
+    [
+        (np.zeros((1, 1), np.uint8), "1 × 1 px"),
+        (np.lib.stride_tricks.as_strided(np.zeros(1, np.uint8), (20_000, 20_000), (0, 0)), "more than 40 million"),
+        (np.zeros((10, 10, 7)), "is not an image"),
+        (np.zeros(5), "is not an image"),
+        (np.full((20, 20), np.nan), "not numbers"),
+        (np.array([["a"]]), "is not an image"),
+    ],
+)
+def test_what_is_no_usable_image_is_refused(image, words):
+    with pytest.raises(PalpateError, match=words):
+        prepare_detector(image)
+
+
+def test_an_image_of_another_size_than_the_first_is_refused():
+    image, _ = drawn(6.0, 1.0, 100.0, 2.0)
+    with pytest.raises(PalpateError, match="the detector was made for"):
+        prepare_detector(image).find(image[:100])
