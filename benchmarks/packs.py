@@ -109,7 +109,7 @@ def hollow(parts: dict, spec: PackSpec) -> float:
 
     module = build_module(build_dome(spec.dome), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
     top = module.dome.height + module.dome.thickness
-    inner = cylinder(module.flange_foot, module.foot, top + spec.process.mold_floor / 2)
+    inner = cylinder(module.flange_foot, module.foot, top + 0.5)
     left = inner
     for name, part in parts.items():
         if name.startswith("mold_"):

@@ -9,8 +9,9 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeShape, Finding, MarkerLayout, Severity, Solid, check_design
+from palpate.design import Dome, DomeShape, Finding, MarkerLayout, Module, Severity, Solid, check_design
 from palpate.fabricate.artwork import flatten
+from palpate.fabricate.enclosure import Enclosure, free_travel
 from palpate.fabricate.mold import Mold
 from palpate.fabricate.spec import ProcessSpec
 from palpate.material import Material
@@ -151,6 +152,19 @@ def _check_pad(dome: Dome, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
                 f"Two dots of the artwork stand {gap:.2g} mm apart, the pad keeps {spec.smallest_gap:g} mm.",
                 f"Take dots below {layout.diameter + gap - spec.smallest_gap:.2g} mm, or the mapping arc.",
             )
+
+
+def check_enclosure(module: Module, enclosure: Enclosure, spec: ProcessSpec) -> Iterator[Finding]:
+    """Report where the wall meets the clamp ring before the sensor's working depth."""
+    travel = free_travel(module, enclosure, spec.working_tilt_deg)
+    if travel < spec.working_depth:
+        yield Finding(
+            Severity.WARNING,
+            "ring-in-the-way",
+            f"A wall inclined by {spec.working_tilt_deg:g}° meets the clamp ring after {travel:.3g} mm of "
+            f"{spec.working_depth:g} mm.",
+            "Work less deep or less inclined, or take a higher dome or a narrower flange.",
+        )
 
 
 def refuse_interference(parts: dict[str, Solid], intended: frozenset[str] = frozenset()) -> None:

@@ -24,14 +24,16 @@ from palpate.core import PalpateError
 from palpate.design import Module, Solid, box, cylinder, revolve
 from palpate.fabricate.spec import CameraBody, ProcessSpec
 
-WALL, SHELF, RING_HEIGHT = 3.0, 4.0, 6.0
-"""Wall and shelf of the housing, and height of the clamp ring, mm."""
+WALL, SHELF = 3.0, 4.0
+"""Wall and shelf of the housing, mm."""
+RING_TOP, RING_EDGE = 1.5, -1.5
+"""Height of the clamp ring over the base plane at its opening and its outer edge, mm: it slopes from the wall."""
 LED_WIDTH, LED_HEIGHT = 6.0, 4.0
 """Room for a ring of LEDs about the opening, mm."""
 SQUEEZE = 0.2
 """How much the clamp ring compresses the flange, mm."""
-M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6
-"""Diameters of holes: a self-cut M3 thread in plastic, M3 and M6 screws passing (ISO 273, medium), mm."""
+M3_CORE, M3_CLEAR, M3_HEAD, M6_CLEAR = 2.5, 3.4, 6.2, 6.6
+"""Diameters of holes, mm: a self-cut M3 thread in plastic, M3 passing, its head, M6 passing (ISO 273, medium)."""
 SCREWS = 6
 ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0, 8.0
 """Flange 50-4-M6 of ISO 9409-1, mm: pitch circle, centring boss, its height, pin, and thickness of our plate."""
@@ -84,10 +86,13 @@ class Enclosure:
         Solids by name: ``housing``, ``clamp_ring``, ``robot_plate``.
     camera_distance
         From the pinhole up to the base plane, mm.
+    ring
+        (radius, z) mm of the edges of the clamp ring that a wall may meet.
     """
 
     parts: dict[str, Solid]
     camera_distance: float
+    ring: tuple[tuple[float, float], ...]
 
 
 def build_enclosure(module: Module, camera_distance: float, spec: ProcessSpec) -> Enclosure:
@@ -109,12 +114,20 @@ def build_enclosure(module: Module, camera_distance: float, spec: ProcessSpec) -
     bore = max(module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
     outer = max(bore + WALL, module.flange_foot + M3_CLEAR + 2 * WALL, ISO_RADIUS)
     low = shelf - body.depth - WALL
+    ring = ((_ring_opening(module), RING_TOP), (outer, RING_EDGE))
     parts = {
-        "housing": _housing(module, spec, body, (bore, outer, shelf, low)),
+        "housing": _housing(module, body, (bore, outer, shelf, low)),
         "clamp_ring": _clamp_ring(module, spec, outer),
         "robot_plate": _robot_plate((bore + outer) / 2, outer, low),
     }
-    return Enclosure(parts, camera_distance)
+    return Enclosure(parts, camera_distance, ring)
+
+
+def free_travel(module: Module, enclosure: Enclosure, tilt_deg: float) -> float:
+    """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring."""
+    dome, tilt = module.dome, np.radians(tilt_deg)
+    touch = dome.center_z + dome.outer_radius / np.cos(tilt)  # height of the wall over the axis at first touch
+    return float(min(touch - radius * np.tan(tilt) - z for radius, z in enclosure.ring))
 
 
 def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[float, float]]:
@@ -122,7 +135,7 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
     return [(float(radius * np.cos(angle)), float(radius * np.sin(angle))) for angle in angles]
 
 
-def _housing(module: Module, spec: ProcessSpec, body: Body, sizes: tuple[float, float, float, float]) -> Solid:
+def _housing(module: Module, body: Body, sizes: tuple[float, float, float, float]) -> Solid:
     """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
     bore, outer, shelf, low = sizes
     seat, lip = module.foot, module.foot - LED_HEIGHT - WALL
@@ -153,19 +166,25 @@ def _screw_places(module: Module, outer: float) -> list[tuple[float, float]]:
 
 def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> Solid:
     """Ring that lies on the housing around the flange and presses on its upper face."""
-    inside = module.flange_radius - 0.6 * (module.flange_radius - _base_radius(module))
     edge = module.flange_foot + spec.clearance
-    top = module.foot + RING_HEIGHT + SQUEEZE
+    opening = _ring_opening(module)
     section = [
         (edge, module.foot),
         (outer, module.foot),
-        (outer, top),
-        (inside, top),
-        (inside, -SQUEEZE),
+        (outer, RING_EDGE),
+        (opening, RING_TOP),
+        (opening, -SQUEEZE),
         (edge, -SQUEEZE),
     ]
-    screws = [cylinder(M3_CLEAR / 2, module.foot - 1, top + 1, at) for at in _screw_places(module, outer)]
-    return revolve(section).cut(*screws)
+    places = _screw_places(module, outer)
+    screws = [cylinder(M3_CLEAR / 2, module.foot - 1, RING_TOP + 1, at) for at in places]
+    heads = [cylinder(M3_HEAD / 2, module.foot / 3, RING_TOP + 1, at) for at in places]
+    return revolve(section).cut(*screws, *heads)
+
+
+def _ring_opening(module: Module) -> float:
+    """Radius of the clamp ring's opening, mm: two fifths of the flange's width beyond the dome."""
+    return module.flange_radius - 0.6 * (module.flange_radius - _base_radius(module))
 
 
 def _base_radius(module: Module) -> float:

@@ -49,6 +49,12 @@ class ProcessSpec(Spec):
     steepest_deg: float = parameter(
         65.0, unit="deg", meaning="slope of the dome against the base that a pad still reaches", ge=10, le=90
     )
+    working_depth: float = parameter(
+        8.0, unit="mm", meaning="travel that the sensor is used to", source=PAPER, gt=0, le=40
+    )
+    working_tilt_deg: float = parameter(
+        12.0, unit="deg", meaning="greatest tilt of the wall that it is used at", source=PAPER, ge=0, le=45
+    )
     camera_body: CameraBody = CameraBody.BOARD28
     excess_percent: float = parameter(
         30.0, unit="%", meaning="elastomer mixed beyond the module's volume, for cup and sprues", ge=0, le=300

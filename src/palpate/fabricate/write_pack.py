@@ -27,7 +27,7 @@ from palpate.design import (
     write_step,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
-from palpate.fabricate.check_process import check_mold, check_process, refuse_interference
+from palpate.fabricate.check_process import check_enclosure, check_mold, check_process, refuse_interference
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
 from palpate.fabricate.folder import hash_files, new_folder
@@ -87,7 +87,11 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     refuse_errors(findings)
     with new_folder(folder) as work:
         made = _make(spec, dome, layout, camera)
-        findings = (*findings, *check_mold(made.mold, spec.process))
+        findings = (
+            *findings,
+            *check_enclosure(made.module, made.enclosure, spec.process),
+            *check_mold(made.mold, spec.process),
+        )
         meshes, findings = _write_solids(work, made, spec, findings)
         _write_print(work, made)
         _write_sheets(work, made, meshes, spec, findings)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_dome, build_module, build_solid, place_markers
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, box, build_dome, build_module, build_solid, place_markers
 from palpate.fabricate import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
+from palpate.fabricate.enclosure import free_travel
 
 pytest.importorskip("build123d")
 SPEC = ProcessSpec()
@@ -63,6 +64,19 @@ def test_build_enclosure_holds_the_module_and_nothing_interferes(camera: CameraB
     assert 0 < squeezed < 0.1 * body.volume
     for part in parts.values():
         assert part.pieces == 1
+
+
+def test_the_wall_is_stopped_by_the_clamp_ring_where_geometry_says() -> None:
+    module = module_of(10)
+    enclosure = build_enclosure(module, 48.0, SPEC)
+    ring = enclosure.parts["clamp_ring"]
+    for tilt in (0.0, 12.0):
+        travel = free_travel(module, enclosure, tilt)
+        top = module.dome.center_z + module.dome.outer_radius / np.cos(np.radians(tilt))
+        wall = box((-200, -200, 0), (200, 200, 50)).turned("x", tilt)  # falls along y
+        assert ring.overlap(wall.moved(z=top - travel + 0.05)) < 1e-3
+        assert ring.overlap(wall.moved(z=top - travel - 0.2)) > 1e-3
+    assert free_travel(module, enclosure, 12.0) < 8.0 < free_travel(module_of(20), enclosure, 12.0)
 
 
 def test_a_camera_in_the_light_is_refused() -> None:
