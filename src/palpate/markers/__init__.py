@@ -2,6 +2,26 @@
 
 from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector, prepare_detector
+from palpate.markers.motion import Motion, learn_motion
+from palpate.markers.name_markers import Naming, name_markers
+from palpate.markers.pattern import MarkerPattern, build_pattern
 from palpate.markers.spec import DetectSpec
+from palpate.markers.tracker import Tracker, find_markers
+from palpate.markers.tracks import Sighting, Tracks
 
-__all__ = ["Blobs", "DetectSpec", "Detector", "prepare_detector"]
+__all__ = [
+    "Blobs",
+    "DetectSpec",
+    "Detector",
+    "MarkerPattern",
+    "Motion",
+    "Naming",
+    "Sighting",
+    "Tracker",
+    "Tracks",
+    "build_pattern",
+    "find_markers",
+    "learn_motion",
+    "name_markers",
+    "prepare_detector",
+]

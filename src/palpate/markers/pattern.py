@@ -1,0 +1,97 @@
+"""The pattern of a layout as a camera sees it at rest, and the turns and mirrors that leave it as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+Array = NDArray[np.float64]
+_SAME = 1e-6
+"""Distance over the layout's size at which two markers are at one place."""
+
+
+@dataclass(frozen=True, eq=False)
+class MarkerPattern:
+    """Where markers are expected at rest.
+
+    Attributes
+    ----------
+    expected_px
+        (m, 2) pixels for the nominal camera.
+    symmetries
+        (g, m) for each turn or mirror about the axis that leaves the layout as it is, which marker comes to lie at
+        the place of marker i; the first is none at all.
+    turns_deg, mirrored
+        (g,) angle of the turn, and whether the layout was mirrored in its x-z plane before.
+    marks_px
+        (g, 2) where the orientation mark is then expected; `None` without a mark.
+    """
+
+    expected_px: Array
+    symmetries: NDArray[np.intp]
+    turns_deg: Array
+    mirrored: NDArray[np.bool_]
+    marks_px: Array | None
+
+    def __len__(self) -> int:
+        return len(self.expected_px)
+
+    @property
+    def spacing_px(self) -> float:
+        """Least distance of two markers."""
+        return float(cKDTree(self.expected_px).query(self.expected_px, 2)[0][:, 1].min())
+
+
+def build_pattern(positions: Array, project: Callable[[Array], Array], mark: Array | None = None) -> MarkerPattern:
+    """The pattern of a layout.
+
+    Parameters
+    ----------
+    positions
+        (m, 3) markers in the dome's frame, mm.
+    project
+        From points (n, 3) to pixels (n, 2): that of the nominal camera.
+    mark
+        (3,) the orientation mark, mm (`palpate.design.place_orientation_mark`).
+    """
+    motions = [(turn, mirror) for mirror in (False, True) for turn in _candidate_turns(positions, mirror)]
+    found = [(motion, order) for motion in motions if (order := _order(positions, *motion)) is not None]
+    marks = None if mark is None else project(np.stack([_move(mark, *motion) for motion, _ in found]))
+    return MarkerPattern(
+        expected_px=project(positions),
+        symmetries=np.stack([order for _, order in found]),
+        turns_deg=np.degrees([motion[0] for motion, _ in found]),
+        mirrored=np.array([motion[1] for motion, _ in found]),
+        marks_px=marks,
+    )
+
+
+def _move(points: Array, turn: float, mirror: bool) -> Array:
+    x, y, z = np.moveaxis(np.asarray(points, float), -1, 0)
+    y = -y if mirror else y
+    return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, z], axis=-1)
+
+
+def _candidate_turns(positions: Array, mirror: bool) -> list[float]:
+    """Turns that bring the first of the outermost markers to the place of another; no turn comes first."""
+    rho = np.hypot(positions[:, 0], positions[:, 1])
+    outermost = int(np.argmax(rho))
+    if rho[outermost] == 0.0:
+        return [0.0]
+    angle = np.arctan2(positions[:, 1], positions[:, 0])
+    start = -angle[outermost] if mirror else angle[outermost]
+    turns = (angle[np.abs(rho - rho[outermost]) < _SAME * rho[outermost]] - start) % (2.0 * np.pi)
+    return sorted(float(turn) if turn < 2.0 * np.pi - _SAME else 0.0 for turn in turns)
+
+
+def _order(positions: Array, turn: float, mirror: bool) -> NDArray[np.intp] | None:
+    distance, place = cKDTree(positions).query(_move(positions, turn, mirror))
+    if distance.max() > 10.0 * _SAME * np.abs(positions).max() or len(set(place)) != len(positions):
+        return None
+    order = np.empty(len(positions), np.intp)
+    order[place] = np.arange(len(positions))
+    return order

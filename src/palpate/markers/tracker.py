@@ -1,0 +1,138 @@
+"""Identity through a press: which dot of this image is which marker.
+
+Every marker is predicted from its last two images, the prediction is compared with the nearest dots, and the joint
+correction of those that agree with their neighbours moves all predictions before the assignment of least squared
+distance is made. A marker without a dot is estimated by the motion model from those with one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial import cKDTree
+
+from palpate.core import PalpateError
+from palpate.markers.blobs import Blobs
+from palpate.markers.detector import Detector
+from palpate.markers.motion import Motion
+from palpate.markers.name_markers import Naming
+from palpate.markers.tracks import Sighting, Tracks
+
+Array = NDArray[np.float64]
+_REACH = 0.45
+"""How far from its prediction a dot may lie, over the distance to the nearest other marker."""
+_JUMP = 0.25
+"""Median distance of dots from predictions, over the spacing, above which the image is called a jump."""
+_ROUNDS = 3
+_NEIGHBOURS = 7
+
+
+@dataclass
+class Tracker:
+    """Follows markers from image to image.
+
+    Attributes
+    ----------
+    motion
+        Model of the joint motion; its rest is where the markers were named.
+    """
+
+    motion: Motion
+
+    def __post_init__(self) -> None:
+        if len(self.motion.rest_px) < 1:
+            raise PalpateError("There is no marker to follow.", "Name the markers of a rest image first.")
+        self._last = self._before = self.motion.rest_px
+        self._near = (
+            cKDTree(self.motion.rest_px)
+            .query(self.motion.rest_px, min(_NEIGHBOURS, len(self.motion.rest_px)))[1]
+            .reshape(len(self.motion.rest_px), -1)
+        )
+
+    def step(self, blobs_px: Array) -> Sighting:
+        """Find every marker among the dots (n, 2) of the next image."""
+        blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
+        predicted = 2.0 * self._last - self._before
+        if not len(blobs_px):
+            return Sighting(self._last, np.zeros(len(predicted), bool), np.full(len(predicted), -1), True)
+        tree = cKDTree(blobs_px)
+        predicted, offset = self._correct(predicted, blobs_px, tree)
+        blob = self._assign(predicted, blobs_px)
+        found = blob >= 0
+        positions = np.where(found[:, None], blobs_px[blob], predicted)
+        if found.any() and not found.all():
+            positions = np.where(found[:, None], positions, self.motion.fill(positions, found))
+        self._before, self._last = self._last, positions
+        return Sighting(positions, found, blob, bool(offset > _JUMP) or found.mean() < 0.5)
+
+    def _correct(self, predicted: Array, blobs: Array, tree: cKDTree) -> tuple[Array, float]:
+        """Predictions moved by what their neighbourhood agrees on, and the median correction over the spacing."""
+        spacing = self._spacing(predicted)
+        start = predicted
+        for _ in range(_ROUNDS):
+            distance, blob = tree.query(predicted)
+            back = cKDTree(predicted).query(blobs)[1]
+            agrees = (back[blob] == np.arange(len(predicted))) & (distance < 0.6 * spacing)
+            if not agrees.any():
+                break
+            miss = np.where(agrees[:, None], blobs[blob] - predicted, np.nan)
+            around = miss[self._near]
+            empty = np.isnan(around[..., 0]).all(axis=1)
+            around[empty] = np.nanmedian(miss, axis=0)
+            predicted = predicted + np.nanmedian(around, axis=1)
+        moved = np.linalg.norm(predicted - start, axis=1)
+        return predicted, float(np.median(moved / spacing))
+
+    def _assign(self, predicted: Array, blobs: Array) -> NDArray[np.intp]:
+        reach = _REACH * self._spacing(predicted)
+        square = ((predicted[:, None] - blobs[None]) ** 2).sum(axis=-1)
+        limit = reach[:, None] ** 2
+        nearest = np.argmin(square, axis=1)
+        inside = square[np.arange(len(predicted)), nearest] < limit[:, 0]
+        result = np.where(inside, nearest, -1)
+        wanted = nearest[inside]
+        if len(np.unique(wanted)) < len(wanted):  # two markers want one dot
+            marker, blob = linear_sum_assignment(np.minimum(square, limit))
+            result = np.full(len(predicted), -1)
+            result[marker] = np.where(square[marker, blob] < limit[marker, 0], blob, -1)
+        return result
+
+    @staticmethod
+    def _spacing(points: Array) -> Array:
+        """(m,) distance to the nearest other marker, px; a lone marker has all the room."""
+        if len(points) < 2:
+            return np.full(len(points), 50.0)
+        return np.maximum(cKDTree(points).query(points, 2)[0][:, 1], 2.0)
+
+
+def find_markers(
+    images: Iterable[NDArray[Any]], detector: Detector, naming: Naming, motion: Motion | None = None
+) -> Tracks:
+    """Find and follow all markers through images that begin near rest.
+
+    Parameters
+    ----------
+    images
+        Images in order.
+    detector, naming
+        What finds the dots, and the names of the markers at rest.
+    motion
+        Model of the joint motion; without it any smooth one.
+    """
+    tracker = Tracker(motion or Motion(naming.positions_px))
+    seen = [tracker.step(_centres(detector.find(image))) for image in images]
+    markers = len(naming.positions_px)
+    return Tracks(
+        positions_px=np.array([sighting.positions_px for sighting in seen]).reshape(-1, markers, 2),
+        found=np.array([sighting.found for sighting in seen], bool).reshape(-1, markers),
+        jumped=np.array([sighting.jumped for sighting in seen], bool),
+    )
+
+
+def _centres(blobs: Blobs) -> Array:
+    return blobs.positions_px

@@ -1,0 +1,52 @@
+"""Tracks: every marker through a sequence of images."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Sighting:
+    """All markers in one image.
+
+    Attributes
+    ----------
+    positions_px
+        (m, 2) column and row; where no dot was found, the estimate of the motion model.
+    found
+        (m,) whether a dot was found; the others are estimates.
+    blob
+        (m,) number of the dot, -1 where none was found.
+    jumped
+        Whether the markers moved further than the prediction allows: a snap, a lost image or another sensor.
+    """
+
+    positions_px: NDArray[np.float64]
+    found: NDArray[np.bool_]
+    blob: NDArray[np.intp]
+    jumped: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """Every marker through a sequence of images.
+
+    Attributes
+    ----------
+    positions_px
+        (n, m, 2) column and row of every marker in every image.
+    found
+        (n, m) whether a dot was found; the others are estimates of the motion model.
+    jumped
+        (n,) whether the markers jumped (see `Sighting`).
+    """
+
+    positions_px: NDArray[np.float64]
+    found: NDArray[np.bool_]
+    jumped: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.positions_px)

@@ -1,0 +1,111 @@
+import numpy as np
+import pytest
+from posed_dome import posed_dots, project
+
+from palpate.core import PalpateError, generator
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.markers import build_pattern, name_markers
+
+
+def layout(count, height=20.0):
+    dome = build_dome(DomeSpec(height=height))
+    markers = place_markers(dome, MarkerSpec(count=count))
+    return markers.positions, place_orientation_mark(dome, markers)
+
+
+def right(names, truth):
+    return not np.any((truth >= 0) & (names != truth))
+
+
+@pytest.mark.parametrize("count", [37, 91, 169])
+@pytest.mark.parametrize("height", [10.0, 20.0, 30.0])
+def test_markers_of_any_pose_are_named_rightly_by_the_mark(count, height):
+    positions, mark = layout(count, height)
+    pattern = build_pattern(positions, project, mark)
+    rng = generator(7, "poses", count, height)
+    resolved = 0
+    for _ in range(8):
+        dots, truth, mirror = posed_dots(np.vstack([positions, mark]), count, rng)
+        naming = name_markers(dots, pattern)
+        assert any(right(names, truth) for names in (naming.blob, *naming.alternatives))
+        if not naming.ambiguous:
+            resolved += 1
+            assert right(naming.blob, truth)
+            assert naming.mirrored == mirror
+            assert naming.mark >= 0
+    assert resolved >= 4
+
+
+@pytest.mark.parametrize("count", [37, 91])
+def test_without_a_mark_every_naming_that_fits_is_reported(count):
+    positions, _ = layout(count)
+    pattern = build_pattern(positions, project)
+    dots, truth, _ = posed_dots(positions, count, generator(1, "no mark", count))
+    naming = name_markers(dots, pattern)
+    assert naming.ambiguous
+    assert len(naming.alternatives) == 11
+    assert sum(right(names, truth) for names in (naming.blob, *naming.alternatives)) == 1
+
+
+def test_a_hidden_mark_leaves_the_naming_ambiguous():
+    positions, mark = layout(37)
+    dots, _, _ = posed_dots(positions, 37, generator(1, "hidden"), missing=0.0, false=0.0)
+    naming = name_markers(dots, build_pattern(positions, project, mark))
+    assert naming.ambiguous
+    assert naming.mark == -1
+    assert naming.found.all()
+
+
+def test_in_the_nominal_pose_turn_and_positions_are_those_of_the_camera():
+    positions, mark = layout(91)
+    pattern = build_pattern(positions, project, mark)
+    naming = name_markers(np.vstack([project(positions), project(mark)]), pattern)
+    assert not naming.ambiguous
+    assert naming.blob.tolist() == list(range(91))
+    assert naming.turn_deg == pytest.approx(0.0, abs=0.1)
+    np.testing.assert_allclose(naming.positions_px, project(positions))
+
+
+def test_a_missing_marker_is_expected_where_it_would_be():
+    positions, mark = layout(91)
+    seen = np.delete(np.arange(91), [0, 17, 80])
+    dots = np.vstack([project(positions[seen]), project(mark)])
+    naming = name_markers(dots, build_pattern(positions, project, mark))
+    assert np.flatnonzero(~naming.found).tolist() == [0, 17, 80]
+    np.testing.assert_allclose(naming.positions_px, project(positions), atol=0.5)
+
+
+def test_the_symmetries_of_rings_are_twelve_and_of_a_free_layout_one():
+    positions, _ = layout(37)
+    pattern = build_pattern(positions, project)
+    assert len(pattern.symmetries) == 12
+    assert pattern.mirrored.sum() == 6
+    assert pattern.symmetries[0].tolist() == list(range(37))
+    free = positions + generator(0, "free").uniform(-0.5, 0.5, positions.shape)
+    assert len(build_pattern(free, project).symmetries) == 1
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_a_layout_without_symmetry_needs_no_mark(mirror):
+    positions, _ = layout(37)
+    free = positions.copy()
+    free[1:, :2] += generator(0, "free").uniform(-0.9, 0.9, (36, 2))
+    dots, truth, _ = posed_dots(free, 37, generator(3, "free pose"), mirror=mirror)
+    naming = name_markers(dots, build_pattern(free, project))
+    assert not naming.ambiguous
+    assert right(naming.blob, truth)
+    assert naming.mirrored == mirror
+
+
+@pytest.mark.parametrize("dots", [np.empty((0, 2)), np.array([[100.0, 100.0]] * 4), np.full((2, 2), 50.0)])
+def test_too_few_dots_are_refused(dots):
+    positions, mark = layout(37)
+    with pytest.raises(PalpateError, match="of 37 markers were found"):
+        name_markers(dots, build_pattern(positions, project, mark))
+
+
+def test_another_design_is_refused():
+    positions, mark = layout(169)
+    other, _ = layout(37)
+    with pytest.raises(PalpateError, match="of 169 markers were found"):
+        name_markers(project(other), build_pattern(positions, project, mark))
