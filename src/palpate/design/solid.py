@@ -212,6 +212,11 @@ def box(low: Sequence[float], high: Sequence[float]) -> Solid:
     return Solid(cad.Solid.make_box(*(float(value) for value in size), cad.Plane(tuple(map(float, low)))))
 
 
+def gather(parts: Sequence[Solid]) -> Solid:
+    """Several solids as one, each as it is, to be looked at together."""
+    return Solid(_cad().Compound([body for part in parts for body in part.shape.solids()]))
+
+
 def write_step(path: Path, name: str, parts: dict[str, Solid]) -> None:
     """Write named parts as one assembly, in mm."""
     cad = _cad()

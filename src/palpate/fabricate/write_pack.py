@@ -22,6 +22,7 @@ from palpate.design import (
     build_dome,
     build_module,
     build_solid,
+    gather,
     place_markers,
     refuse_errors,
     write_step,
@@ -167,11 +168,14 @@ def _write_sheets(
 ) -> None:
     process = spec.process
     mold = made.mold
+    assembly = [made.solids["module"], *made.enclosure.parts.values()]
     figures = {
         "module_section": draw_module_section(made.module),
         "mold_section": draw_mold_section(mold.module, mold.radius, process.mold_floor, process.plate),
         "mold_parts": draw_bodies([(name, _as_printed(name, solid)) for name, solid in mold.parts.items()]),
-        "enclosure_parts": draw_bodies([("module", made.solids["module"]), *made.enclosure.parts.items()]),
+        "enclosure_parts": draw_bodies(
+            [("module", made.solids["module"]), *made.enclosure.parts.items(), ("assembled", gather(assembly))]
+        ),
     }
     for name, figure in figures.items():
         figure.savefig(work / f"{name}.png", dpi=120)

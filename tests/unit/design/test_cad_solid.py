@@ -15,6 +15,7 @@ from palpate.design import (
     build_solid,
     cylinder,
     extrude,
+    gather,
     read_step,
     revolve,
     write_step,
@@ -93,6 +94,12 @@ def test_the_lines_seen_of_a_cylinder_lie_within_its_silhouette() -> None:
     points = np.concatenate(lines)
     assert np.ptp(points[:, 0]) == pytest.approx(4.0, abs=1e-3)
     assert np.ptp(points[:, 1]) == pytest.approx(6.0, abs=1e-3)
+
+
+def test_gather_keeps_every_body_as_it_is() -> None:
+    both = gather([box((0, 0, 0), (1, 1, 1)), cylinder(1.0, 0.0, 1.0, (5.0, 0.0))])
+    assert both.pieces == 2
+    assert both.volume == pytest.approx(1 + np.pi)
 
 
 def test_two_bodies_apart_have_nothing_in_common() -> None:
