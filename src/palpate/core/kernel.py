@@ -1,11 +1,21 @@
-"""Compiled kernels: one typed door to numba, with the machine code kept on disk."""
+"""Compiled kernels: one typed door to numba, with the machine code kept on disk.
+
+numba keeps a function's machine code as long as the function's own file stays as it is, and forgets that other
+files are compiled into it: a changed material law would go on unnoticed in the elements. So the machine code lies in
+a folder named by all sources that hold kernels, and any change among them makes a new one.
+"""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+_MARK = "@kernel"
 
 
 def kernel(function: F) -> F:
@@ -15,5 +25,22 @@ def kernel(function: F) -> F:
     """
     import numba  # here, so that a front door without kernels opens fast
 
-    compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
+    package = Path(__file__).parents[1]
+    chosen = numba.config.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
+    numba.config.CACHE_DIR = str(Path(chosen or package / "__pycache__") / f"kernels-{kernel_stamp(package)}")
+    try:
+        compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
+    finally:
+        numba.config.CACHE_DIR = chosen
     return cast(F, compiled)
+
+
+@cache
+def kernel_stamp(package: Path) -> str:
+    """Hash of every source file below `package` that holds kernels."""
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        text = path.read_bytes()
+        if _MARK.encode() in text:
+            digest.update(path.relative_to(package).as_posix().encode() + b"\0" + text)
+    return digest.hexdigest()[:16]
