@@ -1,9 +1,39 @@
-"""Camera: from points in the dome's frame to pixels, and from pixels back to rays."""
+"""Camera: from points in the dome's frame to pixels and back to rays; the lens from images of a board."""
 
+from palpate.camera.board import BOARDS, BoardSpec, board_points, read_board
 from palpate.camera.build_camera import build_camera
+from palpate.camera.calibrate import CalibrateSpec, calibrate_camera
+from palpate.camera.calibration import Calibration
+from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
 from palpate.camera.distortion import Distortion
+from palpate.camera.draw_board import board_size, draw_board, write_board
+from palpate.camera.find_board import find_board
 from palpate.camera.preset import list_presets, preset
+from palpate.camera.read_image import list_images, read_image, replay_images
 from palpate.camera.spec import CameraSpec
 
-__all__ = ["Camera", "CameraSpec", "Distortion", "build_camera", "list_presets", "preset"]
+__all__ = [
+    "BOARDS",
+    "BoardSpec",
+    "CalibrateSpec",
+    "Calibration",
+    "Camera",
+    "CameraSpec",
+    "Distortion",
+    "board_points",
+    "board_size",
+    "build_camera",
+    "calibrate_camera",
+    "draw_board",
+    "find_board",
+    "list_images",
+    "list_presets",
+    "preset",
+    "read_board",
+    "read_calibration",
+    "read_image",
+    "replay_images",
+    "write_board",
+    "write_calibration",
+]

@@ -1,0 +1,134 @@
+"""Boards to calibrate with: what is printed, and where its points are.
+
+chessboard     circles (asymmetric)      charuco
+■ □ ■ □        ●   ●   ●                 ■ ▣ ■ ▣     ▣ a marker of the dictionary in a white square
+□ ■ □ ■          ●   ●   ●               ▣ ■ ▣ ■
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
+from palpate.camera.opencv import load
+from palpate.core import PalpateError, Spec, parameter
+
+GROUP = "calibration code published by the group of Zaid et al. 2024"
+
+
+class BoardSpec(Spec):
+    """A calibration board; the default is the ChArUco board of the paper's group."""
+
+    kind: Literal["chessboard", "circles", "charuco"] = parameter("charuco", unit="", meaning="pattern", source=GROUP)
+    columns: int = parameter(
+        11,
+        unit="1",
+        meaning="squares across; inner corners of a chessboard; circles of a row",
+        source=GROUP,
+        ge=3,
+        le=60,
+    )
+    rows: int = parameter(
+        8, unit="1", meaning="squares down; inner corners of a chessboard; rows of circles", source=GROUP, ge=3, le=60
+    )
+    square: float = parameter(
+        29.0, unit="mm", meaning="side of a square; of circles half the distance in a row", source=GROUP, gt=0, le=500
+    )
+    marker: float = parameter(21.5, unit="mm", meaning="side of a ChArUco marker", source=GROUP, gt=0, le=500)
+    dictionary: str = parameter("DICT_4X4_100", unit="", meaning="dictionary of the ChArUco markers", source=GROUP)
+
+    @model_validator(mode="after")
+    def _markers_fit(self) -> BoardSpec:
+        if self.kind == "charuco" and self.marker >= self.square:
+            raise PydanticCustomError(
+                "marker_too_large",
+                "marker {marker} mm does not fit into a square of {square} mm.",
+                {"marker": self.marker, "square": self.square},
+            )
+        return self
+
+
+BOARDS = {
+    "charuco": BoardSpec(),
+    "chessboard": BoardSpec(kind="chessboard", columns=9, rows=6, square=25.0),
+    "circles": BoardSpec(kind="circles", columns=4, rows=11, square=20.0),
+}
+"""Boards by name."""
+
+
+def read_board(text: str) -> BoardSpec:
+    """A board from a word: ``charuco``, or ``chessboard:9x6:25``, or ``charuco:11x8:29:21.5:DICT_4X4_100``.
+
+    Raises
+    ------
+    PalpateError
+        If it is none.
+    """
+    kind, *parts = text.split(":")
+    if kind not in BOARDS or len(parts) > 4:
+        raise PalpateError(
+            f"{text!r} is no board.", f"Take {', '.join(BOARDS)}, with COLUMNSxROWS:SQUARE_MM if wished."
+        )
+    chosen: dict[str, Any] = BOARDS[kind].model_dump()
+    try:
+        if parts:
+            chosen["columns"], chosen["rows"] = (int(word) for word in parts[0].lower().split("x"))
+        chosen.update(zip(("square", "marker"), (float(word) for word in parts[1:3]), strict=False))
+    except ValueError as error:
+        raise PalpateError(f"{text!r} is no board: {error}.", "Write it as charuco:11x8:29:21.5.") from error
+    if len(parts) == 4:
+        chosen["dictionary"] = parts[3]
+    return BoardSpec(**chosen)
+
+
+def board_points(board: BoardSpec) -> NDArray[np.float64]:
+    """(n, 3) points of the board that are looked for, mm, z = 0: inner corners or centres of circles, row by row."""
+    if board.kind == "circles":
+        row, column = np.mgrid[: board.rows, : board.columns].reshape(2, -1)
+        plane = np.stack([2 * column + row % 2, row], axis=-1)
+    else:
+        inner = 1 if board.kind == "charuco" else 0
+        row, column = np.mgrid[: board.rows - inner, : board.columns - inner].reshape(2, -1)
+        plane = np.stack([column + inner, row + inner], axis=-1)
+    return np.column_stack([plane * board.square, np.zeros(len(plane))])
+
+
+def charuco_board(board: BoardSpec) -> Any:
+    """OpenCV's own description of a ChArUco board.
+
+    Raises
+    ------
+    PalpateError
+        If the dictionary is not known or too small.
+    """
+    aruco = load().aruco
+    if not board.dictionary.startswith("DICT_") or not hasattr(aruco, board.dictionary):
+        raise PalpateError(
+            f"There is no dictionary {board.dictionary!r}.", "Take one of OpenCV's, such as DICT_4X4_100."
+        )
+    dictionary = aruco.getPredefinedDictionary(getattr(aruco, board.dictionary))
+    if board.columns * board.rows // 2 > len(dictionary.bytesList):
+        raise PalpateError(
+            f"{board.columns} × {board.rows} squares need {board.columns * board.rows // 2} markers, "
+            f"{board.dictionary} has {len(dictionary.bytesList)}.",
+            "Take a larger dictionary.",
+        )
+    return aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
+
+
+def charuco_bits(board: BoardSpec) -> list[tuple[int, int, NDArray[np.bool_]]]:
+    """Column, row and (k, k) black cells, border included, of every marker of a ChArUco board."""
+    aruco = load().aruco
+    made = charuco_board(board)
+    side = made.getDictionary().markerSize + 2
+    found = []
+    for number, corners in zip(np.ravel(made.getIds()), made.getObjPoints(), strict=True):
+        middle = np.asarray(corners)[:, :2].mean(axis=0)
+        column, row = (int(value // board.square) for value in middle)
+        bits = aruco.generateImageMarker(made.getDictionary(), int(number), side)
+        found.append((column, row, np.asarray(bits) < 128))
+    return found

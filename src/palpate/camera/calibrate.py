@@ -1,0 +1,204 @@
+"""From images of a board to the lens of the camera (Zhang 2000, by OpenCV).
+
+An image is left out, with its reason, if the board is not found, if its size is another one, or if its points fit
+worse than 4 times the median of all images and than 1 px; the rest is fitted again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera.board import BoardSpec, board_points
+from palpate.camera.calibration import FISHEYE, PINHOLE, Calibration
+from palpate.camera.find_board import find_board
+from palpate.camera.opencv import load
+from palpate.core import PalpateError, Spec, parameter
+
+Array = NDArray[np.float64]
+_CELLS = (6, 8)
+_OUTLIER, _OUTLIER_PX = 4.0, 1.0
+
+
+class CalibrateSpec(Spec):
+    """How a camera is calibrated."""
+
+    board: BoardSpec = BoardSpec()
+    """The board in the images."""
+    lens: Literal["pinhole", "fisheye"] = parameter("pinhole", unit="", meaning="model of the lens")
+    fix_k3: bool = False
+    """Whether the sixth-order term is left out: few boards tell it apart from the fourth."""
+    keep_outliers: bool = False
+    """Whether images that fit badly are kept."""
+    window_px: int | None = parameter(
+        None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
+    )
+    least_images: int = parameter(4, unit="1", meaning="images below which nothing is fitted", ge=3, le=1000)
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    name: str
+    points: Array
+    pixels: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Lens:
+    intrinsics: Array
+    distortion: Array
+    covariance: Array
+    residuals: list[Array]
+
+
+def calibrate_camera(
+    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrateSpec | None = None
+) -> Calibration:
+    """Calibrate a camera.
+
+    Parameters
+    ----------
+    images
+        Names and images of a board in different poses; instead of an image, why it could not be read.
+    spec
+        Board and lens.
+
+    Raises
+    ------
+    PalpateError
+        If too few images show the board, or the fit fails.
+    """
+    spec = spec or CalibrateSpec()
+    views, rejected, size = _find_views(images, spec)
+    _refuse_few(views, rejected, spec)
+    lens = _fit(views, size, spec)
+    rms = [float(np.sqrt(np.mean((miss**2).sum(axis=1)))) for miss in lens.residuals]
+    limit = max(_OUTLIER * float(np.median(rms)), _OUTLIER_PX)
+    worse = [number for number, value in enumerate(rms) if value > limit and not spec.keep_outliers]
+    if worse:
+        reason = f"its points fit to {{:.2f}} px, more than {limit:.2f} px"
+        rejected += [(views[number].name, reason.format(rms[number])) for number in worse]
+        views = [view for number, view in enumerate(views) if number not in worse]
+        _refuse_few(views, rejected, spec)
+        lens = _fit(views, size, spec)
+        rms = [float(np.sqrt(np.mean((miss**2).sum(axis=1)))) for miss in lens.residuals]
+    return Calibration(
+        model=FISHEYE if spec.lens == "fisheye" else PINHOLE,
+        width_px=size[0],
+        height_px=size[1],
+        intrinsics_px=lens.intrinsics,
+        distortion=lens.distortion,
+        rms_px=float(np.sqrt(np.mean((np.concatenate(lens.residuals) ** 2).sum(axis=1)))),
+        covariance=lens.covariance,
+        image_names=tuple(view.name for view in views),
+        image_rms_px=np.array(rms),
+        rejected=tuple(rejected),
+        coverage=_count_cells(np.concatenate([view.pixels for view in views]), size),
+        board=spec.board,
+    )
+
+
+def _find_views(
+    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrateSpec
+) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int]]:
+    points = board_points(spec.board)
+    views: list[_View] = []
+    rejected: list[tuple[str, str]] = []
+    size = (0, 0)
+    for name, image in images:
+        if isinstance(image, str):
+            rejected.append((name, image))
+            continue
+        own = (image.shape[1], image.shape[0])
+        found = find_board(image, spec.board, spec.window_px)
+        if isinstance(found, str):
+            rejected.append((name, found))
+        elif views and own != size:
+            rejected.append((name, f"it has {own[0]} × {own[1]} px, the first {size[0]} × {size[1]}"))
+        else:
+            size = own
+            views.append(_View(name, points[found[0]], found[1]))
+    return views, rejected, size
+
+
+def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrateSpec) -> None:
+    if len(views) < spec.least_images:
+        first = f" {rejected[0][0]}: {rejected[0][1]}." if rejected else ""
+        raise PalpateError(
+            f"{len(views)} of {len(views) + len(rejected)} images can be used, "
+            f"{spec.least_images} are needed.{first}",
+            "Check the board's kind, counts and focus; take ten or more images, tilted to all sides.",
+        )
+
+
+def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Lens:
+    cv2 = load()
+    points = [view.points.astype(np.float32).reshape(-1, 1, 3) for view in views]
+    pixels = [view.pixels.astype(np.float32).reshape(-1, 1, 2) for view in views]
+    try:
+        if spec.lens == "fisheye":
+            return _fit_fisheye(points, pixels, size)
+        flags = cv2.CALIB_FIX_K3 if spec.fix_k3 else 0
+        _, matrix, distortion, turns, shifts = cv2.calibrateCamera(points, pixels, size, None, None, flags=flags)
+    except cv2.error as error:
+        raise PalpateError(
+            f"The calibration failed: {str(error).strip().splitlines()[-1]}.", "Take images tilted to all sides."
+        ) from error
+    distortion = np.ravel(distortion)[:5]
+    projected, slopes = [], []
+    for point, turn, shift in zip(points, turns, shifts, strict=True):
+        made, slope = cv2.projectPoints(point, turn, shift, matrix, distortion)
+        projected.append(np.asarray(made, float).reshape(-1, 2))
+        slopes.append(np.asarray(slope, float))
+    residuals = [np.asarray(made - seen.reshape(-1, 2), float) for made, seen in zip(projected, pixels, strict=True)]
+    intrinsics = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]], float)
+    covariance = _covariance(slopes, residuals, 8 if spec.fix_k3 else 9)
+    return _Lens(intrinsics, np.asarray(distortion, float), covariance, residuals)
+
+
+def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) -> _Lens:
+    cv2 = load()
+    # OpenCV 5 moved the flags out of the fisheye's own list
+    door = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
+    flags = door.CALIB_RECOMPUTE_EXTRINSIC | door.CALIB_FIX_SKEW | door.CALIB_USE_INTRINSIC_GUESS
+    points = [point.astype(np.float64).reshape(1, -1, 3) for point in points]
+    pixels = [pixel.astype(np.float64).reshape(1, -1, 2) for pixel in pixels]
+    # OpenCV's own guess is that of a whole half space; half the width is the focal length of a common lens
+    matrix = np.array([[size[0] / 2.0, 0, size[0] / 2.0], [0, size[0] / 2.0, size[1] / 2.0], [0, 0, 1.0]])
+    _, matrix, distortion, turns, shifts = cv2.fisheye.calibrate(
+        points, pixels, size, matrix, np.zeros((4, 1)), flags=flags
+    )
+    residuals = []
+    for point, pixel, turn, shift in zip(points, pixels, turns, shifts, strict=True):
+        made, _ = cv2.fisheye.projectPoints(point, turn, shift, matrix, distortion)
+        residuals.append(np.asarray(made, float).reshape(-1, 2) - pixel.reshape(-1, 2))
+    intrinsics = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]], float)
+    return _Lens(intrinsics, np.ravel(distortion).astype(float), np.full((8, 8), np.nan), residuals)
+
+
+def _covariance(slopes: list[Array], residuals: list[Array], lens: int) -> Array:
+    """σ² (JᵀJ)⁻¹ of the lens, the poses eliminated; of OpenCV's columns the first six are the pose."""
+    normal = np.zeros((lens, lens))
+    for slope in slopes:
+        pose, own = slope[:, :6], slope[:, 6 : 6 + lens]
+        cross = pose.T @ own
+        normal += own.T @ own - cross.T @ np.linalg.solve(pose.T @ pose, cross)
+    misses = np.concatenate(residuals)
+    free = misses.size - lens - 6 * len(slopes)
+    variance = float((misses**2).sum()) / max(free, 1)
+    scale = np.sqrt(np.diag(normal))
+    full = np.zeros((9, 9))
+    full[:lens, :lens] = variance * np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    return full
+
+
+def _count_cells(pixels: Array, size: tuple[int, int]) -> NDArray[np.intp]:
+    row = np.clip((pixels[:, 1] / size[1] * _CELLS[0]).astype(int), 0, _CELLS[0] - 1)
+    column = np.clip((pixels[:, 0] / size[0] * _CELLS[1]).astype(int), 0, _CELLS[1] - 1)
+    counts = np.zeros(_CELLS, np.intp)
+    np.add.at(counts, (row, column), 1)
+    return counts

@@ -1,0 +1,108 @@
+"""Calibrations as YAML that OpenCV's FileStorage and ROS's camera_info both read.
+
+ROS asks for ``camera_matrix``, ``distortion_coefficients``, ``rectification_matrix`` and ``projection_matrix`` with
+rows, cols and data; OpenCV for the first line and the mark ``!!opencv-matrix``. ROS's reader passes over the mark.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from palpate.camera.calibration import FISHEYE, PINHOLE, Calibration
+from palpate.core import PalpateError
+
+_NAMES = {PINHOLE: PINHOLE, "radtan": PINHOLE, FISHEYE: FISHEYE, "fisheye": FISHEYE}
+_TERMS = {PINHOLE: 5, FISHEYE: 4}
+
+
+def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:
+    """Write a calibration as YAML for OpenCV and ROS."""
+    fx, fy, cx, cy = calibration.intrinsics_px
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1.0]])
+    projection = np.column_stack([matrix, np.zeros(3)])
+    lines = [
+        "%YAML:1.0",
+        "---",
+        f"image_width: {calibration.width_px}",
+        f"image_height: {calibration.height_px}",
+        f'camera_name: "{name}"',
+        _matrix("camera_matrix", matrix),
+        f'distortion_model: "{calibration.model}"',
+        _matrix("distortion_coefficients", calibration.distortion[None]),
+        _matrix("rectification_matrix", np.eye(3)),
+        _matrix("projection_matrix", projection),
+        f"rms_px: {calibration.rms_px:.6g}",
+        f"covered: {calibration.covered:.4g}",
+    ]
+    if np.isfinite(calibration.covariance).all():
+        lines.append(_matrix("covariance", calibration.covariance))
+    lines.append(_matrix("coverage", calibration.coverage.astype(float)))
+    if len(calibration.image_rms_px):
+        lines.append(_matrix("image_rms_px", calibration.image_rms_px[None]))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def read_calibration(path: Path) -> Calibration:
+    """Read a calibration written by us, by OpenCV's sample or by ROS.
+
+    Raises
+    ------
+    PalpateError
+        If the file is no calibration, or its coefficients are not those of the lens model that it names.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        lines = [
+            "" if line.startswith("%YAML") else line.replace("!!opencv-matrix", "") for line in text.splitlines()
+        ]
+        content = YAML(typ="safe").load("\n".join(lines))
+        matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
+        distortion = _numbers(content["distortion_coefficients"], None)
+        width, height = int(content["image_width"]), int(content["image_height"])
+    except (OSError, UnicodeDecodeError, YAMLError, KeyError, TypeError, ValueError) as error:
+        raise PalpateError(f"{path.name} is not a calibration: {error}.", "Calibrate again.") from error
+    named = content.get("distortion_model", PINHOLE if len(distortion) == 5 else None)
+    model = _NAMES.get(str(named))
+    if model is None or len(distortion) != _TERMS[model]:
+        raise PalpateError(
+            f"{path.name} has {len(distortion)} coefficients for the lens model {named}.",
+            f"{PINHOLE} takes k1, k2, p1, p2, k3; {FISHEYE} takes k1 to k4: one is no stand-in for the other.",
+        )
+    size = 4 + _TERMS[model]
+    covariance = _numbers(content["covariance"], size**2).reshape(size, size) if "covariance" in content else None
+    coverage = _numbers(content["coverage"], 48).reshape(6, 8).astype(int) if "coverage" in content else None
+    return Calibration(
+        model=model,
+        width_px=width,
+        height_px=height,
+        intrinsics_px=np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]),
+        distortion=distortion,
+        rms_px=float(content.get("rms_px", content.get("avg_reprojection_error", np.nan))),
+        covariance=np.full((size, size), np.nan) if covariance is None else covariance,
+        image_names=(),
+        image_rms_px=_numbers(content["image_rms_px"], None) if "image_rms_px" in content else np.empty(0),
+        rejected=(),
+        coverage=np.zeros((6, 8), int) if coverage is None else coverage,
+        board=None,
+    )
+
+
+def _matrix(name: str, values: NDArray[np.float64]) -> str:
+    data = ", ".join(f"{float(value)!r}" for value in np.ravel(values))
+    return (
+        f"{name}: !!opencv-matrix\n   rows: {values.shape[0]}\n   cols: {values.shape[1]}\n"
+        f"   dt: d\n   data: [ {data} ]"
+    )
+
+
+def _numbers(block: dict[str, Any], count: int | None) -> NDArray[np.float64]:
+    values = np.array([float(value) for value in block["data"]])
+    if (count is not None and len(values) != count) or not np.isfinite(values).all():
+        raise ValueError(f"a matrix of {len(values)} numbers, or one that is not finite")
+    return values

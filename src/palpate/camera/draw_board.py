@@ -1,0 +1,106 @@
+"""Boards to print: a PDF in true size, and the same as an image for tests and screens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera.board import BoardSpec, board_points, charuco_bits
+
+_MARGIN = 1.0
+"""White around the pattern, in squares."""
+_MM_PER_INCH = 25.4
+_DOT = 0.35
+"""Radius of a circle over the distance of two rows."""
+
+
+def board_size(board: BoardSpec) -> tuple[float, float]:
+    """Width and height of the printed sheet in mm, white margin included."""
+    columns, rows = _cells(board)
+    return (columns + 2 * _MARGIN) * board.square, (rows + 2 * _MARGIN) * board.square
+
+
+def draw_board(board: BoardSpec, px_per_mm: float) -> NDArray[np.uint8]:
+    """Image of the printed sheet.
+
+    Parameters
+    ----------
+    board
+        The board.
+    px_per_mm
+        Pixels a millimetre. The board's point (0, 0) lies one square inside the top left corner of the sheet.
+
+    Returns
+    -------
+    ndarray
+        (h, w) 0 or 255.
+    """
+    width, height = board_size(board)
+    rows, columns = round(height * px_per_mm), round(width * px_per_mm)
+    x = (np.arange(columns) + 0.5) / px_per_mm - _MARGIN * board.square
+    y = (np.arange(rows) + 0.5) / px_per_mm - _MARGIN * board.square
+    sheet = np.full((rows, columns), 255, np.uint8)
+    if board.kind == "circles":
+        for cx, cy, _ in board_points(board):
+            dx, dy = x[None] - cx - board.square / 2, y[:, None] - cy - board.square / 2
+            sheet[dx**2 + dy**2 <= (_DOT * board.square) ** 2] = 0
+        return sheet
+    for left, top, side in _black_squares(board):
+        inside_x = (x >= left) & (x < left + side)
+        inside_y = (y >= top) & (y < top + side)
+        sheet[np.ix_(inside_y, inside_x)] = 0
+    return sheet
+
+
+def write_board(path: Path, board: BoardSpec) -> None:
+    """Write the board as a PDF in true size: print it at 100 %, glue it to something flat, measure a square."""
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Circle, Rectangle
+
+    width, height = board_size(board)
+    figure = Figure(figsize=(width / _MM_PER_INCH, height / _MM_PER_INCH))
+    FigureCanvasPdf(figure)
+    axes = figure.add_axes((0, 0, 1, 1))
+    shift = -_MARGIN * board.square
+    axes.set_xlim(shift, width + shift)
+    axes.set_ylim(height + shift, shift)
+    axes.axis("off")
+    if board.kind == "circles":
+        for x, y, _ in board_points(board) + board.square / 2:
+            axes.add_patch(Circle((x, y), _DOT * board.square, color="black", lw=0))
+    else:
+        for left, top, side in _black_squares(board):
+            axes.add_patch(Rectangle((left, top), side, side, color="black", lw=0))
+    axes.text(shift / 2, shift / 2, f"{board.kind} {board.columns} x {board.rows}, {board.square:g} mm", fontsize=6)
+    figure.savefig(path, metadata={"CreationDate": None})
+
+
+def _cells(board: BoardSpec) -> tuple[int, int]:
+    if board.kind == "circles":
+        return 2 * board.columns, board.rows
+    more = 1 if board.kind == "chessboard" else 0
+    return board.columns + more, board.rows + more
+
+
+def _black_squares(board: BoardSpec) -> list[tuple[float, float, float]]:
+    """Left, top and side of everything black, mm; a chessboard's first inner corner is (0, 0)."""
+    columns, rows = _cells(board)
+    shift = board.square if board.kind == "chessboard" else 0.0
+    pairs = [(column, row) for row in range(rows) for column in range(columns)]
+    if board.kind == "chessboard":
+        return [
+            (c * board.square - shift, r * board.square - shift, board.square) for c, r in pairs if (c + r) % 2 == 0
+        ]
+    squares = []
+    taken = set()
+    margin = (board.square - board.marker) / 2.0
+    for column, row, bits in charuco_bits(board):
+        taken.add((column, row))
+        side = board.marker / len(bits)
+        left, top = column * board.square + margin, row * board.square + margin
+        squares += [(left + c * side, top + r * side, side) for r, c in np.argwhere(bits)]
+    squares += [(c * board.square, r * board.square, board.square) for c, r in pairs if (c, r) not in taken]
+    return squares

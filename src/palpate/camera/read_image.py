@@ -1,0 +1,89 @@
+"""Image files: their size is read before their content, so that no file can fill the memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera.opencv import load
+from palpate.core import MissingExtraError, PalpateError
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
+LARGEST_MPX = 40.0
+"""Largest image that is read, in millions of pixels."""
+
+
+def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
+    """Read an image as it is.
+
+    Parameters
+    ----------
+    path
+        The file.
+    largest_mpx
+        Largest image that is read, in millions of pixels.
+
+    Returns
+    -------
+    ndarray
+        (h, w) or (h, w, 3), blue, green, red; 8 or 16 bit.
+
+    Raises
+    ------
+    PalpateError
+        If the file is missing, cut off, no image or too large.
+    MissingExtraError
+        If OpenCV or Pillow is not installed.
+    """
+    width, height = _read_size(path)
+    if width * height > largest_mpx * 1e6:
+        raise PalpateError(
+            f"{path.name} has {width} × {height} px, more than {largest_mpx:g} million.", "Shrink the image."
+        )
+    cv2 = load()
+    image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
+    if image is None:
+        raise PalpateError(f"{path.name} cannot be decoded: it is cut off or damaged.", "Save it again.")
+    return np.asarray(image)
+
+
+def list_images(folder: Path) -> tuple[Path, ...]:
+    """Image files of a folder by name.
+
+    Raises
+    ------
+    PalpateError
+        If it is no folder or has no image.
+    """
+    if not folder.is_dir():
+        raise PalpateError(f"{folder} is not a folder.", "Give a folder of images.")
+    found = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES))
+    if not found:
+        raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.")
+    return found
+
+
+def replay_images(folder: Path) -> Iterator[NDArray[Any]]:
+    """The images of a folder one by one, as a camera would give them."""
+    return (read_image(path) for path in list_images(folder))
+
+
+def _read_size(path: Path) -> tuple[int, int]:
+    try:
+        from PIL import Image, UnidentifiedImageError
+    except ImportError as error:
+        raise MissingExtraError("Pillow", "vision") from error
+    limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # our own limit is said better
+    try:
+        with Image.open(path) as image:
+            return int(image.size[0]), int(image.size[1])
+    except UnidentifiedImageError as error:
+        raise PalpateError(f"{path.name} is not an image.", f"Known are {', '.join(SUFFIXES)}.") from error
+    except (OSError, ValueError, SyntaxError) as error:
+        raise PalpateError(f"{path.name} cannot be read: {error}.", "Check the file.") from error
+    finally:
+        Image.MAX_IMAGE_PIXELS = limit

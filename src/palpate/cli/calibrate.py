@@ -1,0 +1,105 @@
+"""`palpate calibrate`: the lens of a camera from images of a board, or the board to print."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from palpate.camera import (
+    CalibrateSpec,
+    Calibration,
+    calibrate_camera,
+    list_images,
+    read_board,
+    read_image,
+    write_board,
+    write_calibration,
+)
+from palpate.cli.flag import JsonFlag, flag
+from palpate.cli.output import print_json, print_table
+from palpate.core import PalpateError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_FOLDER = "Folder of images of the board."
+_BOARD = "charuco, chessboard or circles, with COLUMNSxROWS:SQUARE_MM[:MARKER_MM] if wished: chessboard:9x6:25."
+_OUT = "YAML file for OpenCV and ROS; without it, nothing is written."
+_PRINT = "PDF of the board in true size; then no folder is needed."
+
+
+def calibrate(
+    folder: Annotated[Path | None, Parameter(help=_FOLDER)] = None,
+    *,
+    board: Annotated[str, Parameter(help=_BOARD)] = "charuco",
+    lens: Annotated[Literal["pinhole", "fisheye"], flag(CalibrateSpec, "lens")] = "pinhole",
+    out: Annotated[Path | None, Parameter(help=_OUT)] = None,
+    print_board: Annotated[Path | None, Parameter(help=_PRINT)] = None,
+    json: JsonFlag = False,
+) -> None:
+    """Find the focal length, centre and distortion of a camera from images of a board."""
+    chosen = read_board(board)
+    if print_board is not None:
+        write_board(print_board, chosen)
+        print(
+            f"Written to {print_board}. Print it at 100 % and measure a square: {chosen.square:g} mm.",
+            file=sys.stderr,
+        )
+        if folder is None:
+            return
+    if folder is None:
+        raise PalpateError("No folder of images was given.", "Give one, or --print-board FILE.pdf.")
+    found = calibrate_camera(_read(folder), CalibrateSpec(board=chosen, lens=lens))
+    if out is not None:
+        write_calibration(out, found)
+    if json:
+        print_json(_describe(found))
+    else:
+        _print(found)
+
+
+def _read(folder: Path) -> Iterator[tuple[str, NDArray[Any] | str]]:
+    for path in list_images(folder):
+        try:
+            yield path.name, read_image(path)
+        except PalpateError as error:
+            yield path.name, error.what
+
+
+def _describe(found: Calibration) -> dict[str, Any]:
+    return {
+        "model": found.model,
+        "width_px": found.width_px,
+        "height_px": found.height_px,
+        "intrinsics_px": dict(zip(("fx", "fy", "cx", "cy"), found.intrinsics_px.tolist(), strict=True)),
+        "distortion": found.distortion.tolist(),
+        "sd": found.sd.tolist(),
+        "rms_px": found.rms_px,
+        "images": dict(zip(found.image_names, found.image_rms_px.tolist(), strict=True)),
+        "rejected": dict(found.rejected),
+        "covered": found.covered,
+        "coverage": found.coverage.tolist(),
+    }
+
+
+def _print(found: Calibration) -> None:
+    names = [
+        "fx px",
+        "fy px",
+        "cx px",
+        "cy px",
+        *(["k1", "k2", "p1", "p2", "k3"] if len(found.distortion) == 5 else []),
+    ]
+    names += [f"k{number}" for number in range(1, 5)] if len(found.distortion) == 4 else []
+    values = [*found.intrinsics_px, *found.distortion]
+    rows = [[name, f"{value:.5g}", f"{sd:.2g}"] for name, value, sd in zip(names, values, found.sd, strict=True)]
+    print_table(f"{found.model} camera, {found.width_px} × {found.height_px} px", ["what", "value", "sd"], rows)
+    images = [[name, f"{rms:.3f}"] for name, rms in zip(found.image_names, found.image_rms_px, strict=True)]
+    print_table("images", ["image", "rms px"], images)
+    for name, reason in found.rejected:
+        print(f"left out: {name}: {reason}")
+    print(f"rms {found.rms_px:.4f} px; points in {found.covered:.0%} of the image's cells")

@@ -1,0 +1,48 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from palpate.cli import main
+
+PHOTOS = Path(__file__).parents[1] / "camera" / "data" / "chessboard_opencv"
+
+
+def run(*words):
+    with pytest.raises(SystemExit) as left:
+        main(["calibrate", *words])
+    return left.value.code
+
+
+def test_a_folder_of_photos_gives_the_lens_as_json_and_file(tmp_path, capsys):
+    assert run(str(PHOTOS), "--board", "chessboard:9x6:25", "--out", str(tmp_path / "lens.yaml"), "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["rms_px"] < 0.2
+    assert len(said["images"]) == 13
+    assert (tmp_path / "lens.yaml").read_text().startswith("%YAML:1.0")
+
+
+def test_the_table_names_lens_and_images(capsys):
+    assert run(str(PHOTOS), "--board", "chessboard:9x6:25") == 0
+    shown = capsys.readouterr().out
+    assert "left01.jpg" in shown
+    assert "fx px" in shown
+
+
+def test_a_board_is_printed_without_images(tmp_path):
+    assert run("--board", "charuco", "--print-board", str(tmp_path / "board.pdf")) == 0
+    assert (tmp_path / "board.pdf").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ((), "No folder of images"),
+        (("nowhere",), "is not a folder"),
+        ((str(PHOTOS), "--board", "cheese"), "is no board"),
+        ((str(PHOTOS), "--board", "charuco"), "0 of 13 images can be used"),
+    ],
+)
+def test_bad_input_is_said_in_one_sentence(words, says, capsys):
+    assert run(*words) == 2
+    assert says in capsys.readouterr().err
