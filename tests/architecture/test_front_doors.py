@@ -42,6 +42,8 @@ FRONT_DOORS = {
     "camera": {
         "BoardSpec",
         "Calibration",
+        "RenderSpec",
+        "render",
         "Camera",
         "CameraSpec",
         "build_camera",

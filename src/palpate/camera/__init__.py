@@ -11,6 +11,7 @@ from palpate.camera.draw_board import board_size, draw_board, write_board
 from palpate.camera.find_board import find_board
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import list_images, read_image, replay_images
+from palpate.camera.render import RenderSpec, centre_bias, dot_edges, edge_offsets, render
 from palpate.camera.spec import CameraSpec
 
 __all__ = [
@@ -21,11 +22,15 @@ __all__ = [
     "Camera",
     "CameraSpec",
     "Distortion",
+    "RenderSpec",
     "board_points",
     "board_size",
     "build_camera",
     "calibrate_camera",
+    "centre_bias",
+    "dot_edges",
     "draw_board",
+    "edge_offsets",
     "find_board",
     "list_images",
     "list_presets",
@@ -33,6 +38,7 @@ __all__ = [
     "read_board",
     "read_calibration",
     "read_image",
+    "render",
     "replay_images",
     "write_board",
     "write_calibration",

@@ -1,0 +1,191 @@
+"""Images of the inside of a dome: printed dots as discs on the deformed surface, and what spoils real images.
+
+Each dot is the ring of its edge carried by the surface, projected, and filled on a grid 8 times finer than the
+pixels. The centre of the trace is not the projection of the dot's centre: a disc of radius ρ tilted by t at distance
+Z appears as an ellipse whose centre lies f ρ² sin t cos t / Z² further to the side that is nearer. `centre_bias`
+gives it, for discs on any surface; without degradations the centroids agree with projection plus bias.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera.camera import Camera
+from palpate.camera.opencv import load
+from palpate.core import Spec, parameter
+
+Array = NDArray[np.float64]
+SUPERSAMPLING = 8
+_EDGE_POINTS = 32
+
+
+class RenderSpec(Spec):
+    """Light, lens and sensor of a rendered image; by default nothing is spoiled."""
+
+    ground: float = parameter(
+        200.0, unit="1", meaning="grey level of the wall where the light is brightest", ge=0, le=255
+    )
+    dot: float = parameter(60.0, unit="1", meaning="grey level of a dot in the same light", ge=0, le=255)
+    vignetting: float = parameter(0.0, unit="1", meaning="share of light lost in the image's corners", ge=0, le=0.95)
+    unevenness: float = parameter(
+        0.0, unit="1", meaning="share of light lost from one side to the other", ge=0, le=0.95
+    )
+    glare: float = parameter(0.0, unit="1", meaning="grey levels of the brightest of three reflections", ge=0, le=255)
+    blur_px: float = parameter(0.0, unit="px", meaning="standard deviation of the lens blur", ge=0, le=20)
+    noise: float = parameter(0.0, unit="1", meaning="standard deviation of a pixel, grey levels", ge=0, le=100)
+    dirt: int = parameter(0, unit="1", meaning="specks of dirt on the wall", ge=0, le=1000)
+    rim: bool = False
+    """Whether a bright rim and dark clutter lie outside the dome."""
+    seed: int = parameter(0, unit="1", meaning="seed of light, dirt and noise", ge=0)
+
+
+def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> Array:
+    """(k, 2) corners of a polygon with the area of a disc of `radius` mm, in its plane."""
+    angle = 2.0 * np.pi * np.arange(count) / count
+    grown = radius * np.sqrt(np.pi / (count / 2.0 * np.sin(2.0 * np.pi / count)))
+    return grown * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def dot_edges(centres: Array, normals: Array, diameter: float) -> Array:
+    """Edges of flat discs tangent to a surface.
+
+    Parameters
+    ----------
+    centres, normals
+        (m, 3) mm and unit vectors.
+    diameter
+        Of a dot, mm.
+
+    Returns
+    -------
+    ndarray
+        (m, k, 3) mm.
+    """
+    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = np.cross(normals, aside)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    flat = edge_offsets(diameter / 2.0)
+    edges: Array = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
+    return edges
+
+
+def centre_bias(camera: Camera, centres: Array, edges: Array) -> Array:
+    """How far the centroid of each dot's trace lies from the projection of its centre.
+
+    Parameters
+    ----------
+    camera
+        The camera.
+    centres, edges
+        (m, 3) and (m, k, 3) mm.
+
+    Returns
+    -------
+    ndarray
+        (m, 2) px.
+    """
+    x, y = np.moveaxis(camera.project(edges), -1, 0)
+    nx, ny = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    cross = x * ny - nx * y
+    area = cross.sum(axis=1)
+    centroid = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1) / (
+        3.0 * area[:, None]
+    )
+    bias: Array = centroid - camera.project(centres)
+    return bias
+
+
+def render(camera: Camera, edges: Array, spec: RenderSpec | None = None) -> NDArray[np.uint8]:
+    """Render the dots as the camera sees them.
+
+    Parameters
+    ----------
+    camera
+        The camera.
+    edges
+        (m, k, 3) mm, edges of the dots on the deformed surface, in the dome's frame.
+    spec
+        Light, lens and sensor.
+
+    Returns
+    -------
+    ndarray
+        (h, w) grey levels.
+    """
+    spec = spec or RenderSpec()
+    cv2 = load()
+    rng = np.random.default_rng(spec.seed)
+    cover = _cover(camera, edges)
+    y, x = np.mgrid[: camera.height_px, : camera.width_px].astype(float)
+    u, v = (x - camera.width_px / 2) / camera.width_px, (y - camera.height_px / 2) / camera.height_px
+    way = rng.uniform(0.0, 2.0 * np.pi)
+    light = 1.0 - spec.vignetting * np.minimum((u**2 + v**2) * 2.0, 1.0)
+    light *= 1.0 - spec.unevenness * np.clip(0.5 + u * np.cos(way) + v * np.sin(way), 0.0, 1.0)
+    for _ in range(spec.dirt):
+        _add_speck(cover, rng)
+    image = light * (spec.ground + (spec.dot - spec.ground) * cover)
+    if spec.rim:
+        image = _add_rim(image, camera, edges, rng)
+    if spec.blur_px:
+        image = cv2.GaussianBlur(image, (0, 0), spec.blur_px)
+    for share in (1.0, 0.6, 0.4) if spec.glare else ():
+        place, width = rng.uniform(-0.35, 0.35, 2), rng.uniform(0.02, 0.05)
+        image = image + share * spec.glare * np.exp(-((u - place[0]) ** 2 + (v - place[1]) ** 2) / (2.0 * width**2))
+    image = image + rng.normal(0.0, spec.noise, image.shape) if spec.noise else image
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+
+
+def _cover(camera: Camera, edges: Array) -> Array:
+    """(h, w) share of each pixel that dots cover, from a grid 8 times finer."""
+    cv2 = load()
+    pixels = camera.project(edges)
+    fine = np.zeros((camera.height_px * SUPERSAMPLING, camera.width_px * SUPERSAMPLING), np.uint8)
+    corners = (pixels + 0.5) * SUPERSAMPLING - 0.5
+    near = np.isfinite(corners).all(axis=(1, 2)) & (np.abs(corners).max(axis=(1, 2)) < 2**20)
+    for dot in corners[near]:
+        _fill(fine, dot)
+    size = (camera.width_px, camera.height_px)
+    return np.asarray(cv2.resize(fine, size, interpolation=cv2.INTER_AREA), float) / 255.0
+
+
+def _fill(fine: NDArray[np.uint8], points: Array) -> None:
+    """Fill fine pixels whose centre lies in a polygon; OpenCV's own filling also takes those that the edge cuts."""
+    low = np.maximum(np.floor(points.min(axis=0)).astype(int), 0)
+    high = np.minimum(np.ceil(points.max(axis=0)).astype(int) + 1, np.array(fine.shape)[::-1])
+    if np.any(high <= low):
+        return
+    x, y = np.arange(low[0], high[0])[None], np.arange(low[1], high[1])[:, None]
+    inside = np.zeros((high[1] - low[1], high[0] - low[0]), bool)
+    for (ax, ay), (bx, by) in zip(points, np.roll(points, -1, axis=0), strict=True):
+        if ay == by:
+            continue
+        crosses = (ay > y) != (by > y)
+        inside ^= crosses & (x < (bx - ax) * (y - ay) / (by - ay) + ax)
+    fine[low[1] : high[1], low[0] : high[0]][inside] = 255
+
+
+def _add_speck(cover: Array, rng: np.random.Generator) -> None:
+    height, width = cover.shape
+    column, row, size = rng.integers(width), rng.integers(height), rng.uniform(0.4, 1.0)
+    y, x = np.mgrid[max(row - 3, 0) : row + 4, max(column - 3, 0) : column + 4]
+    y, x = np.minimum(y, height - 1), np.minimum(x, width - 1)
+    cover[y, x] = np.maximum(cover[y, x], 0.5 * np.exp(-((x - column) ** 2 + (y - row) ** 2) / (2 * size**2)))
+
+
+def _add_rim(image: Array, camera: Camera, edges: Array, rng: np.random.Generator) -> Array:
+    """A bright ring about the dots and dark shapes beyond it."""
+    pixels = camera.project(edges).reshape(-1, 2)
+    middle = np.nanmean(pixels, axis=0)
+    reach = float(np.nanmax(np.linalg.norm(pixels - middle, axis=1)))
+    y, x = np.mgrid[: camera.height_px, : camera.width_px].astype(float)
+    radius = np.hypot(x - middle[0], y - middle[1])
+    outside = radius > 1.08 * reach
+    result = np.where(outside, 40.0, image)
+    result = np.where(outside & (radius < 1.14 * reach), 250.0, result)
+    for _ in range(8):
+        way, far, size = rng.uniform(0, 2 * np.pi), rng.uniform(1.2, 1.7) * reach, rng.uniform(2, 8)
+        near = np.hypot(x - middle[0] - far * np.cos(way), y - middle[1] - far * np.sin(way)) < size
+        result = np.where(near & outside, rng.uniform(0, 255), result)
+    return np.asarray(result)
