@@ -96,6 +96,14 @@ def test_the_model_of_a_study_predicts_by_itself(finished: Path) -> None:
     assert [(predictor.markers, predictor.level) for predictor in opened] == [(7, 0.9), (19, 0.9)]
 
 
+def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Path) -> None:
+    said = finish(["grid", "model", finished, "--out", tmp_path / "best.onnx"])
+    assert said.returncode == 0, said.stderr
+    best = min(numbers(finished), key=lambda row: float(row["rmse_jitter_deg"]))
+    assert f"{best['markers']} markers" in said.stdout
+    assert open_predictor(tmp_path / "best.onnx").markers == int(best["markers"])
+
+
 def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:
     done = finish(["grid", "plot", finished, "--kind", "depth", "--metric", "limit_deg", "-o", tmp_path, "--json"])
     assert [Path(name).name for name in json.loads(done.stdout)["files"]] == [

@@ -74,6 +74,20 @@ def export(
 
 
 @app.command
+def model(
+    directory: Directory,
+    *,
+    out: Annotated[Path, Parameter(name=["--out", "-o"], help="File to write, e.g. best.onnx.")],
+    where: Where = None,
+    sort: Sort = "rmse_jitter_deg",
+) -> None:
+    """Take the trained estimator of the best design, or of the first that is chosen, as an ONNX file."""
+    from palpate.grid import copy_model
+
+    print(f"{out}: {copy_model(directory, _choose(directory, where, sort), out)}")
+
+
+@app.command
 def compare(
     first: Directory,
     second: Directory,

@@ -8,6 +8,7 @@ from palpate.grid.evidence import Evidence
 from palpate.grid.export import export_grid
 from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, unit_of
 from palpate.grid.io import read_grid, write_grid
+from palpate.grid.model import copy_model
 from palpate.grid.panel import (
     CurvePanel,
     Panel,
@@ -37,6 +38,7 @@ __all__ = [
     "SpecificationGrid",
     "Verdict",
     "compare_grids",
+    "copy_model",
     "cut_depth_panels",
     "cut_marker_panels",
     "cut_panels",

@@ -1,0 +1,50 @@
+"""The trained estimator of a design, taken out of the store of its study."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from palpate.core import PalpateError
+from palpate.grid.grid import SpecificationGrid
+from palpate.learn import open_predictor
+
+
+def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
+    """Copy the model of the first row of a grid to `out`, an ONNX file that predicts by itself.
+
+    Parameters
+    ----------
+    directory
+        Result folder of the study, with its store.
+    grid
+        Its grid, filtered and sorted so that the design wanted comes first.
+    out
+        File to write, replaced where it exists.
+
+    Returns
+    -------
+    str
+        The design, for a person.
+
+    Raises
+    ------
+    PalpateError
+        If the grid has no row, its design has no model, or a file cannot be read or written.
+    """
+    if not grid.rows:
+        raise PalpateError("No design of the grid is left.", "Choose fewer conditions in --where.")
+    row = grid.rows[0]
+    name = f"H{row['height_mm']:g} T{row['thickness_mm']:g}, {row['markers']} markers"
+    key = row.get("estimator_key")
+    if not isinstance(key, str) or not key:
+        raise PalpateError(f"{name} has no model.", "Its chain broke: see the column failure.")
+    path = directory / "store" / "estimator" / key[:2] / f"{key}.onnx"
+    if not path.is_file():
+        raise PalpateError(f"The model of {name} is not in {directory / 'store'}.", "Run the study again.")
+    open_predictor(path)
+    try:
+        shutil.copyfile(path, out)
+    except OSError as error:
+        raise PalpateError(f"{out} cannot be written: {error.strerror}.", "Choose another file.") from error
+    return name
