@@ -20,6 +20,8 @@ app = App(
     version_flags=["--version"],
 )
 app.command("palpate.cli.run:run", name="run", help="Run a study: every design through the whole chain.")
+app.command("palpate.cli.status:status", name="status", help="How far a study is.")
+app.command("palpate.cli.store:app", name="store", help="Verify or clean the artefacts of a result folder.")
 app.command("palpate.cli.press:press", name="press", help="Press one dome by a flat wall.")
 app.command("palpate.cli.deck:deck", name="deck", help="Write the input file of a press for Abaqus or CalculiX.")
 app.command("palpate.cli.stability:stability", name="stability", help="Where a dome has two stable states.")

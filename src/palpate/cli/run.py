@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,17 +18,49 @@ from palpate.cli.output import print_json
 from palpate.cli.progress import Bars, Lines, make_progress
 from palpate.core import PalpateError
 from palpate.grid import evaluate_grid, write_grid
-from palpate.study import Study, StudyResult, available_cores, read_study, run_study
+from palpate.study import Study, StudyResult, available_cores, check_place, read_study, run_study
 
 RESULTS = Path("results")
 """Folder of the result folders, where --out does not choose one."""
+
+MOST_WORKERS = 1024
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Hands:
+    """Who does the tasks of a study, and how long each may take."""
+
+    workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None
+    cluster: Annotated[
+        str | None,
+        Parameter(help="A Dask cluster instead of workers: local:N, or a scheduler's address, tcp://HOST:PORT."),
+    ] = None
+    timeout: Annotated[
+        float | None,
+        Parameter(help="Seconds a task may take; without it, an hour and 200 times what is expected."),
+    ] = None
+
+    def check(self) -> None:
+        """Refuse what cannot be meant."""
+        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
+            raise PalpateError(
+                f"--workers is {self.workers}.",
+                f"Give 1 to {MOST_WORKERS}; this machine has {available_cores()} cores.",
+            )
+        if self.timeout is not None and not 1.0 <= self.timeout < math.inf:
+            raise PalpateError(f"--timeout is {self.timeout:g} s.", "Give 1 s or more.")
+        if self.cluster is not None:
+            check_place(self.cluster)
+            if self.workers is not None:
+                raise PalpateError("--workers and --cluster exclude each other.", "Give one of them.")
 
 
 def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
-    workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None,
+    hands: Hands = Hands(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
     ] = None,
@@ -39,16 +73,20 @@ def run(
     chosen = read_study(study)
     if device is not None:
         chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
-    if workers is not None and not 1 <= workers <= 1024:
-        raise PalpateError(f"--workers is {workers}.", f"Give 1 to 1024; this machine has {available_cores()} cores.")
+    hands.check()
     folder = out or RESULTS / chosen.name
     try:
-        result = _run_watched(chosen, folder, workers, quiet=json)
+        result = _run_watched(chosen, folder, hands, quiet=json)
     except KeyboardInterrupt:
         print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
         return INTERRUPTED
     grid = evaluate_grid(result.designs)
-    write_grid(folder, grid)
+    try:
+        write_grid(folder, grid)
+    except OSError as error:
+        raise PalpateError(
+            f"The grid cannot be written to {folder}: {error.strerror or error}.", "Make room and run it again."
+        ) from error
     if json:
         print_json({"out": str(folder), **_tally(result), "designs": grid.rows})
     else:
@@ -59,12 +97,12 @@ def run(
     return 1 if result.failures else 0
 
 
-def _run_watched(study: Study, folder: Path, workers: int | None, *, quiet: bool) -> StudyResult:
+def _run_watched(study: Study, folder: Path, hands: Hands, *, quiet: bool) -> StudyResult:
     announce_compilation()
     if quiet or not sys.stderr.isatty():
-        return run_study(study, folder, workers, Lines())
+        return run_study(study, folder, hands.workers, Lines(), hands.timeout, hands.cluster)
     with make_progress() as progress:
-        return run_study(study, folder, workers, Bars(progress))
+        return run_study(study, folder, hands.workers, Bars(progress), hands.timeout, hands.cluster)
 
 
 def _tally(result: StudyResult) -> dict[str, Any]:

@@ -2,23 +2,33 @@
 
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.kernel import kernel
+from palpate.core.outside_links import refuse_outside_links
 from palpate.core.parameter import ParameterNote, Spec, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.seeds import child_seed, generator
-from palpate.core.store import ArtefactStore, Recipe
+from palpate.core.store import ArtefactStore, Recipe, StoreError
+from palpate.core.store_care import Broken, Removal, Stored, check_store, clean_store, list_store
 
 __all__ = [
     "ArtefactStore",
+    "Broken",
     "MissingExtraError",
     "PalpateError",
     "ParameterNote",
     "Recipe",
+    "Removal",
     "Spec",
+    "StoreError",
+    "Stored",
+    "check_store",
     "child_seed",
+    "clean_store",
     "generator",
     "installed_version",
     "kernel",
+    "list_store",
     "parameter",
     "parameters",
     "provenance",
+    "refuse_outside_links",
 ]

@@ -6,7 +6,8 @@
     ROOT/<kind>/<key[:2]>/<key>.manifest.json   its checksum, spec, inputs and versions
 
 An artefact appears whole or not at all: it is written to a temporary file, flushed to the disk and renamed.
-Its checksum is verified when it is looked up; a broken file is set aside as ``*.broken`` and made again.
+Its checksum is verified when it is looked up to be read; a broken file is set aside as ``*.broken``, with the
+reason beside it as ``*.broken.reason``, and made again. While a run is planned, the size is enough: `holds`.
 """
 
 from __future__ import annotations
@@ -14,17 +15,32 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from palpate.core.errors import PalpateError
 from palpate.core.provenance import provenance
+from palpate.core.store_lock import hold_folder, take_lock
 
 KEY_LENGTH = 32
 """Hexadecimal digits of a key: 128 bits."""
+
+MANIFEST, BROKEN, REASON, LOCK, DRAFT = ".manifest.json", ".broken", ".broken.reason", ".lock", ".writing-"
+"""Endings of what lies beside an artefact; `DRAFT` is how the folder of one being written begins."""
+
+_HEAD_BYTES = 512
+"""The first bytes of a manifest hold the artefact's size, so that planning need not read its whole spec."""
+_KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_SIZE = re.compile(rb'"sha256": "[0-9a-f]{64}",\s*"bytes": (\d+)')
+
+
+class StoreError(PalpateError):
+    """The store cannot be written: nothing more can be kept until somebody has made room."""
 
 
 @dataclass(frozen=True)
@@ -72,18 +88,76 @@ class ArtefactStore:
     root: Path
 
     def path(self, recipe: Recipe, suffix: str = ".h5") -> Path:
-        """Where the artefact of `recipe` lies, whether or not it exists."""
+        """Where the artefact of `recipe` lies, whether or not it exists.
+
+        Raises
+        ------
+        PalpateError
+            If the kind is no plain name: it is a folder in the store.
+        """
+        if _KIND.fullmatch(recipe.kind) is None:
+            raise PalpateError(f"The kind of artefact {recipe.kind!r} is no plain name.", "Take letters and digits.")
         return self.root / recipe.kind / recipe.key[:2] / f"{recipe.key}{suffix}"
 
     def find(self, recipe: Recipe, suffix: str = ".h5") -> Path | None:
-        """Path of a whole artefact, or `None` where there is none; a broken one is set aside on the way."""
+        """Path of a whole artefact, or `None` where there is none; a broken one is set aside on the way.
+
+        The whole file is read for its checksum; who reads it afterwards reads what was verified.
+        """
         path = self.path(recipe, suffix)
         if not path.is_file():
             return None
-        if _recorded_checksum(_manifest_path(path)) == _checksum(path):
+        fault = find_fault(path)
+        if not fault:
             return path
-        os.replace(path, path.with_name(path.name + ".broken"))
+        set_aside(path, fault)
         return None
+
+    def holds(self, recipe: Recipe, suffix: str = ".h5") -> bool:
+        """Whether there is an artefact that is whole as far as its size can tell; nothing of it is read.
+
+        One whose size is wrong is set aside. A changed bit is noticed when the artefact is read, see `find`.
+        """
+        path = self.path(recipe, suffix)
+        try:
+            size = os.stat(path).st_size
+        except OSError:
+            return False
+        try:
+            with open(manifest_path(path), "rb") as file:
+                head = _SIZE.search(file.read(_HEAD_BYTES))
+        except OSError:
+            head = None
+        if head is not None and int(head[1]) == size:
+            return True
+        return self.find(recipe, suffix) is not None
+
+    @contextmanager
+    def lease(self, recipe: Recipe) -> Iterator[bool]:
+        """Hold the right to make an artefact, so that two runs of one study do not make it twice.
+
+        The lock is the system's: it ends with its process, however that ends, and knows no clock. Where the file
+        system has no locks, everyone gets the right; then an artefact may be made twice, but never half.
+
+        Yields
+        ------
+        bool
+            Whether the right was free; without it, somebody else makes the artefact now.
+
+        Raises
+        ------
+        StoreError
+            If the folder cannot be written.
+        """
+        path = self.path(recipe, LOCK)
+        with self._writing():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            lock = take_lock(path)
+        try:
+            yield lock is not None
+        finally:
+            if lock is not None:
+                lock.release()
 
     def write(self, recipe: Recipe, writer: Callable[[Path], None], suffix: str = ".h5") -> Path:
         """Let `writer` write the artefact to a temporary path, then put it under its key.
@@ -104,55 +178,87 @@ class ArtefactStore:
 
         Raises
         ------
-        PalpateError
+        StoreError
             If the folder cannot be written.
         """
         path = self.path(recipe, suffix)
-        try:
+        with self._writing():
             path.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
+            with (
+                tempfile.TemporaryDirectory(prefix=DRAFT, dir=path.parent, ignore_cleanup_errors=True) as folder,
+                hold_folder(Path(folder)),
+            ):
                 draft = Path(folder) / path.name
                 writer(draft)
                 _flush(draft)
                 manifest = Path(folder) / "manifest.json"
-                manifest.write_text(_manifest(recipe, _checksum(draft)))
+                manifest.write_text(_manifest(recipe, draft))
                 _flush(manifest)
-                os.replace(manifest, _manifest_path(path))
+                os.replace(manifest, manifest_path(path))
                 os.replace(draft, path)
             if os.name == "posix":
                 _flush(path.parent)  # the new name itself, not only the content
+        return path
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
         except OSError as error:
-            raise PalpateError(
+            raise StoreError(
                 f"The artefact store {self.root} cannot be written: {error.strerror or error}.",
                 "Choose another folder with --out, or free some space.",
             ) from error
-        return path
 
 
-def _manifest_path(path: Path) -> Path:
-    return path.with_suffix(".manifest.json")
+def manifest_path(path: Path) -> Path:
+    """Where the manifest of the artefact at `path` lies."""
+    return path.with_suffix(MANIFEST)
 
 
-def _manifest(recipe: Recipe, checksum: str) -> str:
+def find_fault(path: Path) -> str:
+    """Say in one sentence why the artefact at `path` cannot be trusted; empty where it can."""
+    try:
+        manifest = json.loads(manifest_path(path).read_bytes())
+    except FileNotFoundError:
+        return "Its manifest is missing."
+    except (OSError, ValueError, RecursionError):
+        return "Its manifest cannot be read."
+    if not isinstance(manifest, dict) or not isinstance(manifest.get("sha256"), str):
+        return "Its manifest names no checksum."
+    if (manifest.get("kind"), manifest.get("key")) != (path.parents[1].name, path.stem):
+        return "Its manifest is that of another artefact."
+    size, recorded = path.stat().st_size, manifest.get("bytes")
+    if size == 0:
+        return "It is empty."
+    if isinstance(recorded, int) and recorded != size:
+        return f"It has {size} bytes instead of {recorded}."
+    if _checksum(path) != manifest["sha256"]:
+        return "Its content has changed: the checksum is another one."
+    return ""
+
+
+def set_aside(path: Path, reason: str) -> None:
+    """Take a broken artefact out of the way, with the reason beside it; one in a read-only folder stays."""
+    try:
+        os.replace(path, path.with_name(path.name + BROKEN))
+        path.with_name(path.name + REASON).write_text(reason + "\n")
+    except OSError:  # read-only, full, or another process was first: nobody reads it either way
+        return
+
+
+def _manifest(recipe: Recipe, draft: Path) -> str:
     content = {
         "kind": recipe.kind,
         "key": recipe.key,
-        "sha256": checksum,
+        "sha256": _checksum(draft),
+        "bytes": draft.stat().st_size,
         "spec": recipe.spec,
         "inputs": list(recipe.inputs),
         "version": recipe.version,
         "made_by": provenance(),
     }
     return json.dumps(content, indent=2) + "\n"
-
-
-def _recorded_checksum(manifest: Path) -> str | None:
-    try:
-        content = json.loads(manifest.read_text())
-    except (OSError, ValueError):
-        return None
-    checksum = content.get("sha256") if isinstance(content, dict) else None
-    return checksum if isinstance(checksum, str) else None
 
 
 def _checksum(path: Path) -> str:

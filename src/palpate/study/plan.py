@@ -28,6 +28,14 @@ class Plan:
         """Every task once, each after those it needs."""
         return _once([*self.designs, *(design.inverted for design in self.designs)])
 
+    def read_at_the_end(self) -> tuple[Task, ...]:
+        """The tasks whose artefacts the records of the designs are read from, each once."""
+        unique: dict[str, Task] = {}
+        for design in self.designs:
+            for task in (*design.dataset.presses, design.inverted, design.limit, design):
+                unique.setdefault(task.recipe.key, task)
+        return tuple(unique.values())
+
     def limit_tasks(self) -> tuple[Task, ...]:
         """What the limits of all designs need, each once, after those it needs."""
         return _once([design.limit for design in self.designs])

@@ -3,27 +3,43 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import time
 from collections import Counter
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
 from palpate.learn import find_device
+from palpate.study.cluster import ClusterCrew
 from palpate.study.collect import collect_designs, collect_limits
+from palpate.study.crew import Crew, LocalCrew
 from palpate.study.observer import Observer, Silence
 from palpate.study.plan import plan_study
 from palpate.study.result import DesignLimits, StudyResult, TaskFailure
-from palpate.study.schedule import do_tasks
+from palpate.study.schedule import MOST_REMADE, do_tasks
 from palpate.study.study import Study
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import Outcome
+from palpate.study.worker import Ended, Outcome
 
 TRACES = "failures.log"
-"""File in the result folder with the tracebacks of errors that nobody foresaw."""
+"""File in the result folder with what failed in the last run, and the tracebacks of errors that nobody foresaw."""
+
+FAILURES = "failures.json"
+"""The same for programs: task and reason."""
 
 
-def run_study(study: Study, out: Path, workers: int | None = None, observer: Observer | None = None) -> StudyResult:
+def run_study(
+    study: Study,
+    out: Path,
+    workers: int | None = None,
+    observer: Observer | None = None,
+    limit_s: float | None = None,
+    cluster: str | None = None,
+) -> StudyResult:
     """Carry every design of `study` through the whole chain.
 
     What an earlier run left in ``out/store`` is used, so an interrupted study goes on where it was and a
@@ -39,6 +55,10 @@ def run_study(study: Study, out: Path, workers: int | None = None, observer: Obs
         Number of worker processes; without one, as many as there are cores.
     observer
         Told how it goes.
+    limit_s
+        How long one task may take, s; without it, an hour and 200 times its expected cost.
+    cluster
+        Where the tasks are done instead of in `workers`: on Dask, ``"local:N"`` or ``"tcp://HOST:PORT"``.
 
     Returns
     -------
@@ -52,20 +72,20 @@ def run_study(study: Study, out: Path, workers: int | None = None, observer: Obs
         is not installed.
     """
     started = time.perf_counter()
-    observer = observer or Silence()
-    plan = plan_study(_on_its_device(study))
-    tasks = plan.tasks()
-    store = ArtefactStore(_writable(out) / "store")
-    made, todo = _sort_out(tasks, store)
-    outcomes = _do(todo, made, store, workers, observer)
-    _write_traces(out / TRACES, todo, outcomes)
-    names = {task.recipe.key: task.name for task in tasks}
+    plan = plan_study(on_its_device(study))
+    run = _Run(_writable(out), plan.tasks(), _Hands(workers, limit_s, cluster), observer or Silence())
+    run.do()
+    run.do_again(plan.read_at_the_end())
+    outcomes = run.outcomes
+    run.write_failures()
+    names = {task.recipe.key: task.name for task in run.tasks}
+    kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}
     return StudyResult(
         name=study.name,
-        designs=collect_designs(plan.designs, store, outcomes, study.seed),
+        designs=collect_designs(plan.designs, run.store, outcomes, study.seed),
         failures=tuple(TaskFailure(names[key], how.reason) for key, how in outcomes.items() if how.reason),
-        computed=Counter(task.recipe.kind for task in todo if not outcomes[task.recipe.key].reason),
-        reused=Counter(task.recipe.kind for task in tasks if task.recipe.key in made),
+        computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is Ended.MADE),
+        reused=Counter(kinds[key] for key in run.made | run.found()),
         wall_s=time.perf_counter() - started,
     )
 
@@ -83,32 +103,89 @@ def run_limits(
         One record a design, in the order of the study.
     """
     plan = plan_study(study)
-    store = ArtefactStore(_writable(out) / "store")
-    made, todo = _sort_out(plan.limit_tasks(), store)
-    outcomes = _do(todo, made, store, workers, observer or Silence())
-    _write_traces(out / TRACES, todo, outcomes)
-    return collect_limits([design.limit for design in plan.designs], store, outcomes)
+    run = _Run(_writable(out), plan.limit_tasks(), _Hands(workers), observer or Silence())
+    run.do()
+    run.do_again(tuple(design.limit for design in plan.designs))
+    run.write_failures()
+    return collect_limits([design.limit for design in plan.designs], run.store, run.outcomes)
 
 
-def _on_its_device(study: Study) -> Study:
+def on_its_device(study: Study) -> Study:
     """The same study with the device that it names or that this machine has: it decides the estimators' numbers."""
     device = find_device(study.learning.device)
     return study.model_copy(update={"learning": study.learning.model_copy(update={"device": device})})
 
 
-def _sort_out(tasks: tuple[Task, ...], store: ArtefactStore) -> tuple[set[str], tuple[Task, ...]]:
-    """Keys of the artefacts that exist, and the tasks still to be done."""
-    made = {task.recipe.key for task in tasks if store.find(task.recipe, task.suffix) is not None}
-    return made, tuple(task for task in tasks if task.recipe.key not in made)
+@dataclass(frozen=True)
+class _Hands:
+    """Who does the tasks, and how long each may take; see `run_study`."""
+
+    workers: int | None = None
+    limit_s: float | None = None
+    cluster: str | None = None
+
+    def crew(self, store: ArtefactStore, tasks: int) -> Crew:
+        if self.cluster is not None:
+            return ClusterCrew(store, self.cluster)
+        return LocalCrew(store, min(self.workers or available_cores(), tasks))
 
 
-def _do(
-    todo: tuple[Task, ...], made: set[str], store: ArtefactStore, workers: int | None, observer: Observer
-) -> dict[str, Outcome]:
-    if any(isinstance(task, EstimatorTask) for task in todo):
-        _refuse_missing_libraries()
-    observer.planned(len(todo), len(made), sum(task.cost for task in todo))
-    return do_tasks(todo, made, store, workers or available_cores(), observer)
+class _Run:
+    """One run of the tasks of a study: what was there, and how the rest ended."""
+
+    def __init__(self, out: Path, tasks: tuple[Task, ...], hands: _Hands, observer: Observer) -> None:
+        self.out, self.tasks = out, tasks
+        self.store = ArtefactStore(out / "store")
+        self.outcomes: dict[str, Outcome] = {}
+        self.made = {task.recipe.key for task in tasks if self.store.holds(task.recipe, task.suffix)}
+        self._hands, self._observer = hands, observer
+
+    def do(self) -> None:
+        """Do what is not there yet."""
+        todo = [task for task in self.tasks if task.recipe.key not in self.made]
+        self._observer.planned(len(todo), len(self.made), sum(task.cost for task in todo))
+        self._do(todo)
+
+    def do_again(self, read: Sequence[Task]) -> None:
+        """Verify what is read at the end and was there before; what is found broken is made again."""
+        for _ in range(MOST_REMADE):
+            broken = [
+                task
+                for task in read
+                if task.recipe.key in self.made and self.store.find(task.recipe, task.suffix) is None
+            ]
+            if not broken:
+                return
+            self._do(broken)
+
+    def found(self) -> set[str]:
+        """Keys of artefacts that another run has made in the meantime."""
+        return {key for key, how in self.outcomes.items() if how.ended is Ended.FOUND}
+
+    def write_failures(self) -> None:
+        """Leave the failures of this run in the result folder; those of an earlier one go."""
+        named = [(task, self.outcomes[task.recipe.key]) for task in self.tasks if task.recipe.key in self.outcomes]
+        failed = [(task.name, how) for task, how in named if how.reason]
+        listed = [{"task": name, "reason": how.reason} for name, how in failed]
+        with suppress(OSError):  # the disk may be full; the result carries the failures as well
+            if not failed:
+                (self.out / TRACES).unlink(missing_ok=True)
+                (self.out / FAILURES).unlink(missing_ok=True)
+                return
+            (self.out / TRACES).write_text("\n".join(f"{name}: {how.reason}\n{how.trace}" for name, how in failed))
+            (self.out / FAILURES).write_text(json.dumps(listed, indent=2) + "\n")
+
+    def _do(self, todo: Sequence[Task]) -> None:
+        if not todo:
+            return
+        if any(isinstance(task, EstimatorTask) for task in todo):
+            _refuse_missing_libraries()
+        self.made -= {task.recipe.key for task in todo}
+        with self._hands.crew(self.store, len(todo)) as crew:
+            there = self.made | {key for key, how in self.outcomes.items() if not how.reason}
+            outcomes = do_tasks(todo, there, crew, self._observer, self._hands.limit_s)
+        self.outcomes.update(outcomes)
+        self.made -= outcomes.keys()  # what broke while it was read was made again
 
 
 def available_cores() -> int:
@@ -136,13 +213,3 @@ def _refuse_missing_libraries() -> None:
     for library in ("torch", "optuna", "onnx"):
         if importlib.util.find_spec(library) is None:
             raise MissingExtraError(library, "learn")
-
-
-def _write_traces(path: Path, tasks: tuple[Task, ...], outcomes: dict[str, Outcome]) -> None:
-    traces = [
-        f"{task.name}\n{outcomes[task.recipe.key].trace}"
-        for task in tasks
-        if task.recipe.key in outcomes and outcomes[task.recipe.key].trace
-    ]
-    if traces:
-        path.write_text("\n".join(traces))

@@ -1,80 +1,158 @@
-"""Do tasks on worker processes: the longest way to the end first, a failure stops only what hangs on it."""
+"""In which order tasks are done: the longest way to the end first, a failure stops only what hangs on it."""
 
 from __future__ import annotations
 
-import multiprocessing
-import os
+import heapq
+import time
+from collections import Counter, deque
 from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from palpate.core import ArtefactStore
+from palpate.study.crew import Crew
 from palpate.study.observer import Observer
 from palpate.study.task import Task
-from palpate.study.worker import Outcome, begin_worker, perform, single_threaded
+from palpate.study.worker import Ended, Outcome
 
-WORKER_DIED = "its worker process died, perhaps for want of memory"
+MOST_REMADE = 2
+"""How often in one run an artefact that breaks again and again is made again."""
+
+BUSY_S = 1.0
+"""When to look again at an artefact that another run makes, s."""
+
+POLL_S = 0.5
+"""How often the time of the tasks at work is looked at, s."""
+
+NEVER_CAME = "an artefact that it needs is neither there nor to be made"
+
+LEAST_LIMIT_S, LIMIT_OVER_COST = 3600.0, 200.0
+"""A task is given this time, and this many times its expected cost, before it is taken for hung."""
 
 
-@dataclass
+def time_limit(task: Task) -> float:
+    """How long a task may take where nobody says otherwise, s."""
+    return LEAST_LIMIT_S + LIMIT_OVER_COST * task.cost
+
+
 class Schedule:
     """The tasks still to be done, and how the others ended.
 
-    Attributes
+    Parameters
     ----------
-    waiting
-        Tasks not yet given to a worker, by key.
+    tasks
+        What is to be done, each task after those it needs.
     made
         Keys of the artefacts that exist.
-    outcomes
-        How each attempted task ended, by key.
     """
 
-    waiting: dict[str, Task]
-    made: set[str]
-    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    def __init__(self, tasks: Iterable[Task], made: Iterable[str]) -> None:
+        self.made = set(made)
+        self.outcomes: dict[str, Outcome] = {}
+        self._waiting: dict[str, Task] = {}
+        self._lacking: dict[str, set[str]] = {}
+        self._hanging: dict[str, list[str]] = {}
+        self._ready: list[tuple[float, int, str]] = []
+        self._remade: Counter[str] = Counter()
+        self._order = 0
+        tasks = list(tasks)
+        self._ways = _ways(tasks)
+        for task in tasks:
+            self._add(task)
 
     def take(self) -> Task | None:
         """Take the ready task with the longest way to the end; `None` where none is ready now."""
-        ready = [task for task in self.waiting.values() if self._is_ready(task)]
-        if not ready:
-            return None
-        ways = self._ways()
-        longest = max(ready, key=lambda task: ways[task.recipe.key])
-        return self.waiting.pop(longest.recipe.key)
+        while self._ready:
+            task = self._waiting.get(heapq.heappop(self._ready)[2])
+            if task is not None and not self._lacking[task.recipe.key]:
+                return self._waiting.pop(task.recipe.key)
+        return None
 
     def close(self, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
         """Note how a task ended, and end all that hang on a failed one; yields each with its outcome."""
-        self.outcomes[task.recipe.key] = outcome
+        key = task.recipe.key
+        self.outcomes[key] = outcome
         yield task, outcome
         if not outcome.reason:
-            self.made.add(task.recipe.key)
+            self.made.add(key)
+            for later in self._hanging.pop(key, []):
+                self._lacking[later].discard(key)
+                self._push(later)
             return
+        reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
+        for later in self._hanging.pop(key, []):
+            if (hanging := self._waiting.pop(later, None)) is not None:
+                yield from self.close(hanging, Outcome(reason, "", 0.0, Ended.FAILED))
+
+    def give_up(self, reason: str) -> Iterator[tuple[Task, Outcome]]:
+        """End every waiting task for one reason; yields each with its outcome."""
+        while self._waiting:
+            task = self._waiting.pop(next(iter(self._waiting)))
+            yield from self.close(task, Outcome(reason, "", 0.0, Ended.FAILED))
+
+    def remake(self, task: Task, missing: str) -> bool:
+        """Let an artefact that `task` needs and that broke be made again, and the task after it.
+
+        Returns
+        -------
+        bool
+            Whether it may; not where it broke more than `MOST_REMADE` times.
+        """
+        need = next((need for need in task.needs if need.recipe.key == missing), None)
+        if need is None or (missing in self.outcomes and self.outcomes[missing].reason):
+            return False
+        if missing in self.made:
+            if self._remade[missing] >= MOST_REMADE:
+                return False
+            self._remade[missing] += 1
+            self.made.discard(missing)
+            self._ways.setdefault(missing, self._ways[task.recipe.key] + need.cost)
+            self._add(need)
+        self._add(task)
+        return True
+
+    def _add(self, task: Task) -> None:
         key = task.recipe.key
-        hanging = [later for later in self.waiting.values() if key in {need.recipe.key for need in later.needs}]
-        for later in hanging:
-            if self.waiting.pop(later.recipe.key, None) is not None:
-                reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
-                yield from self.close(later, Outcome(reason=reason, trace="", seconds=0.0))
+        self._waiting[key] = task
+        self._lacking[key] = {need.recipe.key for need in task.needs} - self.made
+        for lacking in self._lacking[key]:
+            self._hanging.setdefault(lacking, []).append(key)
+        self._push(key)
 
-    def _ways(self) -> dict[str, float]:
-        """Cost of each waiting task and of the longest chain that hangs on it, s, by key."""
-        ways: dict[str, float] = {}
-        for task in reversed(self.waiting.values()):  # each after those it needs, so backwards
-            key = task.recipe.key
-            ways[key] = ways.get(key, 0.0) + task.cost
-            for need in task.needs:
-                ways[need.recipe.key] = max(ways.get(need.recipe.key, 0.0), ways[key])
-        return ways
+    def _push(self, key: str) -> None:
+        if not self._lacking[key]:
+            self._order += 1
+            heapq.heappush(self._ready, (-self._ways[key], self._order, key))
 
-    def _is_ready(self, task: Task) -> bool:
-        return all(need.recipe.key in self.made for need in task.needs)
+
+@dataclass
+class Work:
+    """What is at work now, and what has to be tried again.
+
+    Attributes
+    ----------
+    running
+        Tasks given to a crew, by key, with the time at which they are taken for hung (s of the monotonic clock).
+    busy
+        Tasks that another run does, with the time at which to look again.
+    suspects
+        Tasks whose worker died; each is tried once more, alone, for the memory may have been too small for several.
+    tried
+        How often the worker of a task died, by key.
+    stopped
+        Tasks that were taken for hung, by key, with their time, s.
+    alone
+        Whether the task at work must have no other beside it.
+    """
+
+    running: dict[str, tuple[Task, float]] = field(default_factory=dict)
+    busy: deque[tuple[float, Task]] = field(default_factory=deque)
+    suspects: deque[Task] = field(default_factory=deque)
+    tried: Counter[str] = field(default_factory=Counter)
+    stopped: dict[str, float] = field(default_factory=dict)
+    alone: bool = False
 
 
 def do_tasks(
-    tasks: Iterable[Task], made: Iterable[str], store: ArtefactStore, workers: int, observer: Observer
+    tasks: Iterable[Task], made: Iterable[str], crew: Crew, observer: Observer, limit_s: float | None = None
 ) -> dict[str, Outcome]:
     """Do tasks, each as soon as its inputs exist.
 
@@ -84,63 +162,94 @@ def do_tasks(
         What is to be done, each task after those it needs.
     made
         Keys of the artefacts that exist already.
-    store
-        Where artefacts are read and written.
-    workers
-        Number of processes, each with one thread.
+    crew
+        Who does them.
     observer
         Told of every start and end.
+    limit_s
+        How long a task may take, s; without it, as `time_limit` says.
 
     Returns
     -------
     dict
-        How each task ended, by the key of its recipe.
+        How each task ended, by the key of its recipe. What was broken and made again is among them.
     """
-    schedule = Schedule(waiting={task.recipe.key: task for task in tasks}, made=set(made))
-    while schedule.waiting:
-        with _pool(min(workers, len(schedule.waiting))) as pool:
-            _feed(pool, schedule, store, workers, observer)
-    return schedule.outcomes
-
-
-def _feed(
-    pool: ProcessPoolExecutor, schedule: Schedule, store: ArtefactStore, workers: int, observer: Observer
-) -> None:
-    """Keep every worker busy until nothing is left, or until a worker dies and the pool with it."""
-    running: dict[Future[Outcome], Task] = {}
-    broken = False
+    schedule, work = Schedule(tasks, made), Work()
     while True:
-        while not broken and len(running) < workers and (task := schedule.take()) is not None:
+        while (task := _next(schedule, work, crew.size)) is not None:
             observer.started(task.name)
-            running[pool.submit(perform, task, store)] = task
-        if not running:
-            return
-        for future in wait(running, return_when=FIRST_COMPLETED).done:
-            task = running.pop(future)
-            try:
-                outcome = future.result()
-            except BrokenProcessPool:
-                broken, outcome = True, Outcome(reason=WORKER_DIED, trace="", seconds=0.0)
-            for ended, how in schedule.close(task, outcome):
+            limit = time_limit(task) if limit_s is None else limit_s
+            work.running[task.recipe.key] = (task, time.monotonic() + limit)
+            crew.give(task)
+        if not work.running and not work.busy:
+            for ended, how in schedule.give_up(NEVER_CAME):
                 observer.ended(ended.name, ended.cost, how.seconds, how.reason)
+            return schedule.outcomes
+        for task, outcome in crew.wait(POLL_S):
+            del work.running[task.recipe.key]
+            for ended, how in _settle(schedule, work, task, outcome):
+                observer.ended(ended.name, ended.cost, how.seconds, how.reason)
+        _stop_hung(work, crew, limit_s)
 
 
-@contextmanager
-def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool whose processes are ended at once when the block is left by an error or Ctrl-C."""
-    with single_threaded():
-        pool = ProcessPoolExecutor(
-            workers,
-            mp_context=multiprocessing.get_context("spawn"),
-            initializer=begin_worker,
-            initargs=(os.getpid(),),
-        )
-        before = set(multiprocessing.active_children())
-        try:
-            yield pool
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in set(multiprocessing.active_children()) - before:
-                process.kill()
-            raise
-        pool.shutdown()
+def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
+    """The next task to give to a free member."""
+    if len(work.running) >= size or (work.alone and work.running):
+        return None
+    work.alone = False
+    task = schedule.take()
+    if task is None and work.busy and work.busy[0][0] <= time.monotonic():
+        task = work.busy.popleft()[1]
+    if task is None and work.suspects and not work.running and not work.busy:
+        task, work.alone = work.suspects.popleft(), True
+    return task
+
+
+def _settle(schedule: Schedule, work: Work, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
+    """Take what a member said; yields the tasks that are over by it, each with its outcome."""
+    key = task.recipe.key
+    if outcome.ended is Ended.BUSY:
+        work.busy.append((time.monotonic() + BUSY_S, task))
+    elif outcome.ended is Ended.MISSING and schedule.remake(task, outcome.missing):
+        return
+    elif outcome.ended is Ended.DIED and key in work.stopped:
+        reason = f"it took longer than {work.stopped[key]:g} s and was stopped"
+        yield from schedule.close(task, Outcome(reason, outcome.trace, work.stopped[key], Ended.FAILED))
+    elif outcome.ended is Ended.DIED and not work.tried[key]:
+        work.tried[key] += 1
+        work.suspects.append(task)
+    elif outcome.ended is Ended.DIED:
+        reason = f"{outcome.reason}; tried once more alone, it died again"
+        yield from schedule.close(task, Outcome(reason, outcome.trace, outcome.seconds, Ended.FAILED))
+    else:
+        yield from schedule.close(task, outcome)
+        if outcome.ended is Ended.UNWRITABLE:
+            yield from _give_up(schedule, work, f"not tried: {outcome.reason}")
+
+
+def _give_up(schedule: Schedule, work: Work, reason: str) -> Iterator[tuple[Task, Outcome]]:
+    """End all that is not at work now."""
+    for task in (*work.suspects, *(task for _, task in work.busy)):
+        yield from schedule.close(task, Outcome(reason, "", 0.0, Ended.FAILED))
+    work.suspects.clear()
+    work.busy.clear()
+    yield from schedule.give_up(reason)
+
+
+def _stop_hung(work: Work, crew: Crew, limit_s: float | None) -> None:
+    now = time.monotonic()
+    for key, (task, until) in work.running.items():
+        if now > until and key not in work.stopped:
+            work.stopped[key] = time_limit(task) if limit_s is None else limit_s
+            crew.stop(task)
+
+
+def _ways(tasks: list[Task]) -> dict[str, float]:
+    """Cost of each task and of the longest chain that hangs on it, s, by key."""
+    ways: dict[str, float] = {}
+    for task in reversed(tasks):  # each after those it needs, so backwards
+        key = task.recipe.key
+        ways[key] = ways.get(key, 0.0) + task.cost
+        for need in task.needs:
+            ways[need.recipe.key] = max(ways.get(need.recipe.key, 0.0), ways[key])
+    return ways

@@ -29,6 +29,14 @@ TASK_VERSION = "3"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""
 
 
+class MissingArtefactError(PalpateError):
+    """An artefact that a task reads is not there any more, or broken; `key` is that of its recipe."""
+
+    def __init__(self, what: str, key: str) -> None:
+        super().__init__(what, "Run the study again.")
+        self.key = key
+
+
 class Task(ABC):
     """One artefact to be made."""
 
@@ -293,12 +301,12 @@ def find_made(store: ArtefactStore, task: Task) -> Path:
 
     Raises
     ------
-    PalpateError
-        If it is not there.
+    MissingArtefactError
+        If it is not there, or broken.
     """
     path = store.find(task.recipe, task.suffix)
     if path is None:
-        raise PalpateError(f"The artefact of '{task.name}' is missing or broken.", "Run the study again.")
+        raise MissingArtefactError(f"The artefact of '{task.name}' is missing or broken.", task.recipe.key)
     return path
 
 

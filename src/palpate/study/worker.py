@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import faulthandler
 import os
 import signal
 import threading
@@ -10,9 +12,11 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
 
-from palpate.core import ArtefactStore, PalpateError
-from palpate.study.task import Task
+from palpate.core import ArtefactStore, PalpateError, StoreError
+from palpate.study.task import MissingArtefactError, Task
 
 THREAD_VARIABLES = (
     "OMP_NUM_THREADS",
@@ -27,6 +31,28 @@ PARENT_CHECK_S = 1.0
 """How often a worker looks for its parent, s."""
 
 
+ASK_WHERE: signal.Signals | None = getattr(signal, "SIGUSR1", None)
+"""Asks a worker where its program stands, before it is ended; not on every system."""
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+"""What the system says where nothing more can be written."""
+
+
+class Ended(StrEnum):
+    """How a task ended."""
+
+    MADE = "made"
+    FOUND = "found"
+    """Another run made the artefact in the meantime."""
+    BUSY = "busy"
+    """Another run makes the artefact now."""
+    FAILED = "failed"
+    MISSING = "input missing"
+    """An artefact that the task reads is broken or gone."""
+    UNWRITABLE = "store cannot be written"
+    DIED = "worker died"
+
+
 @dataclass(frozen=True)
 class Outcome:
     """How a task ended in its worker.
@@ -39,11 +65,17 @@ class Outcome:
         Traceback of an error that nobody foresaw; empty otherwise.
     seconds
         Wall-clock time, s.
+    ended
+        How the task ended; the schedule goes by it.
+    missing
+        Key of the artefact that the task could not read; empty otherwise.
     """
 
     reason: str
     trace: str
     seconds: float
+    ended: Ended = Ended.MADE
+    missing: str = ""
 
 
 @contextmanager
@@ -61,23 +93,49 @@ def single_threaded() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def begin_worker(parent: int) -> None:
-    """Prepare a new worker whose parent has the process id `parent`."""
+def begin_worker(parent: int, traces: Path | None = None) -> None:
+    """Prepare a new worker whose parent has the process id `parent`.
+
+    Where the interpreter breaks down, or is asked by the signal `ASK_WHERE`, it writes to the file `traces` where the
+    program stood.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if traces is not None:
+        file = traces.open("w")  # open as long as the process lives
+        faulthandler.enable(file)
+        if ASK_WHERE is not None:
+            faulthandler.register(ASK_WHERE, file)
     threading.Thread(target=_leave_with_parent, args=(parent,), daemon=True).start()
 
 
 def perform(task: Task, store: ArtefactStore) -> Outcome:
-    """Do one task; whatever goes wrong is an outcome, never an exception."""
+    """Do one task; whatever goes wrong is an outcome, never an exception.
+
+    While a task is done, its lease is held; what another run has made in the meantime is not made again.
+    """
     started = time.perf_counter()
-    reason, trace = "", ""
+
+    def outcome(ended: Ended, reason: str = "", trace: str = "", missing: str = "") -> Outcome:
+        return Outcome(reason, trace, time.perf_counter() - started, ended, missing)
+
     try:
-        task.make(store)
+        with store.lease(task.recipe) as free:
+            if not free:
+                return outcome(Ended.BUSY)
+            if store.holds(task.recipe, task.suffix):
+                return outcome(Ended.FOUND)
+            task.make(store)
+    except MissingArtefactError as error:
+        return outcome(Ended.MISSING, str(error), missing=error.key)
+    except StoreError as error:
+        return outcome(Ended.UNWRITABLE, str(error))
     except PalpateError as error:
-        reason = str(error)
+        return outcome(Ended.FAILED, str(error))
     except Exception as error:
-        reason, trace = f"{type(error).__name__}: {error}", traceback.format_exc()
-    return Outcome(reason=reason, trace=trace, seconds=time.perf_counter() - started)
+        full = isinstance(error, OSError) and error.errno in FULL
+        ended = Ended.UNWRITABLE if full else Ended.FAILED
+        return outcome(ended, f"{type(error).__name__}: {error}", traceback.format_exc())
+    return outcome(Ended.MADE)
 
 
 def _leave_with_parent(parent: int) -> None:

@@ -1,0 +1,50 @@
+"""A file must hold what it shows: HDF5 would follow links into any other file of this machine without a word."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from palpate.core.errors import PalpateError
+
+if TYPE_CHECKING:
+    import h5py
+
+
+def refuse_outside_links(file: h5py.File, path: Path) -> None:
+    """Refuse an HDF5 file of which a part lies in another: external and virtual members, and raw data outside.
+
+    Parameters
+    ----------
+    file
+        The open file; nothing of its members is read.
+    path
+        Where it lies, for the message.
+
+    Raises
+    ------
+    PalpateError
+        With the name of the member.
+    """
+    import h5py
+
+    groups, seen = [("", file)], set()
+    while groups:
+        place, group = groups.pop()
+        for name in group:
+            member = f"{place}{name}"
+            link = group.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                _refuse(path, member)
+            if not isinstance(link, h5py.HardLink):
+                continue  # a soft link leads to a place in this file, which is looked at by itself
+            found = group[name]
+            if isinstance(found, h5py.Dataset) and (found.is_virtual or found.external):
+                _refuse(path, member)
+            if isinstance(found, h5py.Group) and (number := h5py.h5o.get_info(found.id).addr) not in seen:
+                seen.add(number)
+                groups.append((f"{member}/", found))
+
+
+def _refuse(path: Path, member: str) -> None:
+    raise PalpateError(f"{path}: {member} lies in another file.", "Use only files that hold all of their data.")

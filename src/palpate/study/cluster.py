@@ -1,0 +1,186 @@
+"""The same tasks on a Dask cluster: a few processes here, or whatever a scheduler elsewhere has.
+
+The workers must see the result folder under the same path. Dask sends tasks as pickles: give the address of a
+scheduler only where everybody who can reach it is trusted, or use ``tls://``.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import os
+import re
+from contextlib import suppress
+from typing import Any
+
+from palpate.core import ArtefactStore, MissingExtraError, PalpateError
+from palpate.study.crew import WORKER_DIED, Crew
+from palpate.study.task import EstimatorTask, Task
+from palpate.study.worker import Ended, Outcome, perform, single_threaded
+
+MOST_WORKERS = 1024
+CONNECT_S = 30.0
+"""How long a scheduler, and the first of its workers, may take to answer, s."""
+
+GPU = "GPU"
+"""The Dask resource of workers that have one: ``dask worker --resources GPU=1``."""
+
+
+class ClusterCrew(Crew):
+    """Workers of a Dask cluster, each thread of theirs a member.
+
+    Parameters
+    ----------
+    store
+        Where artefacts are read and written, in a folder that every worker sees.
+    where
+        ``"local:N"`` for N processes on this machine, or the address of a scheduler, ``"tcp://HOST:PORT"``.
+
+    Raises
+    ------
+    MissingExtraError
+        If distributed is not installed.
+    PalpateError
+        If `where` is no such place, or nobody answers there.
+    """
+
+    def __init__(self, store: ArtefactStore, where: str) -> None:
+        self._store = ArtefactStore(store.root.resolve())
+        self._client, self._cluster = _connect(where)
+        self._busy: dict[Any, Task] = {}
+        self._stopped: list[tuple[Task, Outcome]] = []
+        self._given = 0
+        self._size = self._count()
+
+    @property
+    def size(self) -> int:
+        return self._size
+
+    def give(self, task: Task) -> None:
+        self._given += 1  # Dask takes one key for one computation, also after a worker died
+        key = f"{task.recipe.kind}-{task.recipe.key}-{self._given}"
+        needs = {GPU: 1} if _wants_gpu(task) and self._has_gpu() else None
+        future = self._client.submit(perform, task, self._store, key=key, pure=False, resources=needs)
+        self._busy[future] = task
+
+    def wait(self, seconds: float) -> list[tuple[Task, Outcome]]:
+        ended, self._stopped = self._stopped, []
+        if not ended:
+            with suppress(TimeoutError):
+                _distributed().wait(list(self._busy), timeout=seconds, return_when="FIRST_COMPLETED")
+        for future in [future for future in self._busy if future.done()]:
+            ended.append((self._busy.pop(future), _outcome(future)))
+        self._size = self._count()
+        return ended
+
+    def stop(self, task: Task) -> None:
+        future = next((future for future, busy in self._busy.items() if busy is task), None)
+        if future is None:
+            return
+        workers = [name for name, keys in self._client.processing().items() if future.key in keys]
+        trace = _where(self._client, future)
+        del self._busy[future]
+        future.cancel()
+        if workers:
+            self._client.restart_workers(workers, timeout=CONNECT_S, raise_for_error=False)
+        self._stopped.append((task, Outcome(WORKER_DIED, trace, 0.0, Ended.DIED)))
+
+    def leave(self) -> None:
+        for future in self._busy:
+            with suppress(Exception):
+                future.cancel()
+        self._client.close()
+        if self._cluster is not None:
+            self._cluster.close()
+
+    def worker_pids(self) -> list[int]:
+        """Process ids of the workers, each on its own machine."""
+        return list(self._client.run(os.getpid).values())
+
+    def _count(self) -> int:
+        return max(1, sum(self._client.nthreads().values()))
+
+    def _has_gpu(self) -> bool:
+        workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
+        return any(worker["resources"].get(GPU, 0) >= 1 for worker in workers)
+
+
+def check_place(where: str) -> None:
+    """Refuse what is neither ``local:N`` nor the address of a scheduler.
+
+    Raises
+    ------
+    PalpateError
+        With the two forms.
+    """
+    local = re.fullmatch(r"local:(\d{1,4})", where)
+    if local is not None and 1 <= int(local[1]) <= MOST_WORKERS:
+        return
+    if re.fullmatch(r"(tcp|tls)://[\w.:\[\]-]+:\d{1,5}", where) is None:
+        raise PalpateError(
+            f"--cluster is '{where}'.",
+            f"Give local:N with N from 1 to {MOST_WORKERS}, or a scheduler's address, tcp://HOST:PORT.",
+        )
+
+
+def _connect(where: str) -> tuple[Any, Any]:
+    """A client, and the cluster that must be closed after it, where this is one of our own."""
+    check_place(where)
+    distributed = _distributed()
+    if where.startswith("local:"):
+        with single_threaded():
+            cluster = distributed.LocalCluster(
+                n_workers=int(where.removeprefix("local:")),
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address=None,
+                silence_logs=logging.CRITICAL,
+            )
+        return distributed.Client(cluster, timeout=CONNECT_S), cluster
+    try:
+        client = distributed.Client(where, timeout=CONNECT_S)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise PalpateError(
+            f"No Dask scheduler answers at {where}: {type(error).__name__}.", "Start one with: dask scheduler"
+        ) from error
+    try:
+        client.wait_for_workers(1, timeout=CONNECT_S)
+    except TimeoutError as error:
+        client.close()
+        raise PalpateError(
+            f"The Dask scheduler at {where} has no worker.", f"Start some with: dask worker {where} --nthreads 1"
+        ) from error
+    return client, None
+
+
+def _distributed() -> Any:
+    """The library, which has no types of its own worth the name; loaded only where a cluster is asked for."""
+    try:
+        return importlib.import_module("distributed")
+    except ImportError as error:
+        raise MissingExtraError("distributed", "cluster") from error
+
+
+def _outcome(future: Any) -> Outcome:
+    if future.status == "finished":
+        result: Outcome = future.result()
+        return result
+    error = future.exception() if future.status == "error" else None
+    if error is None or isinstance(
+        error, _distributed().KilledWorker
+    ):  # a future that was lost has no error of its own
+        return Outcome(WORKER_DIED, "", 0.0, Ended.DIED)
+    return Outcome(f"{type(error).__name__}: {error}", "", 0.0, Ended.FAILED)
+
+
+def _wants_gpu(task: Task) -> bool:
+    return isinstance(task, EstimatorTask) and task.spec.device == "cuda"
+
+
+def _where(client: Any, future: Any) -> str:
+    """Where a running task stands, as far as its worker can say."""
+    with suppress(Exception):
+        stacks = client.call_stack([future])
+        return "\n".join("".join(stack) for found in stacks.values() for stack in found.values())
+    return ""

@@ -1,0 +1,101 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from palpate.cli import main
+from palpate.core import ArtefactStore, Recipe
+from palpate.study import read_study
+from palpate.study.plan import plan_study
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    """A result folder with a press of the preset `first`, and one of no study."""
+    store = ArtefactStore(tmp_path / "store")
+    press = plan_study(read_study("first")).tasks()[0]
+    for recipe in (press.recipe, Recipe("press", "of no study")):
+        store.write(recipe, lambda path: path.write_text("content") and None)
+    return tmp_path
+
+
+def run(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as left:
+        main([str(word) for word in words])
+    shown = capsys.readouterr()
+    assert isinstance(left.value.code, int)
+    return left.value.code, shown.out, shown.err
+
+
+def names(out: Path) -> list[str]:
+    return sorted(path.name for path in (out / "store").rglob("*.h5"))
+
+
+def test_store_check_leaves_with_one_where_something_is_broken(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "store", "check", out)[:2] == (0, "2 artefacts read, 0 broken.\n")
+    broken = next((out / "store").rglob("*.h5"))
+    broken.write_text("contenT")
+    code, shown, _ = run(capsys, "store", "check", out, "--json")
+    assert code == 1
+    assert json.loads(shown)["broken"] == [
+        {"path": str(broken), "reason": "Its content has changed: the checksum is another one."}
+    ]
+
+
+def test_store_gc_says_first_and_removes_then(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = names(out)
+    code, shown, _ = run(capsys, "store", "gc", out, "first", "--dry-run")
+    assert (code, names(out)) == (0, before)
+    assert "Would remove 2 files" in shown
+    code, shown, _ = run(capsys, "store", "gc", out, "first", "--json")
+    assert code == 0
+    assert len(json.loads(shown)["removed"]) == 2
+    assert names(out) == [f"{plan_study(read_study('first')).tasks()[0].recipe.key}.h5"]
+
+
+def test_store_gc_without_a_study_removes_nothing(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, said = run(capsys, "store", "gc", out)
+    assert code == 2
+    assert "Name the studies" in said
+    assert len(names(out)) == 2
+
+
+@pytest.mark.parametrize("words", [["store", "check"], ["store", "gc"], ["status", "first", "--out"]])
+def test_a_folder_without_artefacts_is_bad_input(
+    tmp_path: Path, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, _, said = run(capsys, *words, tmp_path / "none")
+    assert code == 2
+    assert "Error: " in said
+
+
+def test_status_says_how_much_is_made(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, shown, _ = run(capsys, "status", "first", "--out", out, "--json")
+    assert code == 0
+    said = json.loads(shown)
+    assert (said["made"], said["of"]) == (1, 48)
+    assert said["kinds"]["press"]["made"] == 1
+    code, shown, _ = run(capsys, "status", "first", "--out", out)
+    assert "press" in shown
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--workers", "0"], "--workers is 0"),
+        (["--timeout", "0"], "--timeout is 0 s"),
+        (["--timeout", "nan"], "--timeout is nan s"),
+        (["--cluster", "moon"], "Give local:N"),
+        (["--cluster", "local:0"], "Give local:N"),
+        (["--cluster", "tcp://"], "Give local:N"),
+        (["--cluster", "file:///etc/passwd"], "Give local:N"),
+        (["--cluster", "local:2", "--workers", "2"], "exclude each other"),
+    ],
+)
+def test_run_refuses_hands_that_cannot_be_meant(
+    words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, _, said = run(capsys, "run", "first", "--out", tmp_path / "out", *words)
+    assert code == 2
+    assert says in said
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,100 @@
+"""Small tasks with real files, that fail as they are told, and a crew that does them."""
+
+import os
+import signal
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from palpate.core import ArtefactStore, PalpateError, Recipe
+from palpate.study import Observer, Silence
+from palpate.study.crew import LocalCrew
+from palpate.study.schedule import do_tasks
+from palpate.study.task import Task, find_made
+from palpate.study.worker import Outcome
+
+
+@dataclass(frozen=True)
+class Sum(Task):
+    """Adds the numbers of the tasks it needs to its own; or fails as told."""
+
+    label: str
+    number: float
+    after: tuple["Sum", ...] = ()
+    fault: str = ""
+    seconds: float = 1.0
+    lasts: float = 0.0
+    """How long it takes, s."""
+
+    @property
+    def name(self) -> str:
+        return self.label
+
+    @property
+    def recipe(self) -> Recipe:
+        inputs = tuple(task.recipe.key for task in self.after)
+        return Recipe(kind="sum", spec=[self.label, self.number], inputs=inputs)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return self.after
+
+    @property
+    def cost(self) -> float:
+        return self.seconds
+
+    def make(self, store: ArtefactStore) -> None:
+        log(store, self.label)
+        time.sleep(self.lasts)
+        self._fail(store)
+        total = self.number + sum(float(find_made(store, task).read_text()) for task in self.after)
+        store.write(self.recipe, lambda path: write_text(path, str(total)))
+
+    def _fail(self, store: ArtefactStore) -> None:
+        if self.fault == "foreseen":
+            raise PalpateError("The wall is too thin.", "Take 2 mm.")
+        if self.fault == "unforeseen":
+            raise KeyError("tilt")
+        if self.fault == "killed" or (self.fault == "killed once" and starts(store, self.label) == 1):
+            os.kill(os.getpid(), signal.SIGKILL)
+        if self.fault == "hung":
+            hang_here()
+
+
+def hang_here() -> None:
+    """Stand still longer than any test waits."""
+    time.sleep(1000)
+
+
+def log(store: ArtefactStore, label: str) -> None:
+    """Note beside the store that a task was started; appended whole, so that several processes may."""
+    with (store.root / "starts.log").open("a") as file:
+        file.write(label + "\n")
+
+
+def starts(store: ArtefactStore, label: str) -> int:
+    """How often a task was started."""
+    return (store.root / "starts.log").read_text().splitlines().count(label)
+
+
+def write_text(path: Path, text: str) -> None:
+    path.write_text(text)
+
+
+def read(store: ArtefactStore, task: Task) -> float:
+    """The number in a finished artefact."""
+    return float(find_made(store, task).read_text())
+
+
+def do(
+    tasks: Iterable[Task],
+    made: Iterable[str],
+    store: ArtefactStore,
+    workers: int,
+    observer: Observer | None = None,
+    limit_s: float | None = None,
+) -> dict[str, Outcome]:
+    """Do tasks on processes of this machine."""
+    with LocalCrew(store, workers) as crew:
+        return do_tasks(tasks, made, crew, observer or Silence(), limit_s)

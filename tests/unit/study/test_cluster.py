@@ -1,0 +1,97 @@
+"""The same tasks on a Dask cluster of processes on this machine."""
+
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from small_task import Sum, do, read, starts
+
+from palpate.core import ArtefactStore, MissingExtraError, PalpateError
+from palpate.study import Silence, check_place
+from palpate.study.cluster import ClusterCrew
+from palpate.study.schedule import do_tasks
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> ArtefactStore:
+    return ArtefactStore(tmp_path)
+
+
+def tree(lasts: float) -> list[Sum]:
+    """Eight tasks and their sum."""
+    parts = [Sum(f"part {i}", float(i), lasts=lasts) for i in range(8)]
+    return [*parts, Sum("whole", 100.0, after=tuple(parts))]
+
+
+@pytest.mark.parametrize(
+    "where", ["moon", "local:0", "local:9999", "local:-1", "tcp://", "http://a:1", "tcp://a;b:1"]
+)
+def test_check_place_refuses_what_is_no_cluster(where: str) -> None:
+    with pytest.raises(PalpateError, match="local:N"):
+        check_place(where)
+
+
+@pytest.mark.parametrize("where", ["local:1", "local:1024", "tcp://10.0.0.1:8786", "tls://head.example:8786"])
+def test_check_place_lets_the_two_forms_pass(where: str) -> None:
+    check_place(where)
+
+
+def test_without_the_library_it_is_said_what_to_install(
+    store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(MissingExtraError, match=r"palpate\[cluster\]"):
+        ClusterCrew(store, "local:1")
+
+
+def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    tasks = tree(lasts=0.5)
+    bad = Sum("bad", 1.0, fault="unforeseen")
+    with ClusterCrew(store, "local:2") as crew:
+        assert crew.size == 2
+        killer = threading.Thread(target=_kill_one, args=(crew, store))
+        killer.start()
+        outcomes = do_tasks([*tasks, bad], [], crew, Silence())
+        killer.join()
+    assert [outcomes[task.recipe.key].reason for task in tasks] == [""] * 9
+    assert outcomes[bad.recipe.key].reason == "KeyError: 'tilt'"
+    assert starts(store, "whole") == 1
+    other = ArtefactStore(tmp_path / "other")
+    other.root.mkdir()
+    do(tasks, [], other, 1)
+    for task in tasks:
+        assert read(store, task) == read(other, task)
+        assert store.path(task.recipe).read_bytes() == other.path(task.recipe).read_bytes()
+
+
+def _kill_one(crew: ClusterCrew, store: ArtefactStore) -> None:
+    """Kill a worker process while its second task is at work."""
+    while not (store.root / "starts.log").exists() or len((store.root / "starts.log").read_text().splitlines()) < 3:
+        time.sleep(0.05)
+    pids = crew.worker_pids()
+    assert len(pids) == 2
+    os.kill(pids[0], signal.SIGKILL)
+
+
+def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
+    pytest.importorskip("distributed")
+    hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
+    with ClusterCrew(store, "local:1") as crew:
+        outcomes = do_tasks([hung, good], [], crew, Silence(), limit_s=20.0)
+    assert outcomes[hung.recipe.key].reason == "it took longer than 20 s and was stopped"
+    assert "hang_here" in outcomes[hung.recipe.key].trace
+    assert outcomes[good.recipe.key].reason == ""
+
+
+def test_a_scheduler_that_does_not_answer_is_an_error_with_a_remedy(
+    store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("palpate.study.cluster.CONNECT_S", 1.0)
+    with pytest.raises(PalpateError, match="dask scheduler"):
+        ClusterCrew(store, "tcp://127.0.0.1:9")

@@ -1,0 +1,61 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from palpate.core import ArtefactStore, PalpateError
+from palpate.study import Study, TaskFailure, find_status, needed_keys
+from palpate.study.plan import plan_study
+
+STUDY = Study.model_validate({"name": "a", "tilts_deg": [0, 2], "designs": {"markers": [7, 19]}})
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    """A result folder with one press of two, the other broken, and one dataset."""
+    store = ArtefactStore(tmp_path / "store")
+    tasks = [task for task in plan_study(STUDY).tasks() if task.recipe.kind in ("press", "dataset")]
+    for task in tasks[:3]:
+        store.write(task.recipe, lambda path: path.write_text("content") and None, task.suffix)
+    store.path(tasks[1].recipe).write_text("conten")
+    assert store.find(tasks[1].recipe) is None
+    return tmp_path
+
+
+def test_find_status_counts_what_is_made_broken_and_left(out: Path) -> None:
+    kinds = find_status(STUDY, out).kinds
+    assert (kinds["press"].made, kinds["press"].of, kinds["press"].quarantined) == (1, 2, 1)
+    assert (kinds["dataset"].made, kinds["dataset"].of) == (1, 2)
+    assert (kinds["learning"].made, kinds["learning"].of) == (0, 2)
+    assert kinds["press"].left_s == 10.0
+    assert kinds["estimator"].left_s == 200.0
+    assert find_status(STUDY, out).failures == ()
+
+
+def test_find_status_names_what_is_at_work(out: Path) -> None:
+    store = ArtefactStore(out / "store")
+    press = next(task for task in plan_study(STUDY).tasks() if not store.holds(task.recipe, task.suffix))
+    with store.lease(press.recipe):
+        assert find_status(STUDY, out).kinds["press"].working == 1
+    assert find_status(STUDY, out).kinds["press"].working == 0
+
+
+def test_find_status_tells_the_failures_of_the_last_run(out: Path) -> None:
+    (out / "failures.json").write_text(json.dumps([{"task": "press", "reason": "too thin"}]))
+    assert find_status(STUDY, out).failures == (TaskFailure("press", "too thin"),)
+
+
+@pytest.mark.parametrize("text", ["", "[1]", '[{"task": 1}]', "{", "3"])
+def test_failures_that_cannot_be_read_are_an_error_with_a_remedy(out: Path, text: str) -> None:
+    (out / "failures.json").write_text(text)
+    with pytest.raises(PalpateError, match="Remove it"):
+        find_status(STUDY, out)
+
+
+def test_needed_keys_are_those_of_every_study_on_every_device() -> None:
+    keys = needed_keys([STUDY, STUDY.model_copy(update={"seed": 1})])
+    plans = [plan_study(study) for study in (STUDY, STUDY.model_copy(update={"seed": 1}))]
+    assert keys >= {task.recipe.key for plan in plans for task in plan.tasks()}
+    cuda = STUDY.model_copy(update={"learning": STUDY.learning.model_copy(update={"device": "cuda"})})
+    assert keys >= {task.recipe.key for task in plan_study(cuda).tasks()}
+    assert needed_keys([]) == frozenset()
