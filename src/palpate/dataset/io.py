@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, refuse_outside_links
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.generate_dataset import DATASET_VERSION
 from palpate.dataset.spec import DatasetSpec
@@ -57,6 +57,7 @@ def read_dataset(path: Path) -> Dataset:
     """
     try:
         with h5py.File(path, "r") as file:
+            refuse_outside_links(file, path)
             version = file.attrs.get("palpate_dataset_version")
             if version != DATASET_VERSION:
                 raise PalpateError(

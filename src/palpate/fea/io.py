@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, refuse_outside_links
 from palpate.design import DomeSpec, build_dome
 from palpate.fea.press import FEA_VERSION, Ended, Press
 from palpate.fea.spec import SolverSpec, WallSpec
@@ -67,6 +67,7 @@ def read_press(path: Path) -> Press:
     """
     try:
         with h5py.File(path, "r") as file:
+            refuse_outside_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != FEA_VERSION:
                 raise PalpateError(f"{path} is no press of version {FEA_VERSION}.", "Solve it again.")
             dome = build_dome(DomeSpec(**json.loads(file.attrs["dome"])))

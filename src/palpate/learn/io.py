@@ -104,6 +104,8 @@ def read_estimator(path: Path) -> Estimator:
         raise MissingExtraError("onnx", "predict") from error
     try:
         model = onnx.load_model_from_string(path.read_bytes())
+        if any(weights.data_location == onnx.TensorProto.EXTERNAL for weights in model.graph.initializer):
+            raise ValueError("its weights lie in another file")
         estimator = _read(model, check_format(path, {item.key: item.value for item in model.metadata_props}))
     except (OSError, DecodeError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(f"{path} is not an estimator: {error}.", AGAIN) from error

@@ -84,6 +84,8 @@ def open_predictor(path: Path) -> Predictor:
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = 4  # what is wrong is said below, once
+    nowhere = str(path / "nowhere")  # else the runtime reads weights from any file that the model names
+    options.add_session_config_entry("session.model_external_initializers_file_folder_path", nowhere)
     try:
         session = onnxruntime.InferenceSession(path.read_bytes(), options, providers=["CPUExecutionProvider"])
         said = check_format(path, session.get_modelmeta().custom_metadata_map)
