@@ -99,6 +99,7 @@ FRONT_DOORS = {
         "search",
         "shuffle_labels",
     },
+    "sensor": {"Reading", "Registration", "RigSpec", "Sensor", "Unit", "open_sensor", "register_dome", "run_sensor"},
     "fabricate": {"FabricationPack", "PackSpec", "ProcessSpec", "draw_artwork", "write_pack"},
     "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
     "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from palpate.core import Spec, parameters
 
-STAGES = ("design", "mesh", "camera", "markers", "fea", "dataset", "learn", "study")
+STAGES = ("design", "mesh", "camera", "markers", "fea", "dataset", "learn", "sensor", "study")
 REQUIRED = {"Study": {"name": "any"}}
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from palpate.markers.segment import Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
 
 Image = NDArray[np.float32]
-_ROUNDS = (2, 2)
+_ROUNDS = (1, 1)
 _ROUNDS_TO_MEASURE = (8, 0)
 _SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
 _EDGE_PX = 0.8
@@ -77,16 +78,32 @@ class Detector:
     def _by_centroid(self, grey: Image) -> Blobs:
         return self._fit(grey, _ROUNDS)[0]
 
+    @cached_property
+    def _window(self) -> tuple[slice, slice]:
+        """Rows and columns that hold the mask: the rest of the image is not looked at."""
+        if self.mask is None:
+            return slice(None), slice(None)
+        rows, columns = np.flatnonzero(self.mask.any(axis=1)), np.flatnonzero(self.mask.any(axis=0))
+        return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
+
     def _fit(self, grey: Image, rounds: tuple[int, int]) -> tuple[Blobs, float]:
         """Blobs, and the median blur of their edges."""
+        corner = np.array([self._window[1].start or 0, self._window[0].start or 0])
+        shape, grey = grey.shape, np.ascontiguousarray(grey[self._window])
         raised = -grey if self.dark else grey
         noise = measure_noise(grey)
         height, factor = heights(-raised, self.diameter_px)
         segments = segment(height, self.diameter_px, self.spec.threshold * noise * factor, self.spec.evenness)
         chosen = choose_dots(segments, self.diameter_px, self.spec)
         if self.mask is not None:
-            chosen = chosen[inside(self.mask, segments.middle_px[chosen])]
-        return _refine(raised, segments, chosen, noise, (self.edge_px, rounds))
+            chosen = chosen[inside(self.mask, segments.middle_px[chosen] + corner)]
+        blobs, edge = _refine(raised, segments, chosen, noise, (self.edge_px, rounds))
+        if self.mask is None:
+            return blobs, edge
+        positions = blobs.positions_px + corner
+        reach = (np.maximum(blobs.diameter_px, 2.0) / 2.0 + 1.0)[:, None]
+        cut = np.any((positions < reach) | (positions > np.array(shape)[::-1] - 1 - reach), axis=1)
+        return replace(blobs, positions_px=positions, at_border=blobs.at_border & cut), edge
 
     def _by_opencv(self, grey: Image) -> Blobs:
         low, high = float(grey.min()), float(grey.max())

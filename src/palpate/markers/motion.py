@@ -1,8 +1,8 @@
 """How markers move together: the model that predicts them and stands in for those that are lost.
 
 With images of a simulated press the model is their mean motion and its main directions (principal components), fitted
-to the markers that are seen with a ridge of the noise over the spread of each direction. Without them it is the thin
-plate spline through the motion of the nearest seen markers: smooth, and right for any design.
+to the markers that are seen with a ridge of the noise over the spread of each direction. Without them it is the
+quadratic function of the place at rest that fits the motion of the nearest seen markers: right for any design.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RBFInterpolator
 
 Array = NDArray[np.float64]
-_NEIGHBOURS = 18
+_NEIGHBOURS = 14
+_QUADRATIC_FROM = 9
+"""Neighbours from which on the smooth motion is a quadratic function of the place at rest, else a linear one."""
 _NOISE_PX = 0.3
 """Expected misfit of a mode model: noise of a dot and what the modes leave out."""
 
@@ -67,9 +68,22 @@ class Motion:
             return np.broadcast_to(moved.mean(axis=0) if len(moved) else 0.0, self.rest_px.shape).copy()
         result = np.empty_like(self.rest_px)
         result[found] = moved
-        if not found.all():
-            spline = RBFInterpolator(self.rest_px[found], moved, neighbors=min(_NEIGHBOURS, int(found.sum())))
-            result[~found] = spline(self.rest_px[~found])
+        if found.all():
+            return result
+        seen, lost = self.rest_px[found], self.rest_px[~found]
+        square = ((lost[:, None] - seen[None]) ** 2).sum(axis=-1)
+        count = min(_NEIGHBOURS, len(seen))
+        near = np.argpartition(square, count - 1, axis=1)[:, :count]
+        square = np.take_along_axis(square, near, axis=1)
+        size = np.sqrt(square.max(axis=1))[:, None, None]
+        x, y = np.moveaxis((seen[near] - lost[:, None]) / size, -1, 0)
+        terms = [np.ones_like(x), x, y, x * x, x * y, y * y][: 6 if count >= _QUADRATIC_FROM else 3]
+        weight = 1.0 / (0.05 + square / size[:, 0] ** 2)[..., None]
+        design = np.stack(terms, axis=-1)
+        normal = np.swapaxes(design, 1, 2) @ (weight * design)
+        right = np.swapaxes(design, 1, 2) @ (weight * moved[near])
+        ridge = 1e-6 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(terms))
+        result[~found] = np.linalg.solve(normal + ridge, right)[:, 0]
         return result
 
 

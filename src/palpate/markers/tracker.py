@@ -21,6 +21,7 @@ from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector
 from palpate.markers.motion import Motion
 from palpate.markers.name_markers import Naming
+from palpate.markers.neighbours import agree, nearest, room
 from palpate.markers.tracks import Sighting, Tracks
 
 Array = NDArray[np.float64]
@@ -28,6 +29,9 @@ _REACH = 0.45
 """How far from its prediction a dot may lie, over the distance to the nearest other marker."""
 _JUMP = 0.25
 """Median distance of dots from predictions, over the spacing, above which the image is called a jump."""
+_ALONE_PX = 50.0
+"""Room of a marker without neighbours."""
+_LEAST_ROOM_PX = 2.0
 _ROUNDS = 3
 _NEIGHBOURS = 7
 
@@ -60,9 +64,11 @@ class Tracker:
         predicted = 2.0 * self._last - self._before
         if not len(blobs_px):
             return Sighting(self._last, np.zeros(len(predicted), bool), np.full(len(predicted), -1), True)
-        tree = cKDTree(blobs_px)
-        predicted, offset = self._correct(predicted, blobs_px, tree)
-        blob = self._assign(predicted, blobs_px)
+        space = np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
+        agreed = agree(predicted, np.ascontiguousarray(blobs_px), self._near, 0.6 * space, _ROUNDS)
+        offset = np.median(np.linalg.norm(agreed - predicted, axis=1) / space)
+        blob = self._assign(agreed, blobs_px)
+        predicted = agreed
         found = blob >= 0
         positions = np.where(found[:, None], blobs_px[blob], predicted)
         if found.any() and not found.all():
@@ -70,44 +76,19 @@ class Tracker:
         self._before, self._last = self._last, positions
         return Sighting(positions, found, blob, bool(offset > _JUMP) or found.mean() < 0.5)
 
-    def _correct(self, predicted: Array, blobs: Array, tree: cKDTree) -> tuple[Array, float]:
-        """Predictions moved by what their neighbourhood agrees on, and the median correction over the spacing."""
-        spacing = self._spacing(predicted)
-        start = predicted
-        for _ in range(_ROUNDS):
-            distance, blob = tree.query(predicted)
-            back = cKDTree(predicted).query(blobs)[1]
-            agrees = (back[blob] == np.arange(len(predicted))) & (distance < 0.6 * spacing)
-            if not agrees.any():
-                break
-            miss = np.where(agrees[:, None], blobs[blob] - predicted, np.nan)
-            around = miss[self._near]
-            empty = np.isnan(around[..., 0]).all(axis=1)
-            around[empty] = np.nanmedian(miss, axis=0)
-            predicted = predicted + np.nanmedian(around, axis=1)
-        moved = np.linalg.norm(predicted - start, axis=1)
-        return predicted, float(np.median(moved / spacing))
-
-    def _assign(self, predicted: Array, blobs: Array) -> NDArray[np.intp]:
-        reach = _REACH * self._spacing(predicted)
-        square = ((predicted[:, None] - blobs[None]) ** 2).sum(axis=-1)
-        limit = reach[:, None] ** 2
-        nearest = np.argmin(square, axis=1)
-        inside = square[np.arange(len(predicted)), nearest] < limit[:, 0]
-        result = np.where(inside, nearest, -1)
-        wanted = nearest[inside]
+    @staticmethod
+    def _assign(predicted: Array, blobs: Array) -> NDArray[np.intp]:
+        reach = _REACH * np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
+        number, distance = nearest(predicted, np.ascontiguousarray(blobs))
+        result = np.where(distance < reach, number, -1)
+        wanted = result[result >= 0]
         if len(np.unique(wanted)) < len(wanted):  # two markers want one dot
-            marker, blob = linear_sum_assignment(np.minimum(square, limit))
+            limit = reach[:, None] ** 2
+            square = np.minimum(((predicted[:, None] - blobs[None]) ** 2).sum(axis=-1), limit)
+            marker, blob = linear_sum_assignment(square)
             result = np.full(len(predicted), -1)
             result[marker] = np.where(square[marker, blob] < limit[marker, 0], blob, -1)
         return result
-
-    @staticmethod
-    def _spacing(points: Array) -> Array:
-        """(m,) distance to the nearest other marker, px; a lone marker has all the room."""
-        if len(points) < 2:
-            return np.full(len(points), 50.0)
-        return np.maximum(cKDTree(points).query(points, 2)[0][:, 1], 2.0)
 
 
 def find_markers(

@@ -1,0 +1,231 @@
+"""The sensor: from images to readings, by the same detector, numbers, tracks and model as in simulation.
+
+The model was trained for the nominal camera. A dot seen by the real one is carried over the ray to the height of its
+marker at rest, or to the wall where that is lower, and projected by the nominal camera; the same is done with the
+rest image, and the model reads its own rest plus the difference. So roll, tilt, focal length and distortion of the
+real camera are taken out exactly, print and seating errors at rest vanish, and an offset is taken out as far as the
+dome follows the wall. The wall is that of a first estimate.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.core import PalpateError
+from palpate.design import Dome, MarkerLayout, place_orientation_mark
+from palpate.learn import Predictor
+from palpate.markers import (
+    Detector,
+    DetectSpec,
+    Motion,
+    Naming,
+    Tracker,
+    build_pattern,
+    name_markers,
+    prepare_detector,
+)
+from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.register import Registration, register_dome
+from palpate.sensor.spec import RigSpec
+
+Array = NDArray[np.float64]
+_NOWHERE = (float("inf"),) * 3
+_SAME_MM = 0.02
+"""Offset of the camera below which the height of a marker does not matter: 0.05 px at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """One built sensor.
+
+    Attributes
+    ----------
+    dome, layout
+        Its design.
+    marked
+        Whether the orientation mark is printed.
+    nominal
+        The camera that the model was trained for.
+    lens
+        Its real lens, from a calibration, and about where it is; `None` for the nominal one.
+    """
+
+    dome: Dome
+    layout: MarkerLayout
+    marked: bool = True
+    nominal: CameraSpec | None = None
+    lens: CameraSpec | None = None
+
+
+@dataclass
+class Sensor:
+    """A sensor at work; it remembers where the markers were.
+
+    Attributes
+    ----------
+    unit, predictor, spec
+        What it is, what it estimates with, and when it flags.
+    detector, naming, registration
+        What the rest image gave.
+    """
+
+    unit: Unit
+    predictor: Predictor
+    spec: RigSpec
+    detector: Detector
+    naming: Naming
+    registration: Registration
+
+    def __post_init__(self) -> None:
+        self._nominal = build_camera(self.unit.nominal)
+        self._rest_model = self._nominal.project(self.unit.layout.positions)
+        self._rest = self._carry(self.naming.positions_px)
+        self._tracker = Tracker(Motion(self.naming.positions_px))
+        self._count = 0
+        here, there = self.registration.camera, self._nominal
+        self._same = bool(np.linalg.norm(here.origin - there.origin) < _SAME_MM)
+
+    def read(self, image: NDArray[Any] | PalpateError) -> Reading:
+        """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading."""
+        start = time.perf_counter()
+        self._count += 1
+        try:
+            if isinstance(image, PalpateError):
+                raise image
+            blobs = self.detector.find(image)
+        except PalpateError as error:
+            return self._without_pose(start, 0, (Flag.UNREADABLE,), error.what)
+        sighting = self._tracker.step(blobs.positions_px)
+        found = int(sighting.found.sum())
+        if found < self.spec.least_found * len(self.unit.layout):
+            self._tracker = Tracker(Motion(self.naming.positions_px))  # what follows is looked for from rest again
+            return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
+        moved = self._carry(sighting.positions_px) - self._rest
+        prediction = self.predictor.predict((self._rest_model + moved)[None])
+        if not self._same:  # now that the wall is about known, so is how far the markers sank
+            moved = self._carry(sighting.positions_px, prediction.poses[0]) - self._rest
+            prediction = self.predictor.predict((self._rest_model + moved)[None])
+        touching = bool(np.sqrt(np.mean(moved**2)) > self.spec.touch_px)
+        flags = [Flag.JUMPED] if sighting.jumped else []
+        flags += (
+            [Flag.OUTSIDE] if touching and prediction.outside[0] else []
+        )  # at rest there is no pose to be outside
+        rx, ry, depth = (float(value) for value in prediction.poses[0])
+        return Reading(
+            image=self._count,
+            rx_deg=rx,
+            ry_deg=ry,
+            depth_mm=depth,
+            half_width=tuple(float(value) for value in prediction.half_width[0]),  # type: ignore[arg-type]
+            touching=touching,
+            found=found,
+            flags=tuple(flags),
+            latency_ms=(time.perf_counter() - start) * 1e3,
+        )
+
+    def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:
+        nan = float("nan")
+        latency = (time.perf_counter() - start) * 1e3
+        return Reading(self._count, nan, nan, nan, _NOWHERE, False, found, flags, latency, reason)
+
+    def _carry(self, pixels: Array, pose: Array | None = None) -> Array:
+        """Pixels of the real camera as the nominal camera would show them, for a wall of about this pose."""
+        camera = self.registration.camera
+        rays = _look(camera, pixels)
+        reach = (self.unit.layout.positions[:, 2] - camera.origin[2]) / rays[:, 2]
+        if pose is not None:
+            normal, limit = _wall(self.unit.dome, pose)
+            reach = np.minimum(reach, (limit - camera.origin @ normal) / np.maximum(rays @ normal, 1e-3))
+        return self._nominal.project(camera.origin + rays * reach[:, None])
+
+
+def open_sensor(
+    rest: Iterable[NDArray[Any]],
+    unit: Unit,
+    predictor: Predictor,
+    spec: RigSpec | None = None,
+    detect: DetectSpec | None = None,
+) -> Sensor:
+    """Begin with images of the untouched dome: find and name the dots, and register the camera.
+
+    Parameters
+    ----------
+    rest
+        One or more images at rest, of one size.
+    unit, predictor
+        The sensor and its model.
+    spec, detect
+        When to flag, and how to find dots.
+
+    Raises
+    ------
+    PalpateError
+        If the model is that of another design, the dots are not those of the design, or their names are ambiguous.
+    """
+    spec = spec or RigSpec()
+    if predictor.markers != len(unit.layout):
+        raise PalpateError(
+            f"The model reads {predictor.markers} markers, the design has {len(unit.layout)}.",
+            "Use the model of this design.",
+        )
+    images = list(rest)
+    if not images:
+        raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
+    detector = prepare_detector(images[0], detect)
+    mark = place_orientation_mark(unit.dome, unit.layout) if unit.marked else None
+    pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
+    naming = name_markers(detector.find(images[0]).positions_px, pattern)
+    if unit.marked and naming.ambiguous:
+        raise PalpateError(
+            f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
+            "Check that it is printed and lit, or say that the unit has none.",
+        )
+    naming = _average(naming, detector, images)
+    registration = register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal)
+    return Sensor(unit, predictor, spec, detector, naming, registration)
+
+
+def run_sensor(sensor: Sensor, images: Iterable[NDArray[Any] | PalpateError]) -> Iterator[Reading]:
+    """Readings of images one by one; what cannot be read gives a flagged reading and the next is tried."""
+    return (sensor.read(image) for image in images)
+
+
+def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> Naming:
+    """The same naming with positions averaged over all rest images."""
+    if len(images) == 1:
+        return naming
+    tracker = Tracker(Motion(naming.positions_px))
+    seen = [tracker.step(detector.find(image).positions_px) for image in images]
+    positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
+    found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5
+    return Naming(
+        blob=naming.blob,
+        positions_px=positions,
+        found=found,
+        turn_deg=naming.turn_deg,
+        mirrored=naming.mirrored,
+        alternatives=naming.alternatives,
+        mark=naming.mark,
+        residual_px=naming.residual_px,
+    )
+
+
+def _wall(dome: Dome, pose: Array) -> tuple[Array, float]:
+    """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
+    theta = np.radians(np.hypot(pose[0], pose[1]))
+    scale = np.sinc(theta / np.pi) * np.radians(1.0)
+    normal = np.array([scale * pose[1], -scale * pose[0], np.cos(theta)])
+    limit = normal[2] * dome.center_z + dome.radius - max(float(pose[2]), 0.0) * normal[2]
+    return normal, float(limit)
+
+
+def _look(camera: Camera, pixels: Array) -> Array:
+    """(m, 3) directions of pixels in the dome's frame."""
+    return camera.back_project(pixels)

@@ -1,0 +1,70 @@
+"""Readings as CSV or JSON lines."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from palpate.core import PalpateError
+from palpate.sensor.reading import Reading
+
+COLUMNS = (
+    "image",
+    "rx_deg",
+    "ry_deg",
+    "depth_mm",
+    "rx_half_width_deg",
+    "ry_half_width_deg",
+    "depth_half_width_mm",
+    "touching",
+    "found",
+    "flags",
+    "latency_ms",
+    "reason",
+)
+
+
+def describe_reading(reading: Reading) -> dict[str, Any]:
+    """A reading as plain data by `COLUMNS`; numbers that are not finite become `None`."""
+    values = (
+        reading.image,
+        *(reading.rx_deg, reading.ry_deg, reading.depth_mm),
+        *reading.half_width,
+        reading.touching,
+        reading.found,
+        "; ".join(reading.flags),
+        reading.latency_ms,
+        reading.reason,
+    )
+    finite = (None if isinstance(value, float) and not math.isfinite(value) else value for value in values)
+    return dict(zip(COLUMNS, finite, strict=True))
+
+
+def write_readings(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]:
+    """Write readings as they come, to a .csv or .jsonl file, and hand them on.
+
+    Raises
+    ------
+    PalpateError
+        If the file is of another kind or cannot be written.
+    """
+    if path.suffix not in (".csv", ".jsonl"):
+        raise PalpateError(f"{path.name} is neither .csv nor .jsonl.", "Choose one of the two.")
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, COLUMNS)
+            if path.suffix == ".csv":
+                table.writeheader()
+            for reading in readings:
+                if path.suffix == ".csv":
+                    table.writerow(describe_reading(reading))
+                else:
+                    file.write(json.dumps(describe_reading(reading)) + "\n")
+                file.flush()
+                yield reading
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error

@@ -1,0 +1,227 @@
+"""The chain from rendered images of a made-up press to readings, by a model fitted in closed form."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.core import PalpateError, generator
+from palpate.dataset import Normalisation
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
+from palpate.markers import DetectSpec, build_pattern, name_markers
+from palpate.sensor import (
+    Flag,
+    RigSpec,
+    Unit,
+    describe_reading,
+    open_sensor,
+    register_dome,
+    run_sensor,
+    write_readings,
+)
+
+DOME = build_dome(DomeSpec())
+LAYOUT = place_markers(DOME, MarkerSpec(count=91))
+MARK = place_orientation_mark(DOME, LAYOUT)
+MOVED = CameraSpec(offset_x=0.4, offset_y=-0.3, distance=48.6, tilt_x_deg=1.2, tilt_y_deg=-0.8, roll_deg=25.0)
+SPOILED = {"vignetting": 0.3, "blur_px": 0.7, "noise": 2.0, "dirt": 5, "rim": True}
+
+
+def pressed(points, pose):
+    """A smooth made-up press: the apex follows the wall, the rest less, aside and unevenly with the angles."""
+    rx, ry, depth = pose
+    near = np.exp(-(DOME.height - points[:, 2]) / 6.0)[:, None]
+    slope = (points[:, :1] * ry - points[:, 1:2] * rx) * 0.03
+    still = np.zeros_like(slope)
+    return points + near * np.concatenate(
+        [0.03 * depth * ry + still, -0.03 * depth * rx + still, -depth - slope * min(depth, 1.0)], axis=1
+    )
+
+
+def photograph(pose, camera_spec=None, seed=0, **spoiled):
+    points = pressed(np.vstack([LAYOUT.positions, MARK]), pose)
+    normals = (np.vstack([LAYOUT.positions, MARK]) - [0, 0, DOME.center_z]) / DOME.radius
+    return render(
+        build_camera(camera_spec), dot_edges(points, normals, LAYOUT.diameter), RenderSpec(seed=seed, **spoiled)
+    )
+
+
+@pytest.fixture(scope="module")
+def predictor(tmp_path_factory):
+    rng, camera = generator(0, "poses"), build_camera()
+    poses = np.column_stack([rng.uniform(-8, 8, (4000, 2)), rng.uniform(3, 8, 4000)])
+    images = np.stack([camera.project(pressed(LAYOUT.positions, pose)) for pose in poses])
+    rest = camera.project(LAYOUT.positions)
+    scale = Normalisation((173.0, 130.0), (173.0, 130.0))
+    inputs, mean, sd = scale.apply(images).reshape(len(poses), -1), poses.mean(axis=0), poses.std(axis=0)
+    # random features and least squares: a network without training
+    centre, spread = inputs.mean(axis=0), np.linalg.svd(inputs - inputs.mean(axis=0), full_matrices=False)
+    first = spread[2][:5].T / spread[1][:5] * np.sqrt(len(poses)) @ rng.normal(0, 0.6, (5, 150))
+    shift = rng.uniform(-2, 2, 150) - centre @ first
+    hidden = inputs @ first + shift
+    hidden = hidden / (1 + np.exp(-hidden))
+    design = np.column_stack([hidden, np.ones(len(poses))])
+    normal = design.T @ design + 1e-3 * np.eye(151)
+    last = np.linalg.solve(normal, design.T @ ((poses - mean) / sd))
+    estimator = Estimator(
+        normalisation=scale,
+        weights=(first[None], last[None, :-1]),
+        biases=(shift[None], last[None, -1]),
+        activation="silu",
+        output_mean=mean,
+        output_sd=sd,
+        rest_px=rest,
+        seed=0,
+        made_by={"method": "test"},
+        training_images=len(poses),
+        validation_images=0,
+    )
+    path = tmp_path_factory.mktemp("model") / "m.onnx"
+    write_estimator(path, estimator)
+    return open_predictor(path)
+
+
+def opened(predictor, camera=None, **spoiled):
+    return open_sensor([photograph((0, 0, 0), camera, **spoiled)], Unit(DOME, LAYOUT), predictor)
+
+
+@pytest.mark.parametrize("camera", [None, MOVED])
+@pytest.mark.parametrize("spoiled", [{}, SPOILED])
+def test_a_press_is_read_from_images_whatever_the_camera_and_the_light(predictor, camera, spoiled):
+    sensor = opened(predictor, camera, **spoiled)
+    truth = [(5.0, -3.0, depth) for depth in np.arange(0.8, 8.0, 0.8)]
+    images = [photograph(pose, camera, seed=k, **spoiled) for k, pose in enumerate(truth)]
+    readings = list(run_sensor(sensor, images))
+    assert all(reading.touching and not reading.flags for reading in readings)
+    for pose, reading in list(zip(truth, readings, strict=True))[3:]:
+        assert abs(reading.rx_deg - pose[0]) < 1.0
+        assert abs(reading.ry_deg - pose[1]) < 1.0
+        assert abs(reading.depth_mm - pose[2]) < 0.3
+        assert reading.tilt_deg == pytest.approx(np.hypot(reading.rx_deg, reading.ry_deg))
+
+
+def test_an_untouched_dome_is_not_touched(predictor):
+    sensor = opened(predictor, **SPOILED)
+    assert not any(sensor.read(photograph((0, 0, 0), seed=k, **SPOILED)).touching for k in range(1, 6))
+
+
+def test_the_cameras_pose_is_found(predictor):
+    sensor = opened(predictor, MOVED, blur_px=0.7, noise=2.0)
+    found = sensor.registration
+    for name, near in {
+        "offset_x": 0.05,
+        "offset_y": 0.05,
+        "distance": 0.1,
+        "tilt_x_deg": 0.05,
+        "roll_deg": 0.02,
+    }.items():
+        assert getattr(found.camera.spec, name) == pytest.approx(getattr(MOVED, name), abs=near), name
+    assert found.rms_px < 0.1
+    assert np.isfinite(found.print_error_px).all()
+    assert (found.sd < 0.05).all()
+
+
+def test_register_dome_shows_a_misprinted_dot():
+    camera = build_camera(MOVED)
+    pixels = camera.project(np.vstack([LAYOUT.positions, MARK]))
+    pixels[40] += [1.5, -1.0]
+    naming = name_markers(pixels, build_pattern(LAYOUT.positions, build_camera().project, MARK))
+    errors = np.linalg.norm(register_dome(naming, LAYOUT, DOME).print_error_px, axis=1)
+    assert errors.argmax() == 40
+    assert errors[40] == pytest.approx(1.8, abs=0.2)
+    assert np.median(errors) < 0.1
+
+
+def test_a_mirrored_image_and_another_height_are_refused(predictor):
+    with pytest.raises(PalpateError, match="mirrored"):
+        open_sensor([photograph((0, 0, 0))[:, ::-1].copy()], Unit(DOME, LAYOUT), predictor)
+    flat = build_dome(DomeSpec(height=10))
+    other = Unit(flat, place_markers(flat, MarkerSpec(count=91)))
+    with pytest.raises(PalpateError, match=r"markers (fit|were found)|mark was not seen"):
+        open_sensor([photograph((0, 0, 0))], other, predictor)
+
+
+def test_a_model_of_another_design_is_refused(predictor):
+    unit = Unit(DOME, place_markers(DOME, MarkerSpec(count=37)))
+    with pytest.raises(PalpateError, match="reads 91 markers, the design has 37"):
+        open_sensor([photograph((0, 0, 0))], unit, predictor)
+
+
+def test_without_images_or_dots_there_is_no_sensor(predictor):
+    with pytest.raises(PalpateError, match="no image at rest"):
+        open_sensor([], Unit(DOME, LAYOUT), predictor)
+    with pytest.raises(PalpateError, match="No field of dots"):
+        open_sensor([np.zeros((260, 346), np.uint8)], Unit(DOME, LAYOUT), predictor)
+
+
+def test_a_hidden_mark_is_not_guessed(predictor):
+    points = LAYOUT.positions
+    normals = (points - [0, 0, DOME.center_z]) / DOME.radius
+    image = render(build_camera(), dot_edges(points, normals, LAYOUT.diameter))
+    with pytest.raises(PalpateError, match="orientation mark was not seen; 12 ways"):
+        open_sensor([image], Unit(DOME, LAYOUT), predictor)
+    assert open_sensor([image], Unit(DOME, LAYOUT, marked=False), predictor).naming.ambiguous
+
+
+def test_hostile_images_give_flagged_readings_and_the_next_is_read(predictor):
+    sensor = opened(predictor)
+    huge = np.lib.stride_tricks.as_strided(np.zeros(1, np.uint8), (20_000, 20_000), (0, 0))
+    hostile = [
+        np.zeros((260, 346), np.uint8),
+        np.full((260, 346), 255, np.uint8),
+        generator(0, "noise").integers(0, 255, (260, 346), dtype=np.uint8),
+        np.zeros((1, 1), np.uint8),
+        np.zeros((100, 100), np.uint8),
+        huge,
+        PalpateError("cut.png cannot be decoded."),
+    ]
+    readings = list(run_sensor(sensor, hostile))
+    assert all(reading.flags for reading in readings)
+    assert all(np.isnan(reading.depth_mm) for reading in (readings[0], readings[1], *readings[3:]))
+    assert readings[-1].reason == "cut.png cannot be decoded."
+    after = sensor.read(photograph((2.0, 1.0, 1.0)))
+    assert after.found == 91
+
+
+def test_several_rest_images_are_averaged(predictor):
+    images = [photograph((0, 0, 0), seed=k, noise=6.0, blur_px=0.7) for k in range(8)]
+    true = build_camera().project(LAYOUT.positions)
+    alone = open_sensor(images[:1], Unit(DOME, LAYOUT), predictor)
+    together = open_sensor(images, Unit(DOME, LAYOUT), predictor, RigSpec(), DetectSpec(polarity="dark"))
+    error = [np.std(sensor.naming.positions_px - true) for sensor in (alone, together)]
+    assert error[1] < error[0]
+
+
+def test_motion_outside_the_training_is_flagged_only_while_touched(predictor):
+    class Outside:
+        markers, level = 91, 0.9
+
+        def predict(self, images_px):
+            return Prediction(np.zeros((1, 3)), np.ones((1, 3)), np.ones(1, bool))
+
+    sensor = open_sensor([photograph((0, 0, 0))], Unit(DOME, LAYOUT), Outside())
+    assert sensor.read(photograph((0, 0, 0))).flags == ()
+    assert sensor.read(photograph((0, 0, 4.0))).flags == (Flag.OUTSIDE,)
+    assert predictor.level is None
+
+
+@pytest.mark.parametrize("suffix", ["csv", "jsonl"])
+def test_readings_are_written_as_they_come(predictor, tmp_path, suffix):
+    sensor = opened(predictor)
+    path = tmp_path / f"out.{suffix}"
+    images = [photograph((1, 1, 2.0)), PalpateError("gone.")]
+    readings = list(write_readings(path, run_sensor(sensor, images)))
+    text = path.read_text().splitlines()
+    rows = list(csv.DictReader(text)) if suffix == "csv" else [json.loads(line) for line in text]
+    assert float(rows[0]["depth_mm"]) == pytest.approx(readings[0].depth_mm)
+    assert rows[1]["depth_mm"] in ("", None)
+    assert rows[1]["reason"] == "gone."
+    assert describe_reading(readings[1])["depth_half_width_mm"] is None
+
+
+def test_a_file_of_another_kind_is_refused(tmp_path):
+    with pytest.raises(PalpateError, match="is neither"):
+        list(write_readings(tmp_path / "out.txt", []))
