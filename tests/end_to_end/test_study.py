@@ -148,6 +148,34 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished
     assert numbers(tmp_path) == numbers(finished)
 
 
+@pytest.mark.parametrize("hands", [["--workers", "1"], ["--cluster", "local:2"]])
+def test_whoever_does_the_tasks_the_grid_is_the_same(
+    tiny_study: Path, finished: Path, tmp_path: Path, hands: list[str]
+) -> None:
+    if "--cluster" in hands:
+        pytest.importorskip("distributed")
+    done = finish(["run", tiny_study, "--out", tmp_path, *hands, "--json"])
+    assert done.returncode == 0, done.stderr
+    assert sum(json.loads(done.stdout)["computed"].values()) == 12
+    assert numbers(tmp_path) == numbers(finished)
+    said = json.loads(finish(["status", tiny_study, "--out", tmp_path, "--json"]).stdout)
+    assert (said["made"], said["of"], said["left_s"]) == (12, 12, 0)
+
+
+def test_a_bit_flipped_in_a_finished_artefact_is_found_and_mended(tiny_study: Path, finished: Path) -> None:
+    rows = numbers(finished)
+    limit = next((finished / "store" / "limit").rglob("*[0-9a-f].json"))
+    content = limit.read_bytes()
+    limit.write_bytes(content[:-3] + bytes([content[-3] ^ 1]) + content[-2:])
+    done = finish(["run", tiny_study, "--out", finished, "--json"])
+    assert json.loads(done.stdout)["computed"] == {"limit": 1}, done.stderr
+    assert limit.read_bytes() == content
+    assert numbers(finished) == rows
+    reason = limit.with_name(limit.name + ".broken.reason").read_text()
+    assert reason == "Its content has changed: the checksum is another one.\n"
+    assert json.loads(finish(["store", "check", finished, "--json"]).stdout)["broken"] == []
+
+
 def test_interrupted_it_says_how_to_go_on(tiny_study: Path, tmp_path: Path) -> None:
     process = start(["run", tiny_study, "--out", tmp_path, "--workers", "2"])
     wait_for(tmp_path, 1)
