@@ -35,6 +35,8 @@ app.command("palpate.cli.claims:claims", name="claims", help="Hold finished stud
 app.command("palpate.cli.make:make", name="make", help="Write mold, print pattern, enclosure and instructions.")
 app.command("palpate.cli.specimens:specimens", name="specimens", help="Write molds of test specimens.")
 app.command("palpate.cli.calibrate:calibrate", name="calibrate", help="The lens of a camera from images of a board.")
+app.command("palpate.cli.sensor:find", name="find", help="Find the dots in a folder of images.")
+app.command("palpate.cli.sensor:live", name="live", help="From images of a sensor to the pose of the wall.")
 app.command("palpate.cli.verify:verify", name="verify", help="Solve problems with known answers and compare.")
 app.command("palpate.cli.doctor:doctor", name="doctor", help="Say what is installed and what is missing.")
 
