@@ -49,6 +49,6 @@ def to_grey(image: NDArray[Any], largest_mpx: float) -> NDArray[np.float32]:
     if image.ndim == 3:
         image = image[..., 0] if colours == 1 else image[..., :3].astype(np.float32) @ _LUMA
     grey = np.ascontiguousarray(image, np.float32)
-    if not np.isfinite(grey).all():
+    if image.dtype.kind == "f" and not np.isfinite(grey).all():
         raise PalpateError("The image holds values that are not numbers.", "Repair or leave it out.")
     return grey

@@ -1,8 +1,8 @@
 """Identity through a press: which dot of this image is which marker.
 
-Every marker is predicted from its last two images, the prediction is compared with the nearest dots, and the joint
-correction of those that agree with their neighbours moves all predictions before the assignment of least squared
-distance is made. A marker without a dot is estimated by the motion model from those with one.
+Every marker is predicted from its last two images. Where predictions do not already lie on dots, the joint correction
+of those that agree with their neighbours moves them before the assignment of least squared distance is made. A marker
+without a dot is estimated by the motion model from those with one.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ _REACH = 0.45
 """How far from its prediction a dot may lie, over the distance to the nearest other marker."""
 _JUMP = 0.25
 """Median distance of dots from predictions, over the spacing, above which the image is called a jump."""
+_SURE, _SURE_SHARE = 0.2, 0.9
+"""Predictions need no correction where this share of them has a dot of its own within this share of the spacing."""
 _ALONE_PX = 50.0
 """Room of a marker without neighbours."""
 _LEAST_ROOM_PX = 2.0
@@ -65,10 +67,15 @@ class Tracker:
         if not len(blobs_px):
             return Sighting(self._last, np.zeros(len(predicted), bool), np.full(len(predicted), -1), True)
         space = np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
-        agreed = agree(predicted, np.ascontiguousarray(blobs_px), self._near, 0.6 * space, _ROUNDS)
-        offset = np.median(np.linalg.norm(agreed - predicted, axis=1) / space)
-        blob = self._assign(agreed, blobs_px)
-        predicted = agreed
+        blobs_px = np.ascontiguousarray(blobs_px)
+        number, distance = nearest(predicted, blobs_px)
+        if np.mean(distance < _SURE * space) > _SURE_SHARE and len(np.unique(number)) > _SURE_SHARE * len(number):
+            offset = np.median(distance / space)
+        else:
+            agreed = agree(predicted, blobs_px, self._near, 0.6 * space, _ROUNDS)
+            offset = np.median(np.linalg.norm(agreed - predicted, axis=1) / space)
+            predicted = agreed
+        blob = self._assign(predicted, blobs_px)
         found = blob >= 0
         positions = np.where(found[:, None], blobs_px[blob], predicted)
         if found.any() and not found.all():
