@@ -26,25 +26,33 @@ def refuse_outside_links(file: h5py.File, path: Path) -> None:
     PalpateError
         With the name of the member.
     """
+    try:
+        member = _find_outside(file)
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+        raise PalpateError(f"{path} is a damaged HDF5 file: {error}.", "Make it again.") from None
+    if member:
+        raise PalpateError(f"{path}: {member} lies in another file.", "Use only files that hold all of their data.")
+
+
+def _find_outside(file: h5py.File) -> str:
+    """Name of a member that lies in another file; empty where there is none."""
     import h5py
 
-    groups, seen = [("", file)], set()
+    groups: list[tuple[str, h5py.Group]] = [("", file)]
+    seen: set[int] = set()
     while groups:
         place, group = groups.pop()
         for name in group:
             member = f"{place}{name}"
             link = group.get(name, getlink=True)
             if isinstance(link, h5py.ExternalLink):
-                _refuse(path, member)
+                return member
             if not isinstance(link, h5py.HardLink):
                 continue  # a soft link leads to a place in this file, which is looked at by itself
             found = group[name]
             if isinstance(found, h5py.Dataset) and (found.is_virtual or found.external):
-                _refuse(path, member)
+                return member
             if isinstance(found, h5py.Group) and (number := h5py.h5o.get_info(found.id).addr) not in seen:
                 seen.add(number)
                 groups.append((f"{member}/", found))
-
-
-def _refuse(path: Path, member: str) -> None:
-    raise PalpateError(f"{path}: {member} lies in another file.", "Use only files that hold all of their data.")
+    return ""

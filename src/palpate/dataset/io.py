@@ -65,7 +65,7 @@ def read_dataset(path: Path) -> Dataset:
                     "Make the dataset again.",
                 )
             return _read(file)
-    except (OSError, KeyError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise PalpateError(f"{path} is not a dataset: {error}.", "Make the dataset again.") from error
 
 

@@ -83,7 +83,7 @@ def read_press(path: Path) -> Press:
                 message=str(file.attrs["message"]),
                 **numbers,
             )
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise PalpateError(f"{path} cannot be read as a press: {error}.", "Solve it again.") from None
 
 

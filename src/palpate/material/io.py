@@ -83,7 +83,7 @@ def parse_material(text: str, name: str) -> Material:
     except MarkedYAMLError as error:
         line = f":{error.problem_mark.line + 1}" if error.problem_mark is not None else ""
         raise PalpateError(f"{name}{line}: this is not YAML: {error.problem}.", "Mend the line.") from None
-    except YAMLError:
+    except (YAMLError, RecursionError):
         raise PalpateError(f"{name}: this is not YAML.", "Mend the file.") from None
     if not isinstance(content, dict) or not {"name", "law", "constants"} <= set(content):
         raise PalpateError(f"{name} is no material file.", "It needs name, law and constants; see `palpate fit -o`.")

@@ -75,6 +75,8 @@ def _parse(text: str, path: Path) -> Study:
         raise PalpateError(f"{path}{line}: this is not YAML: {problem}.", "Mend the line.") from error
     except YAMLError as error:
         raise PalpateError(f"{path}: this is not YAML: {error}.", "Mend the file.") from error
+    except RecursionError:
+        raise PalpateError(f"{path} is nested too deeply.", "See the preset `first`.") from None
     if not isinstance(tree, CommentedMap):
         raise PalpateError(f"{path}:1: a study is a mapping of keys.", "See the preset `first`.")
     _resolve_files(tree, path.parent)
@@ -92,10 +94,16 @@ def _resolve_files(tree: CommentedMap, folder: Path) -> None:
     markers = designs.get("markers") if isinstance(designs, dict) else None
     for layout in markers if isinstance(markers, list) else []:
         if isinstance(layout, dict) and isinstance(layout.get("file"), str):
-            layout["file"] = str(folder / layout["file"])
+            layout["file"] = str(folder / _file_name(layout["file"]))
     material = tree.get("material")
     if isinstance(material, dict) and str(material.get("name", "")).endswith((".yaml", ".yml")):
-        material["name"] = str(folder / material["name"])
+        material["name"] = str(folder / _file_name(material["name"]))
+
+
+def _file_name(name: str) -> str:
+    if "\0" in name:
+        raise PalpateError(f"{name!r} can be no file: its name holds a zero byte.", "Mend the name.")
+    return name
 
 
 def _plain(node: Any) -> Any:

@@ -1,0 +1,338 @@
+"""Give every door damaged files and words: no traceback, no hang, no crash, little memory.
+
+    python benchmarks/fuzz_doors.py --count 1000 --seed 0 --out /tmp/fuzz
+
+Each door gets `count` inputs, made from good ones by damage that only the seed and the number decide. A door may take
+an input or refuse it by an error with a remedy; everything else is a finding, whose input is kept in the folder. A
+door runs in a process of its own, which is ended and started again after 10 s without an answer.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import json
+import multiprocessing
+import os
+import resource
+import tempfile
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+
+from palpate.core import PalpateError
+
+HANG_S = 10.0
+TOKENS = [
+    *b"nan inf -inf 1e999 -1 0 1e-320 99999999999999999999 0x1F null true [] {} [[[[[[[[ {a: &a [*a] *b".split(),
+    *b"!!python/object:os.system <<: , ; : # ' \" --- ../../ /etc/passwd \x00 \xff\xfe \xc2\xb2".split(b" "),
+    *(b"\n", b"\r", b"\t", b" ", b"[" * 2000, b"a" * 5000, b"1," * 2000, "°µ∞\u202e".encode()),
+]
+WORDS = [
+    *b"--height --thickness --markers --rings --layout --json --where --sort --out --help --dry-run -- - ---".split(),
+    *b"design material list show grid status store check gc first paper 20 -1 0 nan inf 7 37 8 = . ../..".split(),
+    *(b"10 mm", b"4 cm", b"", b"nowhere", b"/etc/passwd", b"/dev/null", b"a" * 3000, "\u202eé".encode()),
+    *(b"markers > 3", b"markers ((", b"__import__('os')"),
+]
+COMMANDS = [["design"], ["material", "show"], ["material", "list"], ["grid", "show"], ["status"], ["store", "check"]]
+
+
+def damage(good: bytes, random: np.random.Generator) -> bytes:
+    """One to six damages of a good input."""
+    data = bytearray(good)
+    for _ in range(int(random.integers(1, 7))):
+        at = int(random.integers(0, len(data) + 1))
+        end = min(len(data), at + int(random.integers(1, 40)))
+        how = int(random.integers(0, 7))
+        if how == 0 and at < len(data):
+            data[at] ^= 1 << int(random.integers(0, 8))
+        elif how == 1:
+            del data[at:end]
+        elif how == 2:
+            data[at:at] = data[at:end] * int(random.integers(1, 20))
+        elif how == 3:
+            data[at:at] = TOKENS[int(random.integers(0, len(TOKENS)))]
+        elif how == 4:
+            data[at:end] = TOKENS[int(random.integers(0, len(TOKENS)))]
+        elif how == 5:
+            data[at:end] = random.bytes(end - at)
+        elif random.random() < 0.3:
+            del data[at:]
+    return bytes(data)
+
+
+def damage_words(random: np.random.Generator) -> list[str]:
+    """A cheap command with words after it that may or may not make sense."""
+    command = COMMANDS[int(random.integers(0, len(COMMANDS)))]
+    return [*command, *(WORDS[int(i)].decode() for i in random.integers(0, len(WORDS), int(random.integers(0, 7))))]
+
+
+@dataclass(frozen=True)
+class Door:
+    """A way for files to come in: good ones, the ending of their names, and who reads them."""
+
+    name: str
+    suffix: str
+    good: tuple[bytes, ...]
+    read: Callable[[Path], object]
+
+
+def _run_words(path: Path) -> object:
+    from palpate.cli import main
+
+    shown = io.StringIO()
+    with contextlib.redirect_stdout(shown), contextlib.redirect_stderr(shown):
+        try:
+            main(json.loads(path.read_text()))
+        except SystemExit as left:
+            if left.code not in (0, 1, 2) or "palpate failed" in shown.getvalue():
+                raise RuntimeError(f"exit code {left.code}: {shown.getvalue()[-300:]}") from None
+            return left.code
+    raise RuntimeError("the command did not end")
+
+
+def _read_manifest(path: Path) -> object:
+    from palpate.core.store import MANIFEST, find_fault
+
+    artefact = path.with_suffix(".h5")
+    artefact.write_bytes(b"force")
+    os.replace(path, artefact.with_suffix(MANIFEST))
+    return find_fault(artefact)
+
+
+def _read_failures(path: Path) -> object:
+    from palpate.study.status import _read_failures
+
+    os.replace(path, path.with_name("failures.json"))
+    return _read_failures(path.parent)
+
+
+def _study_door(_: Path) -> Door:
+    from palpate.study import list_presets, read_study
+
+    presets = Path(__file__).parents[1] / "src" / "palpate" / "study" / "presets"
+    return Door(
+        "study", ".yaml", tuple((presets / f"{name}.yaml").read_bytes() for name in list_presets()), read_study
+    )
+
+
+def _points_door(_: Path) -> Door:
+    from palpate.design import DomeSpec, build_dome, read_points
+
+    dome = build_dome(DomeSpec())
+    good = (b"x_mm,y_mm\n1,0\n5,5\n", b"x_mm,y_mm,z_mm\n0,0,20\n12,0,16\n")
+    return Door("points", ".csv", good, lambda path: read_points(path, dome))
+
+
+def _bench_door(_: Path) -> Door:
+    from palpate.material import read_bench
+
+    stress = "\n".join(f"{0.1 * i:.2f},{0.02 * i:.4f}" for i in range(20))
+    strain = "\n".join(f"{0.1 * i:.2f};{0.3 * i:.4f}" for i in range(20))
+    good = (f"Strain (mm/mm),Stress (MPa)\n{stress}\n".encode(), f"strain (%);stress (kPa)\n{strain}\n".encode())
+    return Door("bench", "-tension.csv", good, read_bench)
+
+
+def _material_door(_: Path) -> Door:
+    from palpate.material import read_material
+
+    library = Path(__file__).parents[1] / "src" / "palpate" / "material" / "library"
+    good = tuple(path.read_bytes() for path in sorted(library.glob("*.yaml"))[:6])
+    return Door("material", ".yaml", good, read_material)
+
+
+def _press_door(folder: Path) -> Door:
+    from palpate.design import DomeSpec, build_dome
+    from palpate.fea import WallSpec, read_press, solve_press, write_press
+    from palpate.material import get_material
+    from palpate.mesh import MeshSpec, mesh_dome
+
+    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=4))
+    press = solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.1, image_step=0.1))
+    write_press(folder / "press.h5", press)
+    return Door("press", ".h5", ((folder / "press.h5").read_bytes(),), read_press)
+
+
+def _dataset(presses: int = 40, markers: int = 7):  # type: ignore[no-untyped-def]
+    from palpate.dataset import Dataset, DatasetSpec, sample_poses
+
+    spec = DatasetSpec(n_presses=presses)
+    poses = np.column_stack([sample_poses(spec), np.full(presses, 4.0)])
+    rest = np.random.default_rng(0).uniform(100, 200, (markers, 2))
+    moved = poses[:, :2] @ np.random.default_rng(1).normal(0, 3.0, (2, 2 * markers))
+    return Dataset(
+        spec=spec,
+        images_px=rest + moved.reshape(presses, markers, 2),
+        poses=poses,
+        press=np.arange(presses),
+        validation=np.arange(presses) % 2 == 0,
+        branch=np.full(presses, "flat"),
+        travel_mm=np.full(presses, 1.0),
+        rest_px=rest,
+        image_size_px=(346, 260),
+        solved_presses=1,
+        dropped={},
+    )
+
+
+def _dataset_door(folder: Path) -> Door:
+    from palpate.dataset import read_dataset, write_dataset
+
+    write_dataset(folder / "dataset.h5", _dataset())
+    return Door("dataset", ".h5", ((folder / "dataset.h5").read_bytes(),), read_dataset)
+
+
+def _model(folder: Path) -> bytes:
+    from palpate.learn import calibrate, fit_ridge, write_estimator
+
+    dataset = _dataset()
+    write_estimator(folder / "model.onnx", calibrate(fit_ridge(dataset), dataset))
+    return (folder / "model.onnx").read_bytes()
+
+
+def _estimator_door(folder: Path) -> Door:
+    from palpate.learn import read_estimator
+
+    return Door("estimator", ".onnx", (_model(folder),), read_estimator)
+
+
+def _predictor_door(folder: Path) -> Door:
+    from palpate.learn import open_predictor
+
+    return Door("predictor", ".onnx", (_model(folder),), open_predictor)
+
+
+def _manifest(folder: Path) -> bytes:
+    from palpate.core import ArtefactStore, Recipe
+
+    path = ArtefactStore(folder).write(Recipe("press", {"a": [1, 2]}), lambda path: path.write_text("force") and None)
+    return path.with_suffix(".manifest.json").read_bytes()
+
+
+MAKERS: dict[str, Callable[[Path], Door]] = {
+    "study": _study_door,
+    "points": _points_door,
+    "bench": _bench_door,
+    "material": _material_door,
+    "press": _press_door,
+    "dataset": _dataset_door,
+    "estimator": _estimator_door,
+    "predictor": _predictor_door,
+    "manifest": lambda folder: Door("manifest", ".json", (_manifest(folder),), _read_manifest),
+    "failures": lambda _: Door("failures", ".json", (b'[{"task": "press", "reason": "thin"}]',), _read_failures),
+    "words": lambda _: Door("words", ".json", (), _run_words),
+}
+"""How the good inputs of each door are made; some are solved and trained, in seconds."""
+
+
+def make_input(door: Door, seed: int, number: int) -> bytes:
+    """The input of this number: the same from the same seed."""
+    random = np.random.default_rng([seed, number])
+    if not door.good:
+        return json.dumps(damage_words(random)).encode()
+    return damage(door.good[int(random.integers(0, len(door.good)))], random)
+
+
+def knock(name: str, seed: int, numbers: range, answers: Connection) -> None:
+    """Give a door its inputs; tell after each its number, the finding, and the memory so far in MiB."""
+    with tempfile.TemporaryDirectory() as text:
+        folder = Path(text)
+        os.chdir(folder)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        door = MAKERS[name](folder)
+        answers.send(None)
+        for number in numbers:
+            path = folder / "inside" / f"input{door.suffix}"
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(make_input(door, seed, number))
+            started, finding = time.perf_counter(), ""
+            try:
+                door.read(path)
+                how = "taken"
+            except PalpateError:
+                how = "refused"
+            except BaseException:
+                how, finding = "finding", traceback.format_exc(limit=-4)
+            memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+            answers.send((number, how, finding, time.perf_counter() - started, memory))
+
+
+@dataclass
+class Tally:
+    """How a door took its inputs."""
+
+    how: Counter[str]
+    slowest_s: float = 0.0
+    memory_mib: float = 0.0
+
+
+def watch(name: str, count: int, seed: int, keep: Path) -> Tally:
+    """Give a door all of its inputs, over crashes and hangs."""
+    tally, number = Tally(Counter()), 0
+    context = multiprocessing.get_context("spawn")
+    while number < count:
+        ours, theirs = context.Pipe()
+        process = context.Process(target=knock, args=(name, seed, range(number, count), theirs), daemon=True)
+        process.start()
+        theirs.close()
+        if ours.poll(180):
+            ours.recv()
+        while number < count:
+            try:
+                answer = ours.recv() if ours.poll(HANG_S) else None
+            except EOFError:
+                answer = (number, "crash", f"the process died with exit code {process.exitcode}", 0.0, 0.0)
+            number, how, finding, seconds, memory = answer or (
+                number,
+                "hang",
+                f"no answer in {HANG_S} s",
+                HANG_S,
+                0.0,
+            )
+            tally.how[how] += 1
+            tally.slowest_s, tally.memory_mib = max(tally.slowest_s, seconds), max(tally.memory_mib, memory)
+            if finding:
+                _keep(keep, f"{name}-{seed}-{number}", finding)
+            number += 1
+            if how in ("crash", "hang"):
+                break
+        process.kill()
+        process.join()
+    return tally
+
+
+def _keep(folder: Path, name: str, finding: str) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.txt").write_text(finding)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("doors", nargs="*", default=list(MAKERS), help=f"of {', '.join(MAKERS)}; all without any")
+    parser.add_argument("--count", type=int, default=1000, help="inputs a door")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", type=Path, default=Path("fuzz"), help="folder for findings")
+    chosen = parser.parse_args()
+    print("| door | taken | refused | findings | hangs | crashes | ms an input | slowest, s | memory, MiB |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    bad = 0
+    for name in chosen.doors:
+        started = time.perf_counter()
+        tally = watch(name, chosen.count, chosen.seed, chosen.out)
+        mean_ms = (time.perf_counter() - started) / chosen.count * 1000
+        counts = [tally.how[how] for how in ("taken", "refused", "finding", "hang", "crash")]
+        shown = " | ".join(str(count) for count in counts)
+        print(f"| {name} | {shown} | {mean_ms:.1f} | {tally.slowest_s:.2f} | {tally.memory_mib:.0f} |", flush=True)
+        bad += sum(counts[2:])
+    raise SystemExit(1 if bad else 0)
+
+
+if __name__ == "__main__":
+    main()
