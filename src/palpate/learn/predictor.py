@@ -87,7 +87,8 @@ def open_predictor(path: Path) -> Predictor:
     nowhere = str(path / "nowhere")  # else the runtime reads weights from any file that the model names
     options.add_session_config_entry("session.model_external_initializers_file_folder_path", nowhere)
     try:
-        session = onnxruntime.InferenceSession(path.read_bytes(), options, providers=["CPUExecutionProvider"])
+        providers = ["CPUExecutionProvider"]
+        session = onnxruntime.InferenceSession(path.read_bytes(), options, providers, enable_fallback=0)
         said = check_format(path, session.get_modelmeta().custom_metadata_map)
         markers = int(session.get_inputs()[0].shape[1])
         level = float(json.loads(said["interval"])["level"]) if "interval" in said else None
