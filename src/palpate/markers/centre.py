@@ -53,7 +53,7 @@ def fit_centres(
         noise 1, rms residual; NaN in the first where the fit left its window.
     """
     result = np.empty((len(own), 7))
-    rows = np.empty((_ROOM, _UNKNOWNS + 1))
+    rows = np.empty((_UNKNOWNS + 1, _ROOM))
     for blob in range(len(own)):
         _fit_one(image, labels, own[blob], start[blob], edge, rounds, rows, result[blob])
     return result
@@ -80,10 +80,12 @@ def _fit_one(
             column = np.nan
             break
         moments = np.zeros((free + 1, free + 1))
-        for k in range(count):
-            for i in range(free + 1):
-                for j in range(i + 1):
-                    moments[i, j] += rows[k, i] * rows[k, j]
+        for i in range(free + 1):
+            for j in range(i + 1):
+                total = 0.0
+                for k in range(count):  # innermost, so that it is done four at a time
+                    total += rows[i, k] * rows[j, k]
+                moments[i, j] = total
         if free == _UNKNOWNS:
             # size and blur are held near where they were: a small dot does not tell them apart from contrast
             moments[4, 4] += 0.005 * moments[2, 2] / max(radius * radius, 1.0)
@@ -127,7 +129,7 @@ def _gather(
     radius = 2.0 * determinant**0.25 * scale
     grow = 4.0 * scale * scale * determinant
     sxx, sxy, syy = start[4] / grow, -start[3] / grow, start[2] / grow
-    reach = 1.0 + (2.5 * blur + 0.7) / radius
+    reach = 1.0 + (2.2 * blur + 0.6) / radius
     half_x = int(2.0 * scale * np.sqrt(start[2]) * reach) + 1
     half_y = int(2.0 * scale * np.sqrt(start[4]) * reach) + 1
     stride = 1
@@ -144,14 +146,14 @@ def _gather(
             exponential = np.exp(-0.5 * (inside / blur) ** 2)
             bell = exponential / (_ROOT_TWO_PI * blur)
             along = radius * bell / max(q, 1e-6)
-            rows[count, 0] = along * (sxx * x + sxy * y)
-            rows[count, 1] = along * (sxy * x + syy * y)
-            rows[count, 2] = 0.5 * (1.0 + _erf(inside / (1.4142135623730951 * blur), exponential))
-            rows[count, 3] = 1.0
+            rows[0, count] = along * (sxx * x + sxy * y)
+            rows[1, count] = along * (sxy * x + syy * y)
+            rows[2, count] = 0.5 * (1.0 + _erf(inside / (1.4142135623730951 * blur), exponential))
+            rows[3, count] = 1.0
             if free == _UNKNOWNS:
-                rows[count, 4] = bell
-                rows[count, 5] = -bell * inside / blur
-            rows[count, free] = image[v, u]
+                rows[4, count] = bell
+                rows[5, count] = -bell * inside / blur
+            rows[free, count] = image[v, u]
             count += 1
     return count
 

@@ -31,6 +31,8 @@ _JUMP = 0.25
 """Median distance of dots from predictions, over the spacing, above which the image is called a jump."""
 _SURE, _SURE_SHARE = 0.2, 0.9
 """Predictions need no correction where this share of them has a dot of its own within this share of the spacing."""
+_ROUGH = 0.6
+"""Roughness of the motion above which two markers have changed places: they differ by a spacing."""
 _ALONE_PX = 50.0
 """Room of a marker without neighbours."""
 _LEAST_ROOM_PX = 2.0
@@ -59,6 +61,7 @@ class Tracker:
             .query(self.motion.rest_px, min(_NEIGHBOURS, len(self.motion.rest_px)))[1]
             .reshape(len(self.motion.rest_px), -1)
         )
+        self._space = np.maximum(room(self.motion.rest_px, _ALONE_PX), _LEAST_ROOM_PX)
 
     def step(self, blobs_px: Array) -> Sighting:
         """Find every marker among the dots (n, 2) of the next image."""
@@ -66,22 +69,45 @@ class Tracker:
         predicted = 2.0 * self._last - self._before
         if not len(blobs_px):
             return Sighting(self._last, np.zeros(len(predicted), bool), np.full(len(predicted), -1), True)
-        space = np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
         blobs_px = np.ascontiguousarray(blobs_px)
+        positions, blob, offset = self._try(predicted, blobs_px)
+        if offset > _SURE or np.mean(blob >= 0) < _SURE_SHARE or self._roughness(positions) > _ROUGH:
+            # this may be a release, or the image before was wrong: look from standstill and from rest as well
+            tries = [self._try(start, blobs_px) for start in (self._last, self.motion.rest_px)]
+            positions, blob, offset = min(
+                [(positions, blob, offset), *tries], key=lambda seen: self._roughness(seen[0]) - np.mean(seen[1] >= 0)
+            )
+        found = blob >= 0
+        jumped = bool(offset > _JUMP or found.mean() < 0.5 or self._roughness(positions) > _ROUGH)
+        if jumped:  # no motion to go on with
+            self._last = positions
+        self._before, self._last = self._last, positions
+        return Sighting(positions, found, blob, jumped)
+
+    def _try(self, predicted: Array, blobs_px: Array) -> tuple[Array, NDArray[np.intp], float]:
+        """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""
+        space = np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
         number, distance = nearest(predicted, blobs_px)
         if np.mean(distance < _SURE * space) > _SURE_SHARE and len(np.unique(number)) > _SURE_SHARE * len(number):
-            offset = np.median(distance / space)
+            offset = float(np.median(distance / space))
         else:
             agreed = agree(predicted, blobs_px, self._near, 0.6 * space, _ROUNDS)
-            offset = np.median(np.linalg.norm(agreed - predicted, axis=1) / space)
+            offset = float(np.median(np.linalg.norm(agreed - predicted, axis=1) / space))
             predicted = agreed
         blob = self._assign(predicted, blobs_px)
         found = blob >= 0
         positions = np.where(found[:, None], blobs_px[blob], predicted)
         if found.any() and not found.all():
             positions = np.where(found[:, None], positions, self.motion.fill(positions, found))
-        self._before, self._last = self._last, positions
-        return Sighting(positions, found, blob, bool(offset > _JUMP) or found.mean() < 0.5)
+        return positions, blob, offset
+
+    def _roughness(self, positions: Array) -> float:
+        """Greatest difference of a marker's motion from the mean of its neighbours, over the spacing at rest."""
+        if len(positions) < _NEIGHBOURS:
+            return 0.0
+        moved = positions - self.motion.rest_px
+        own = np.linalg.norm(moved - moved[self._near[:, 1:]].mean(axis=1), axis=1)
+        return float(np.max(own / self._space))
 
     @staticmethod
     def _assign(predicted: Array, blobs: Array) -> NDArray[np.intp]:

@@ -37,8 +37,8 @@ from palpate.sensor.spec import RigSpec
 
 Array = NDArray[np.float64]
 _NOWHERE = (float("inf"),) * 3
-_SAME_MM = 0.02
-"""Offset of the camera below which the height of a marker does not matter: 0.05 px at most."""
+_SAME_MM = 0.1
+"""Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -91,6 +91,16 @@ def test_a_jump_and_an_image_without_dots_are_flagged():
     assert tracker.step(pixels + np.array([4.0, 0.0])).jumped
 
 
+def test_after_a_sudden_release_every_marker_has_its_number_again():
+    rest = project(markers(169))
+    tracker = Tracker(Motion(rest))
+    for depth in DEPTHS:
+        tracker.step(project(pressed(markers(169), depth)))
+    for _ in range(3):
+        sighting = tracker.step(rest)
+        assert sighting.blob.tolist() == list(range(169))
+
+
 def test_nothing_to_follow_is_refused():
     with pytest.raises(PalpateError, match="no marker"):
         Tracker(Motion(np.empty((0, 2))))
