@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import tempfile
+import threading
 import time
 from abc import ABC, abstractmethod
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -24,6 +25,10 @@ WORKER_DIED = "its worker process died, perhaps for want of memory"
 
 ANSWER_S = 0.5
 """How long a worker that is to be ended has to say where it stands, s."""
+
+
+_STARTING = threading.Lock()
+"""Held while a process is started, so that two crews in one program do not take each other's for their own."""
 
 
 class Crew(ABC):
@@ -123,8 +128,10 @@ class _Member:
 
     def submit(self, task: Task, store: ArtefactStore) -> Future[Outcome]:
         if self._executor is not None:
-            return self._executor.submit(perform, task, store)
-        with single_threaded():
+            with suppress(BrokenProcessPool):  # it may have died while it had nothing to do
+                return self._executor.submit(perform, task, store)
+            self.leave()
+        with _STARTING, single_threaded():
             self._executor = ProcessPoolExecutor(
                 1,
                 mp_context=multiprocessing.get_context("spawn"),

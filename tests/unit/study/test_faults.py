@@ -1,6 +1,7 @@
 """What may go wrong while tasks are done, with real processes and real files."""
 
 import itertools
+import multiprocessing
 import shutil
 import subprocess
 import sys
@@ -210,6 +211,16 @@ def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
             assert time.monotonic() - started < 60
         left = time.monotonic()
     assert time.monotonic() - left < 5
+
+
+def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: ArtefactStore) -> None:
+    with LocalCrew(store, 1) as crew:
+        do_tasks([Sum("first", 1.0)], [], crew, Silence())
+        (worker,) = multiprocessing.active_children()
+        worker.kill()
+        worker.join()
+        second = Sum("second", 2.0)
+        assert reasons(do_tasks([second], [], crew, Silence()), second) == [""]
 
 
 def test_a_resumed_run_does_only_what_is_missing(store: ArtefactStore) -> None:
