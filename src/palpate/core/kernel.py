@@ -25,13 +25,13 @@ def kernel(function: F) -> F:
     """
     import numba  # here, so that a front door without kernels opens fast
 
-    package = Path(__file__).parents[1]
-    chosen = numba.config.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
-    numba.config.CACHE_DIR = str(Path(chosen or package / "__pycache__") / f"kernels-{kernel_stamp(package)}")
+    package, settings = Path(__file__).parents[1], cast(Any, numba.config)
+    chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
+    settings.CACHE_DIR = str(Path(chosen or package / "__pycache__") / f"kernels-{kernel_stamp(package)}")
     try:
         compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
     finally:
-        numba.config.CACHE_DIR = chosen
+        settings.CACHE_DIR = chosen
     return cast(F, compiled)
 
 
