@@ -159,8 +159,10 @@ class _Member:
         """By which signal the process ended, in brackets; empty where it is not known."""
         if self._process is None:
             return ""
-        self._process.join(ANSWER_S)
-        code = self._process.exitcode
+        end = time.monotonic() + 10 * ANSWER_S
+        # the pool may be asking the system for the same exit code, and only one of the two is answered at once
+        while (code := self._process.exitcode) is None and time.monotonic() < end:
+            time.sleep(0.01)
         if code is None or code == 0:
             return ""
         return f" ({signal.Signals(-code).name})" if -code in set(signal.Signals) else f" (exit code {code})"
