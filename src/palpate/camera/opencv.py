@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from palpate.core import MissingExtraError
+from palpate.core import load_extra
 
 
 def load() -> Any:
@@ -15,8 +15,4 @@ def load() -> Any:
     MissingExtraError
         If OpenCV is not installed.
     """
-    try:
-        import cv2
-    except ImportError as error:
-        raise MissingExtraError("OpenCV", "vision") from error
-    return cv2
+    return load_extra("cv2", "vision", "OpenCV")

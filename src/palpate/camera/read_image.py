@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera.opencv import load
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import PalpateError, load_extra
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
@@ -73,10 +73,8 @@ def replay_images(folder: Path) -> Iterator[NDArray[Any]]:
 
 
 def _read_size(path: Path) -> tuple[int, int]:
-    try:
-        from PIL import Image, UnidentifiedImageError
-    except ImportError as error:
-        raise MissingExtraError("Pillow", "vision") from error
+    Image = load_extra("PIL.Image", "vision", "Pillow")
+    UnidentifiedImageError = load_extra("PIL", "vision", "Pillow").UnidentifiedImageError
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # our own limit is said better
     try:
         with Image.open(path) as image:

@@ -5,7 +5,7 @@ from palpate.design.check_design import check_design, refuse_errors
 from palpate.design.dome import Dome, DomeShape
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import MarkerLayout
-from palpate.design.module import Module, build_module, build_solid
+from palpate.design.module import Module, build_module, build_solid, follow_meridian
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
@@ -48,6 +48,7 @@ __all__ = [
     "check_design",
     "cylinder",
     "extrude",
+    "follow_meridian",
     "gather",
     "place_markers",
     "place_orientation_mark",

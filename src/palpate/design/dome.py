@@ -73,6 +73,11 @@ class Dome:
         """Greatest distance of the inner surface from the axis, mm: B, or r where the dome bulges."""
         return self.radius if self.height > self.base_radius else self.base_radius
 
+    @property
+    def outer_base_radius(self) -> float:
+        """Radius of the outer surface's rim in the base plane, mm."""
+        return float(np.sqrt(self.outer_radius**2 - self.center_z**2))
+
     def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> NDArray[np.float64]:
         """Points of the base plane carried along the axis to the inner surface.
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.design.dome import Dome
-from palpate.design.solid import Arc, Outline, Point, Solid, revolve
+from palpate.design.solid import Arc, Outline, Solid, revolve
 from palpate.design.spec import MountSpec
 
 
@@ -53,12 +53,12 @@ class Module:
         dome = self.dome
         return [
             (0.0, dome.height + dome.thickness),
-            self._arc(dome.outer_radius, down=True),
+            follow_meridian(dome, dome.outer_radius, down=True),
             (self.flange_radius, 0.0),
             (self.flange_foot, self.foot),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
-            self._arc(dome.radius, down=False),
+            follow_meridian(dome, dome.radius, down=False),
         ]
 
     def outside(self) -> Outline:
@@ -69,21 +69,17 @@ class Module:
         """Half the section of the hollow."""
         return [
             (0.0, self.dome.height),
-            self._arc(self.dome.radius, down=True),
+            follow_meridian(self.dome, self.dome.radius, down=True),
             (self.opening_foot, self.foot),
             (0.0, self.foot),
         ]
 
-    def _arc(self, radius: float, *, down: bool) -> Arc:
-        """Arc of a sphere of this radius about the dome's centre between its apex and the base plane."""
-        center = self.dome.center_z
-        angle = np.arccos(-center / radius)
 
-        def at(share: float) -> Point:
-            return float(radius * np.sin(share * angle)), float(center + radius * np.cos(share * angle))
-
-        base = (at(1.0)[0], 0.0)
-        return Arc(at(0.5), base) if down else Arc(at(0.5), (0.0, center + radius))
+def follow_meridian(dome: Dome, radius: float, *, down: bool) -> Arc:
+    """Arc (x, z) of a sphere of this radius about the dome's centre: apex to base plane (`down`), or back."""
+    angle = float(np.arccos(-dome.center_z / radius))
+    half = float(radius * np.sin(angle / 2)), float(dome.center_z + radius * np.cos(angle / 2))
+    return Arc(half, (float(radius * np.sin(angle)), 0.0) if down else (0.0, dome.center_z + radius))
 
 
 def build_module(dome: Dome, mount: MountSpec, scale: float = 1.0) -> Module:
@@ -100,7 +96,7 @@ def build_module(dome: Dome, mount: MountSpec, scale: float = 1.0) -> Module:
     """
     dome = Dome(scale * dome.height, scale * dome.base_radius, scale * dome.thickness)
     thickness = scale * mount.flange_thickness
-    outer = float(np.sqrt(dome.outer_radius**2 - dome.center_z**2)) + scale * mount.flange_width
+    outer = dome.outer_base_radius + scale * mount.flange_width
     draft = thickness * float(np.tan(np.radians(mount.draft_deg)))
     return Module(dome, thickness, outer, dome.base_radius, outer + draft, dome.base_radius + draft)
 

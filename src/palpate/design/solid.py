@@ -7,7 +7,6 @@ CASCADE) is loaded when the first solid is made, and its absence is a `MissingEx
 from __future__ import annotations
 
 import contextlib
-import importlib
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import PalpateError, load_extra
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -254,12 +253,7 @@ def _face(outline: Outline, place: Any) -> Any:
 
 
 def _cad() -> Any:
-    try:
-        return importlib.import_module("build123d")
-    except ModuleNotFoundError:
-        raise MissingExtraError("build123d", "cad") from None
-    except ImportError as error:  # a library of the system, such as libGL.so.1
-        raise PalpateError(f"The CAD kernel cannot be loaded: {error}.", "On Debian: apt install libgl1.") from None
+    return load_extra("build123d", "cad")
 
 
 @contextlib.contextmanager

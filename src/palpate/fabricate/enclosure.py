@@ -184,14 +184,9 @@ def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> Solid:
 
 def _ring_opening(module: Module) -> float:
     """Radius of the clamp ring's opening, mm: two fifths of the flange's width beyond the dome."""
-    return module.flange_radius - 0.6 * (module.flange_radius - _base_radius(module))
-
-
-def _base_radius(module: Module) -> float:
     dome = module.dome
-    return max(
-        float(np.sqrt(dome.outer_radius**2 - dome.center_z**2)), dome.outer_radius if dome.center_z > 0 else 0.0
-    )
+    widest = dome.outer_radius if dome.center_z > 0 else dome.outer_base_radius
+    return module.flange_radius - 0.6 * (module.flange_radius - widest)
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> Solid:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import PalpateError, load_extra
 from palpate.design import SurfaceMesh
 
 FloatArray = NDArray[np.float64]
@@ -48,8 +47,5 @@ def drill(mesh: SurfaceMesh, start: FloatArray, end: FloatArray, diameter: float
 
 
 def _trimesh() -> Any:
-    try:
-        importlib.import_module("manifold3d")
-        return importlib.import_module("trimesh")
-    except ModuleNotFoundError as error:
-        raise MissingExtraError(error.name or "trimesh", "cad") from None
+    load_extra("manifold3d", "cad")  # its engine for booleans, which it would miss only when it drills
+    return load_extra("trimesh", "cad")

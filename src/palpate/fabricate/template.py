@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.design import Arc, Dome, DomeShape, MarkerLayout, SurfaceMesh, place_orientation_mark, revolve
+from palpate.design import (
+    Dome,
+    DomeShape,
+    MarkerLayout,
+    SurfaceMesh,
+    follow_meridian,
+    place_orientation_mark,
+    revolve,
+)
 from palpate.fabricate.mesh_file import drill
 from palpate.fabricate.spec import ProcessSpec
 
@@ -38,23 +46,8 @@ def build_template(dome: Dome, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         points = np.vstack([points, place_orientation_mark(dome, layout)])
     center, radius = np.array([0.0, 0.0, dome.center_z]), dome.radius - spec.clearance
     out = (points - center) / np.linalg.norm(points - center, axis=1, keepdims=True)
-    shell = revolve(
-        [
-            (0.0, dome.center_z + radius),
-            _arc(dome, radius),
-            _end(dome, radius - THICKNESS),
-            _arc(dome, radius - THICKNESS, back=True),
-        ]
-    ).mesh()
+    outside = follow_meridian(dome, radius, down=True)
+    inside = follow_meridian(dome, radius - THICKNESS, down=False)
+    foot = (float(np.sqrt((radius - THICKNESS) ** 2 - dome.center_z**2)), 0.0)
+    shell = revolve([(0.0, dome.center_z + radius), outside, foot, inside]).mesh()
     return drill(shell, center + (radius - 3 * THICKNESS) * out, center + (radius + THICKNESS) * out, layout.diameter)
-
-
-def _end(dome: Dome, radius: float) -> tuple[float, float]:
-    return float(np.sqrt(radius**2 - dome.center_z**2)), 0.0
-
-
-def _arc(dome: Dome, radius: float, *, back: bool = False) -> Arc:
-    """Arc from the apex to the base, or `back`."""
-    half = float(np.arccos(-dome.center_z / radius)) / 2
-    through = float(radius * np.sin(half)), float(dome.center_z + radius * np.cos(half))
-    return Arc(through, (0.0, dome.center_z + radius) if back else _end(dome, radius))

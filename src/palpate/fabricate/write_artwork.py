@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 from pathlib import Path
-from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from palpate.core import MissingExtraError
+from palpate.core import load_extra
 from palpate.fabricate.artwork import Artwork
 
 CROSS, LINE = 4.0, 0.1
@@ -24,10 +22,7 @@ MM_PER_INCH = 25.4
 
 def write_dxf(path: Path, artwork: Artwork) -> None:
     """Write DXF R2010 in mm: dots as circles on the layer DOTS, and MARK, ALIGNMENT, RIM."""
-    try:
-        ezdxf: Any = importlib.import_module("ezdxf")
-    except ModuleNotFoundError:
-        raise MissingExtraError("ezdxf", "cad") from None
+    ezdxf = load_extra("ezdxf", "cad")
     document = ezdxf.new("R2010", units=ezdxf.units.MM)
     for name, colour in (("DOTS", 7), ("MARK", 1), ("ALIGNMENT", 5), ("RIM", 8)):
         document.layers.add(name, color=colour)

@@ -17,12 +17,12 @@ import os
 import shutil
 import tempfile
 from pathlib import Path
-from types import ModuleType
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from palpate.core import MissingExtraError, PalpateError, provenance
+from palpate.core import PalpateError, load_extra, provenance
 from palpate.fea.arrays import FloatArray
 from palpate.fea.press import Press, azimuth_rotation
 from palpate.fea.serendipity import BRICK
@@ -83,12 +83,8 @@ def export_press(folder: Path, press: Press) -> None:
             shutil.rmtree(part, ignore_errors=True)
 
 
-def _meshio() -> ModuleType:
-    try:
-        import meshio
-    except ImportError:
-        raise MissingExtraError("meshio", "viz") from None
-    return meshio  # type: ignore[no-any-return,unused-ignore]
+def _meshio() -> Any:
+    return load_extra("meshio", "viz")
 
 
 def _write_images(folder: Path, press: Press) -> list[str]:

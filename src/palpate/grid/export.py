@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import PalpateError, load_extra
 from palpate.grid.grid import MAIN_COLUMNS, Cell, SpecificationGrid, unit_of
 
 
@@ -52,11 +52,8 @@ def write_csv(path: Path, grid: SpecificationGrid) -> None:
 
 
 def _write_parquet(path: Path, grid: SpecificationGrid) -> None:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError as error:
-        raise MissingExtraError("pyarrow", "parquet") from error
+    pyarrow = load_extra("pyarrow", "parquet")
+    parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
     fields, arrays = [], []
     for name in grid.columns:
         cells = [row[name] for row in grid.rows]

@@ -150,6 +150,7 @@ class _Training:
         self.batches = math.ceil(len(self.inputs) / spec.batch)
 
     def run(self, watch: Watch | None) -> TrainedNetwork:
+        """Train every repeat until it stops or the epochs are spent; `watch` is told the mean error of each epoch."""
         for epoch in range(self.spec.epochs):
             self._train_epoch()
             mean = self._judge(epoch)

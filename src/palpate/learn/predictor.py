@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import PalpateError, load_extra
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
@@ -77,10 +77,7 @@ def open_predictor(path: Path) -> Predictor:
     MissingExtraError
         If onnxruntime is not installed.
     """
-    try:
-        import onnxruntime
-    except ImportError as error:
-        raise MissingExtraError("onnxruntime", "predict") from error
+    onnxruntime = load_extra("onnxruntime", "predict")
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = 4  # what is wrong is said below, once

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import MissingExtraError
+from palpate.core import load_extra
 
 Image = NDArray[np.float32]
 
@@ -20,11 +20,7 @@ def load() -> Any:
     MissingExtraError
         If OpenCV is not installed.
     """
-    try:
-        import cv2
-    except ImportError as error:
-        raise MissingExtraError("OpenCV", "vision") from error
-    return cv2
+    return load_extra("cv2", "vision", "OpenCV")
 
 
 def blur(image: Image, sigma_px: float) -> Image:

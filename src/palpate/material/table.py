@@ -65,6 +65,7 @@ class _Dialect:
     decimal: str
 
     def split(self, text: str) -> list[str]:
+        """Cut a line into its cells, without the spaces and quotes around them."""
         if self.delimiter == " ":
             return text.split()
         if '"' in text:

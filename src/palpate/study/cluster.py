@@ -6,14 +6,13 @@ scheduler only where everybody who can reach it is trusted, or use ``tls://``.
 
 from __future__ import annotations
 
-import importlib
 import logging
 import os
 import re
 from contextlib import suppress
 from typing import Any
 
-from palpate.core import ArtefactStore, MissingExtraError, PalpateError
+from palpate.core import ArtefactStore, PalpateError, load_extra
 from palpate.study.crew import WORKER_DIED, Crew
 from palpate.study.task import EstimatorTask, Task
 from palpate.study.worker import Ended, Outcome, perform, single_threaded
@@ -155,11 +154,7 @@ def _connect(where: str) -> tuple[Any, Any]:
 
 
 def _distributed() -> Any:
-    """The library, which has no types of its own worth the name; loaded only where a cluster is asked for."""
-    try:
-        return importlib.import_module("distributed")
-    except ImportError as error:
-        raise MissingExtraError("distributed", "cluster") from error
+    return load_extra("distributed", "cluster")
 
 
 def _outcome(future: Any) -> Outcome:

@@ -127,6 +127,7 @@ class _Member:
         self._process: BaseProcess | None = None
 
     def submit(self, task: Task, store: ArtefactStore) -> Future[Outcome]:
+        """Let the process do a task; one that has died is replaced first."""
         if self._executor is not None:
             with suppress(BrokenProcessPool):  # it may have died while it had nothing to do
                 return self._executor.submit(perform, task, store)
@@ -174,6 +175,7 @@ class _Member:
         return ""
 
     def leave(self) -> None:
+        """End the process, at work or not."""
         if self._process is not None and self._process.is_alive():
             self._process.kill()
         if self._executor is not None:

@@ -15,6 +15,7 @@ from palpate.design import (
     build_solid,
     cylinder,
     extrude,
+    follow_meridian,
     gather,
     read_step,
     revolve,
@@ -105,3 +106,13 @@ def test_gather_keeps_every_body_as_it_is() -> None:
 def test_two_bodies_apart_have_nothing_in_common() -> None:
     with pytest.raises(PalpateError, match="share 0 bodies"):
         box((0, 0, 0), (1, 1, 1)).common(box((2, 2, 2), (3, 3, 3)))
+
+
+def test_follow_meridian_lies_on_the_sphere_and_ends_on_base_or_axis() -> None:
+    dome = build_dome(DomeSpec(height=30, thickness=2))
+    down, back = (follow_meridian(dome, dome.outer_radius, down=way) for way in (True, False))
+    for x, z in (down.through, down.end, back.end):
+        assert np.hypot(x, z - dome.center_z) == pytest.approx(dome.outer_radius)
+    assert down.end == pytest.approx((dome.outer_base_radius, 0.0), abs=1e-9)
+    assert back.end == pytest.approx((0.0, 32.0))
+    assert down.through == back.through

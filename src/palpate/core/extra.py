@@ -1,0 +1,38 @@
+"""Optional libraries: loaded where they are used, and missed with the command that installs them."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from palpate.core.errors import MissingExtraError, PalpateError
+
+
+def load_extra(module: str, extra: str, library: str = "") -> Any:
+    """Load an optional library.
+
+    Parameters
+    ----------
+    module
+        Name under which it is imported.
+    extra
+        The extra of this package that installs it.
+    library
+        Name under which people know it; without one, `module`.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    PalpateError
+        If it is, but lacks a library of the system, such as libGL.so.1.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise MissingExtraError(library or module, extra) from error
+    except ImportError as error:
+        raise PalpateError(
+            f"{library or module} cannot be loaded: {error}.",
+            "`palpate doctor` names the system package that brings it.",
+        ) from error
