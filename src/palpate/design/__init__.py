@@ -4,7 +4,7 @@ from palpate.design.build_dome import build_dome
 from palpate.design.check_design import check_design, refuse_errors
 from palpate.design.dome import Dome, DomeShape
 from palpate.design.finding import Finding, Severity
-from palpate.design.markers import MarkerLayout
+from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import Module, build_module, build_solid, follow_meridian
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
@@ -27,6 +27,7 @@ from palpate.design.solid import (
 from palpate.design.spec import DomeSpec, MarkerSpec, MountSpec
 
 __all__ = [
+    "PRINT_TOLERANCE",
     "Arc",
     "Dome",
     "DomeShape",

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+PRINT_TOLERANCE = 0.2
+"""How far from its place a dot may be printed, mm; our choice, for instructions and inspection."""
+
 
 @dataclass(frozen=True)
 class MarkerLayout:

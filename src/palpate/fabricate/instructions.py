@@ -11,7 +11,7 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
 from palpate.camera import Camera
-from palpate.design import Dome, DomeShape, Finding, MarkerLayout
+from palpate.design import PRINT_TOLERANCE, Dome, DomeShape, Finding, MarkerLayout
 from palpate.fabricate.enclosure import Enclosure
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
@@ -133,7 +133,8 @@ def _inspect(dome: Dome, layout: MarkerLayout) -> list[str]:
         f"Thickness at the apex and at four places half way down: {dome.thickness:g} ± "
         f"{max(0.05, 0.05 * dome.thickness):.2g} mm.",
         f"Inner height over the base: {dome.height:g} ± 0.2 mm.",
-        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within 0.2 mm of markers.csv.",
+        f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
+        f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate inspect` tells from an image.",
         "No bubble above 0.5 mm; inner surface matt and even.",
     ]
 

@@ -146,6 +146,48 @@ class Sensor:
         return self._nominal.project(camera.origin + rays * reach[:, None])
 
 
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """What images of the untouched dome give: how its dots are found, which marker each is, where the camera is."""
+
+    detector: Detector
+    naming: Naming
+    registration: Registration
+
+
+def read_rest(images: Iterable[NDArray[Any]], unit: Unit, detect: DetectSpec | None = None) -> Rest:
+    """Find and name the dots of the untouched dome, and register the camera.
+
+    Parameters
+    ----------
+    images
+        One or more images at rest, of one size; places are averaged over them.
+    unit
+        The sensor.
+    detect
+        How to find dots.
+
+    Raises
+    ------
+    PalpateError
+        If the dots are not those of the design, or their names are ambiguous.
+    """
+    images = list(images)
+    if not images:
+        raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
+    detector = prepare_detector(images[0], detect)
+    mark = place_orientation_mark(unit.dome, unit.layout) if unit.marked else None
+    pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
+    naming = name_markers(detector.find(images[0]).positions_px, pattern)
+    if unit.marked and naming.ambiguous:
+        raise PalpateError(
+            f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
+            "Check that it is printed and lit, or say that the unit has none.",
+        )
+    naming = _average(naming, detector, images)
+    return Rest(detector, naming, register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal))
+
+
 def open_sensor(
     rest: Iterable[NDArray[Any]],
     unit: Unit,
@@ -153,7 +195,7 @@ def open_sensor(
     spec: RigSpec | None = None,
     detect: DetectSpec | None = None,
 ) -> Sensor:
-    """Begin with images of the untouched dome: find and name the dots, and register the camera.
+    """Begin with images of the untouched dome.
 
     Parameters
     ----------
@@ -167,29 +209,15 @@ def open_sensor(
     Raises
     ------
     PalpateError
-        If the model is that of another design, the dots are not those of the design, or their names are ambiguous.
+        If the model is that of another design, or as of `read_rest`.
     """
-    spec = spec or RigSpec()
     if predictor.markers != len(unit.layout):
         raise PalpateError(
             f"The model reads {predictor.markers} markers, the design has {len(unit.layout)}.",
             "Use the model of this design.",
         )
-    images = list(rest)
-    if not images:
-        raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
-    detector = prepare_detector(images[0], detect)
-    mark = place_orientation_mark(unit.dome, unit.layout) if unit.marked else None
-    pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
-    naming = name_markers(detector.find(images[0]).positions_px, pattern)
-    if unit.marked and naming.ambiguous:
-        raise PalpateError(
-            f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
-            "Check that it is printed and lit, or say that the unit has none.",
-        )
-    naming = _average(naming, detector, images)
-    registration = register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal)
-    return Sensor(unit, predictor, spec, detector, naming, registration)
+    seen = read_rest(rest, unit, detect)
+    return Sensor(unit, predictor, spec or RigSpec(), seen.detector, seen.naming, seen.registration)
 
 
 def run_sensor(sensor: Sensor, images: Iterable[NDArray[Any] | PalpateError]) -> Iterator[Reading]:

@@ -1,0 +1,131 @@
+"""`palpate inspect`: the print errors of a built dome, from images of it at rest."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from palpate.camera import list_images, read_calibration, read_image
+from palpate.cli.design import DesignFlags
+from palpate.cli.flag import JsonFlag, default, flag
+from palpate.cli.output import print_json, print_table
+from palpate.core import PalpateError
+from palpate.design import place_markers
+from palpate.sensor import Inspection, InspectSpec, Unit, draw_inspection, inspect_unit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+OUTSIDE = 1
+"""Exit code where a dot is missing or out of place, as of `palpate verify`."""
+
+_IMAGE = "Image of the finished, untouched dome, or a folder of several, which are averaged."
+_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
+_MARK = "Whether the orientation mark is printed."
+_OUT = "File for the table, .csv."
+_PICTURE = "File for a picture of the errors, .png, .svg or .pdf."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class InspectFlags:
+    """What `palpate inspect` may be told besides the design."""
+
+    lens: Annotated[Path | None, Parameter(help=_LENS)] = None
+    mark: Annotated[bool, Parameter(help=_MARK)] = True
+    tolerance: Annotated[float, flag(InspectSpec, "tolerance")] = default(InspectSpec, "tolerance")
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
+    picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None
+
+
+def inspect(
+    image: Annotated[Path, Parameter(help=_IMAGE)],
+    *,
+    design: DesignFlags | None = None,
+    flags: InspectFlags | None = None,
+    json: JsonFlag = False,
+) -> int:
+    """Tell the print error of every marker against its nominal place."""
+    design, flags = design or DesignFlags(), flags or InspectFlags()
+    _refuse_endings(flags)
+    dome = design.dome()
+    lens = read_calibration(flags.lens).camera_spec() if flags.lens else None
+    unit = Unit(dome, place_markers(dome, design.marker_spec()), marked=flags.mark, lens=lens)
+    inspection = inspect_unit(_read_images(image), unit, InspectSpec(tolerance=flags.tolerance))
+    rows = _rows(inspection)
+    if flags.out:
+        _write_table(flags.out, rows)
+    if flags.picture:
+        _write_picture(flags.picture, inspection)
+    if json:
+        print_json({"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows})
+    else:
+        _print(str(image), inspection, rows)
+    return 0 if inspection.passed else OUTSIDE
+
+
+def _read_images(place: Path) -> list[NDArray[Any]]:
+    return [read_image(path) for path in (list_images(place) if place.is_dir() else (place,))]
+
+
+def _refuse_endings(flags: InspectFlags) -> None:
+    """Refuse files of a kind that cannot be written, before anything is computed."""
+    for path, endings in ((flags.out, (".csv",)), (flags.picture, (".png", ".svg", ".pdf"))):
+        if path and path.suffix not in endings:
+            raise PalpateError(f"{path.name} is not a {' or '.join(endings)} file.", "Choose another ending.")
+
+
+def _rows(inspection: Inspection) -> list[dict[str, Any]]:
+    layout, error, distance = inspection.unit.layout, inspection.error, inspection.distance
+    return [
+        {
+            "marker": number,
+            **dict(zip(("x_mm", "y_mm", "z_mm"), (round(float(value), 4) for value in place), strict=True)),
+            **_measured(error[number], float(distance[number])),
+            "mm_per_px": round(float(inspection.mm_per_px[number]), 4),
+            "verdict": _verdict(inspection, number),
+        }
+        for number, place in enumerate(layout.positions)
+    ]
+
+
+def _measured(error: NDArray[Any], distance: float) -> dict[str, float | None]:
+    values = zip(("meridian_mm", "ring_mm", "distance_mm"), (*error, distance), strict=True)
+    return {name: round(float(value), 4) if value == value else None for name, value in values}
+
+
+def _verdict(inspection: Inspection, number: int) -> str:
+    if number in inspection.missing:
+        return "no dot"
+    return "outside" if number in inspection.outside else "within"
+
+
+def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> None:
+    print_table(title, list(rows[0]), [["" if cell is None else str(cell) for cell in row.values()] for row in rows])
+    distance = inspection.distance[~(inspection.distance != inspection.distance)]
+    print(
+        f"{len(distance)} of {len(rows)} dots found; rms {float((distance**2).mean()) ** 0.5:.3f} mm, "
+        f"greatest {float(distance.max()):.3f} mm; {len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
+        f"The image fits to {inspection.registration.rms_px:.3f} px."
+    )
+
+
+def _write_table(path: Path, rows: list[dict[str, Any]]) -> None:
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.DictWriter(file, list(rows[0]))
+            table.writeheader()
+            table.writerows(rows)
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error
+
+
+def _write_picture(path: Path, inspection: Inspection) -> None:
+    try:
+        draw_inspection(inspection).savefig(path, dpi=150)
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error

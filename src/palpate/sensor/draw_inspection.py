@@ -1,0 +1,50 @@
+"""Picture of an inspection: every marker seen from the camera's side, with its print error as an arrow."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from palpate.sensor.inspect_unit import Inspection
+
+ENLARGED = 20.0
+"""Arrows are drawn this many times longer than the errors."""
+
+
+def draw_inspection(inspection: Inspection) -> Figure:
+    """Draw places and print errors in the base plane.
+
+    Parameters
+    ----------
+    inspection
+        What was found.
+    """
+    figure = Figure(figsize=(6.4, 6.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axis = figure.add_subplot()
+    x, y = inspection.unit.layout.positions[:, :2].T
+    azimuth = np.arctan2(y, x)
+    azimuth[np.hypot(x, y) < 1e-9] = 0.0
+    out, around = inspection.error.T
+    u = out * np.cos(azimuth) - around * np.sin(azimuth)
+    v = out * np.sin(azimuth) + around * np.cos(azimuth)
+    missing, outside = inspection.missing, inspection.outside
+    kept = np.setdiff1d(np.arange(len(x)), np.concatenate([missing, outside]))
+    for chosen, marker, colour, words in (
+        (kept, "o", "#00538c", f"within {inspection.tolerance:g} mm"),
+        (outside, "s", "#d1622b", "outside"),
+        (missing, "x", "#000000", "no dot"),
+    ):
+        if len(chosen):
+            axis.plot(x[chosen], y[chosen], marker, color=colour, ms=4, label=f"{words}: {len(chosen)}")
+            axis.quiver(
+                *(x[chosen], y[chosen], ENLARGED * u[chosen], ENLARGED * v[chosen]),
+                angles="xy", scale_units="xy", scale=1.0, width=0.003, color=colour,
+            )  # fmt: skip
+    radius = inspection.unit.dome.base_radius
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
+    axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {ENLARGED:g} times longer")
+    axis.legend(loc="upper right", fontsize=8)
+    return figure

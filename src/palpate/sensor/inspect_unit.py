@@ -1,0 +1,145 @@
+"""Inspect a built dome: where each dot was printed, from images of it at rest.
+
+Each dot, its ellipse's bias taken off, is carried along its ray to the inner surface of the nominal dome and compared
+with its marker there. The camera's pose is fitted to the same dots: a shift, a turn or a tilt of the whole print is
+taken for the camera's, and most of a growth for its distance. What is left is how the dots lie to each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera import Camera, centre_bias, dot_edges
+from palpate.core import Spec, parameter
+from palpate.design import PRINT_TOLERANCE, Dome
+from palpate.markers import DetectSpec
+from palpate.sensor.register import Registration
+from palpate.sensor.sensor import Unit, read_rest
+
+Array = NDArray[np.float64]
+
+
+class InspectSpec(Spec):
+    """What a printed dome must keep."""
+
+    tolerance: float = parameter(
+        PRINT_TOLERANCE, unit="mm", meaning="how far from its place a dot may be printed", gt=0, le=5
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """Where the dots of a built dome are.
+
+    Attributes
+    ----------
+    unit, registration
+        What was inspected, and the camera's pose that fits best.
+    error
+        (m, 2) distance of each dot from its marker on the inner surface, mm: along the meridian away from the apex,
+        and along the ring counter-clockwise seen from outside; at the apex along x and y. NaN without a dot.
+    mm_per_px
+        (m,) how far on the surface a dot moves with a pixel, at most: what an error of the image costs.
+    tolerance
+        Greatest distance allowed, mm.
+    """
+
+    unit: Unit
+    registration: Registration
+    error: Array
+    mm_per_px: Array
+    tolerance: float
+
+    @property
+    def distance(self) -> Array:
+        """(m,) distance of each dot from its marker, mm; NaN without a dot."""
+        return np.asarray(np.linalg.norm(self.error, axis=1))
+
+    @property
+    def missing(self) -> NDArray[np.intp]:
+        """Numbers of the markers without a dot."""
+        return np.flatnonzero(np.isnan(self.distance))
+
+    @property
+    def outside(self) -> NDArray[np.intp]:
+        """Numbers of the markers farther from their place than the tolerance."""
+        return np.flatnonzero(self.distance > self.tolerance)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every dot is there and in its place."""
+        return not len(self.missing) and not len(self.outside)
+
+
+def inspect_unit(
+    images: Iterable[NDArray[Any]], unit: Unit, spec: InspectSpec | None = None, detect: DetectSpec | None = None
+) -> Inspection:
+    """Find the print error of every marker.
+
+    Parameters
+    ----------
+    images
+        One or more images at rest, of one size.
+    unit
+        The design, and the lens of its camera.
+    spec, detect
+        What must be kept, and how to find dots.
+
+    Raises
+    ------
+    PalpateError
+        If the dots are not those of the design, or their names are ambiguous.
+    """
+    registration = read_rest(images, unit, detect).registration
+    camera, points = registration.camera, unit.layout.positions
+    outward = _outward(unit.dome, points)
+    bias = centre_bias(camera, points, dot_edges(points, outward, unit.layout.diameter))
+    nominal = camera.project(points)
+    seen = nominal + registration.print_error_px
+    found = np.isfinite(seen).all(axis=1)
+    dots = np.full_like(points, np.nan)
+    dots[found] = _on_dome(camera, unit.dome, seen[found])
+    axes = _surface_axes(points, outward)
+    error = np.einsum("mij,mj->mi", axes, dots - points)
+    return Inspection(
+        unit, registration, error, _scale(camera, unit.dome, nominal + bias), (spec or InspectSpec()).tolerance
+    )
+
+
+def _outward(dome: Dome, points: Array) -> Array:
+    return np.asarray((points - np.array([0.0, 0.0, dome.center_z])) / dome.radius)
+
+
+def _on_dome(camera: Camera, dome: Dome, pixels: Array) -> Array:
+    """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
+    rays = camera.back_project(pixels)
+    start = camera.origin - np.array([0.0, 0.0, dome.center_z])
+    along = rays @ start
+    inside = along**2 - start @ start + dome.radius**2
+    reach = -along + np.sqrt(np.where(inside >= 0.0, inside, np.nan))
+    return np.asarray(camera.origin + reach[:, None] * rays)
+
+
+def _surface_axes(points: Array, outward: Array) -> Array:
+    """(m, 2, 3) unit vectors along the meridian, away from the apex, and along the ring; x and y at the apex."""
+    rho = np.linalg.norm(points[:, :2], axis=1)
+    at_apex = rho < 1e-9
+    ring = np.zeros_like(points)
+    ring[:, 0] = -points[:, 1] / np.where(at_apex, 1.0, rho)
+    ring[:, 1] = np.where(at_apex, 1.0, points[:, 0] / np.where(at_apex, 1.0, rho))
+    return np.stack([np.cross(ring, outward), ring], axis=1)
+
+
+def _scale(camera: Camera, dome: Dome, pixels: Array) -> Array:
+    """(m,) greatest motion on the surface that a pixel stands for, mm."""
+    half = 0.5
+    steps = [
+        (_on_dome(camera, dome, pixels + step) - _on_dome(camera, dome, pixels - step)) / (2.0 * half)
+        for step in (np.array([half, 0.0]), np.array([0.0, half]))
+    ]
+    return np.asarray(np.linalg.svd(np.nan_to_num(np.stack(steps, axis=1)), compute_uv=False)[:, 0])

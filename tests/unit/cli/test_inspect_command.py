@@ -1,0 +1,63 @@
+import csv
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.cli import main
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+
+DOME = build_dome(DomeSpec())
+LAYOUT = place_markers(DOME, MarkerSpec(count=37))
+
+
+def run(*words):
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    return left.value.code
+
+
+@pytest.fixture
+def image(tmp_path):
+    """The dome at rest, without the dot of marker 20."""
+    points = np.delete(np.vstack([LAYOUT.positions, place_orientation_mark(DOME, LAYOUT)]), 20, axis=0)
+    edges = dot_edges(points, (points - [0, 0, DOME.center_z]) / DOME.radius, LAYOUT.diameter)
+    path = tmp_path / "rest.png"
+    cv2.imwrite(str(path), render(build_camera(), edges, RenderSpec(noise=1.0, blur_px=0.6)))
+    return path
+
+
+def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_path, capsys):
+    table, picture = tmp_path / "errors.csv", tmp_path / "errors.svg"
+    words = ["inspect", str(image), "--markers", "37", "--out", str(table), "--picture", str(picture)]
+    assert run(*words, "--json") == 1
+    said = json.loads(capsys.readouterr().out)
+    assert not said["passed"]
+    verdicts = {row["marker"]: row["verdict"] for row in said["markers"]}
+    assert [number for number, verdict in verdicts.items() if verdict != "within"] == [20]
+    with table.open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 37
+    assert rows[20]["distance_mm"] == ""
+    assert float(rows[5]["distance_mm"]) < 0.05
+    assert picture.read_text().count("<path") > 37
+    assert run(*words) == 1
+    assert "36 of 37 dots found" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nothing.png"], "nothing.png"),
+        (["IMAGE", "--markers", "169"], "dots"),
+        (["IMAGE", "--tolerance", "-1"], "tolerance"),
+        (["IMAGE", "--out", "errors.txt"], ".csv"),
+        (["IMAGE", "--picture", "errors.gif"], ".png"),
+        (["IMAGE", "--markers", "37", "--out", "no/such/folder/errors.csv"], "cannot be written"),
+    ],
+)
+def test_inspect_refuses_what_cannot_be_inspected(words, said, image, capsys):
+    assert run("inspect", *(str(image) if word == "IMAGE" else word for word in words)) == 2
+    assert said in capsys.readouterr().err
