@@ -1,0 +1,49 @@
+"""Arrays on their way to the browser: a line of JSON that names them, then their bytes.
+
+4 bytes    length n of the head, little-endian
+n bytes    JSON: {"meta": …, "arrays": {name: [kind, offset, [shape]]}}, padded with blanks to a multiple of 4
+…          float32 or uint32, little-endian, each at its offset behind the head
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def write_message(meta: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Write one message.
+
+    Parameters
+    ----------
+    meta
+        JSON data.
+    arrays
+        Real arrays become float32, integers and truths uint32.
+    """
+    parts, places, offset = [], {}, 0
+    for name, values in arrays.items():
+        real = np.issubdtype(values.dtype, np.floating)
+        part = np.ascontiguousarray(values, "<f4" if real else "<u4").tobytes()
+        places[name] = ["f4" if real else "u4", offset, list(values.shape)]
+        parts.append(part)
+        offset += len(part)
+    head = json.dumps({"meta": dict(meta), "arrays": places}, allow_nan=False).encode()
+    head += b" " * (-len(head) % 4)
+    return b"".join([len(head).to_bytes(4, "little"), head, *parts])
+
+
+def read_message(data: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Read a message back: its meta data and arrays."""
+    size = int.from_bytes(data[:4], "little")
+    head = json.loads(data[4 : 4 + size])
+    arrays = {}
+    for name, (kind, offset, shape) in head["arrays"].items():
+        start = 4 + size + offset
+        count = int(np.prod(shape))
+        arrays[name] = np.frombuffer(data, f"<{kind}", count, start).reshape(shape)
+    return head["meta"], arrays

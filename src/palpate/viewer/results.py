@@ -1,0 +1,172 @@
+"""A finished result folder as the explorer reads it: the grid, and the presses of one design.
+
+Nothing is written, and every path is built here from the folder and a key of hexadecimal digits.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.core import PalpateError
+from palpate.design import Dome, DomeSpec, MarkerLayout, MarkerSpec, build_dome, place_markers
+from palpate.fea import Press, read_press
+from palpate.grid import Cell, SpecificationGrid, read_grid
+
+_KEY = re.compile(r"[0-9a-f]{32}")
+_LARGEST_MANIFEST = 8_000_000
+"""Bytes of the largest manifest that is read."""
+_AGAIN = "Run the study again."
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """A result folder.
+
+    Attributes
+    ----------
+    folder
+        Where it is.
+    grid
+        Its specification grid, with at least one row.
+    """
+
+    folder: Path
+    grid: SpecificationGrid
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """One row of a grid, as things that can be drawn.
+
+    Attributes
+    ----------
+    number
+        Number of the row, from 0.
+    row
+        Its figures.
+    dome, layout, camera
+        What was designed.
+    press_keys
+        Keys of its presses in the store; empty where the chain broke before them.
+    """
+
+    number: int
+    row: Mapping[str, Cell]
+    dome: Dome
+    layout: MarkerLayout
+    camera: Camera
+    press_keys: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """Short name, e.g. ``"H 20  T 2 mm, 169 markers"``."""
+        return f"H {self.dome.height:g}  T {self.dome.thickness:g} mm, {len(self.layout)} markers"
+
+
+def read_results(folder: Path) -> Results:
+    """Read the grid of a result folder.
+
+    Raises
+    ------
+    PalpateError
+        If the folder has no grid, or the grid has no design.
+    """
+    grid = read_grid(folder)
+    if not grid.rows:
+        raise PalpateError(f"The grid of {folder.name} has no design.", "Give the folder of a finished study.")
+    return Results(folder, grid)
+
+
+def read_design(results: Results, number: int) -> Design:
+    """The design of one row.
+
+    Raises
+    ------
+    PalpateError
+        If there is no such row, or it says too little to build the design again.
+    """
+    if not 0 <= number < len(results.grid.rows):
+        raise PalpateError(
+            f"There is no design {number}.", f"The grid has designs 0 to {len(results.grid.rows) - 1}."
+        )
+    row = results.grid.rows[number]
+    try:
+        sizes = {name: row[f"{name}_mm"] for name in ("height", "base_radius", "thickness")}
+        dome = build_dome(DomeSpec.model_validate(sizes))
+        spec = json.loads(str(row.get("spec") or "{}"))
+        camera = build_camera(CameraSpec(**spec.get("camera", {})))
+        return Design(number, row, dome, _read_layout(results, row, dome), camera, _keys(row, "press"))
+    except (KeyError, TypeError, ValueError, ValidationError) as error:
+        raise PalpateError(f"Row {number} of the grid is no design: {error}.", _AGAIN) from None
+
+
+def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
+    """Every press of a design, by rising tilt.
+
+    Raises
+    ------
+    PalpateError
+        If there is none, or one is missing or broken.
+    """
+    if not design.press_keys:
+        reason = design.row.get("failure") or "its chain broke before the first press"
+        raise PalpateError(f"{design.name} has no press: {reason}", _AGAIN)
+    presses = (read_press(artefact_path(results, "press", key, ".h5")) for key in design.press_keys)
+    return tuple(sorted(presses, key=lambda press: press.wall.tilt_deg))
+
+
+def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:
+    """Path of an artefact in the store of a result folder.
+
+    Raises
+    ------
+    PalpateError
+        If the key is none, or there is no such file.
+    """
+    if _KEY.fullmatch(key) is None:
+        raise PalpateError(f"'{key[:40]}' is no key of an artefact.", _AGAIN)
+    path = results.folder / "store" / kind / key[:2] / f"{key}{suffix}"
+    if not path.is_file():
+        raise PalpateError(f"The {kind} {key[:8]}… is not in the store of {results.folder.name}.", _AGAIN)
+    return path
+
+
+def model_path(results: Results, design: Design) -> Path:
+    """Path of a design's trained estimator, an ONNX file.
+
+    Raises
+    ------
+    PalpateError
+        If it has none.
+    """
+    keys = _keys(design.row, "estimator")
+    if not keys:
+        raise PalpateError(f"{design.name} has no trained model.", "Choose a design that was learned.")
+    return artefact_path(results, "estimator", keys[0], ".onnx")
+
+
+def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:
+    return tuple(str(row.get(f"{kind}_key") or "").split())
+
+
+def _read_layout(results: Results, row: Mapping[str, Cell], dome: Dome) -> MarkerLayout:
+    """Markers as the dataset has them; without a dataset, the rings of as many markers."""
+    spec = json.loads(str(row.get("spec") or "{}"))
+    diameter = float(spec.get("markers", {}).get("diameter", MarkerSpec().diameter))
+    for key in _keys(row, "dataset"):
+        path = results.folder / "store" / "dataset" / key[:2] / f"{key}.manifest.json"
+        if _KEY.fullmatch(key) and path.is_file() and path.stat().st_size <= _LARGEST_MANIFEST:
+            found: Any = json.loads(path.read_bytes()).get("spec", {}).get("markers_mm")
+            positions = np.asarray(found, float)
+            if positions.ndim == 2 and positions.shape[1] == 3 and len(positions) == row["markers"]:
+                return MarkerLayout(positions, diameter)
+    return place_markers(dome, MarkerSpec.model_validate({"count": row["markers"], "diameter": diameter}))

@@ -1,0 +1,71 @@
+"""What of a half mesh is drawn: its two surfaces, the base, and the cut in the mirror plane, as triangles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.mesh import Mesh
+
+IntArray = NDArray[np.int64]
+
+PARTS = ("outer", "inner", "base", "cut")
+"""Parts of a shell, in the order of its triangles."""
+
+_QUADS = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
+"""The four quadrilaterals of a face with nine nodes, lexicographic."""
+_TRIANGLES = np.concatenate([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """Triangles of a half dome; its other half is the mirror image x → −x.
+
+    Attributes
+    ----------
+    nodes
+        (v,) number of the node at each vertex; a node on an edge between two parts has a vertex in each.
+    triangles
+        (k, 3) numbers of vertices.
+    parts
+        For each of `PARTS` its first triangle and how many there are.
+    seam
+        (v,) whether a vertex lies in the mirror plane.
+    """
+
+    nodes: IntArray
+    triangles: IntArray
+    parts: dict[str, tuple[int, int]]
+    seam: NDArray[np.bool_]
+
+
+def build_shell(mesh: Mesh) -> Shell:
+    """Triangulate what is seen of a half mesh; nodes of faces and mid-points all become vertices."""
+    faces = _cell_faces(mesh)
+    pieces = (
+        mesh.outer_faces,
+        mesh.inner_faces,
+        faces[np.isin(faces, mesh.base).all(axis=1)],
+        faces[np.isin(faces, mesh.mirror).all(axis=1)],
+    )
+    nodes: list[IntArray] = []
+    triangles: list[IntArray] = []
+    parts, first = {}, 0
+    for name, piece in zip(PARTS, pieces, strict=True):
+        own, numbers = np.unique(piece, return_inverse=True)
+        corners = numbers.reshape(-1, 9)[:, _TRIANGLES].reshape(-1, 3)
+        parts[name] = (first, len(corners))
+        first += len(corners)
+        triangles.append(corners + sum(len(earlier) for earlier in nodes))
+        nodes.append(own)
+    every = np.concatenate(nodes)
+    return Shell(every, np.concatenate(triangles), parts, np.isin(every, mesh.mirror))
+
+
+def _cell_faces(mesh: Mesh) -> IntArray:
+    """(6 c, 9) faces of all cells, each with its nodes in lexicographic order."""
+    number = np.arange(27).reshape(3, 3, 3)
+    sides = [number[0], number[2], number[:, 0], number[:, 2], number[:, :, 0], number[:, :, 2]]
+    return np.concatenate([mesh.cells[:, side.reshape(-1)] for side in sides])

@@ -1,0 +1,85 @@
+"""A result folder as the explorer reads it."""
+
+import numpy as np
+import pytest
+from made_up_presses import KEYS, write_results
+
+from palpate.core import PalpateError
+from palpate.viewer.library import Library
+from palpate.viewer.markers_seen import follow_markers
+from palpate.viewer.message import read_message, write_message
+from palpate.viewer.results import artefact_path, model_path, read_results
+from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    return Library(read_results(write_results(tmp_path_factory.mktemp("results"))))
+
+
+def test_designs_of_one_dome_share_their_presses(library):
+    assert library.specimen(library.design(0)) is library.specimen(library.design(1))
+    assert library.design(1).name == "H 20  T 2 mm, 19 markers"
+
+
+def test_what_the_page_draws_is_whole(library):
+    design = library.design(1)
+    specimen = library.specimen(design)
+    meta, arrays = read_message(describe_shell(specimen, design.layout, design.camera))
+    assert meta["tilts_deg"] == [0, 3, 6]
+    assert arrays["triangles"].max() == len(arrays["rest"]) - 1
+    motion = specimen.pressed.at(2.5)
+    meta, moved = read_message(describe_motion(specimen, motion, stress=True))
+    assert moved["displacement"].shape == (6, *arrays["rest"].shape)
+    assert moved["stress"].shape == (6, len(arrays["rest"]))
+    assert np.abs(moved["stress"][0]).max() == 0
+    assert moved["stress"][-1].max() > 0
+    assert meta["branch"] == ["flat"] * 6
+    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, 20.0)
+    _, marks = read_message(describe_markers(seen))
+    assert marks["pixels"].shape == (6, 19, 2)
+
+
+def test_a_design_whose_chain_broke_says_why(library):
+    with pytest.raises(PalpateError, match="did not converge"):
+        library.specimen(library.design(2))
+
+
+@pytest.mark.parametrize("number", [-1, 3, 10**9])
+def test_a_design_that_is_not_there_is_refused(library, number):
+    with pytest.raises(PalpateError, match="no design"):
+        library.design(number)
+
+
+@pytest.mark.parametrize("key", ["../../../etc/passwd", "..", "", "A" * 32, "0" * 31 + "/", "0" * 33])
+def test_a_key_cannot_leave_the_store(library, key):
+    with pytest.raises(PalpateError, match="no key"):
+        artefact_path(library.results, "press", key, ".h5")
+
+
+def test_a_broken_artefact_is_named(tmp_path):
+    folder = write_results(tmp_path)
+    key = KEYS[3.0]
+    (folder / "store" / "press" / key[:2] / f"{key}.h5").write_bytes(b"not hdf5")
+    library = Library(read_results(folder))
+    with pytest.raises(PalpateError, match="cannot be read as a press"):
+        library.specimen(library.design(0))
+
+
+def test_a_folder_without_results_says_what_to_give(tmp_path):
+    with pytest.raises(PalpateError, match="finished study"):
+        read_results(tmp_path)
+
+
+def test_a_design_without_a_model_says_so(library):
+    with pytest.raises(PalpateError, match="no trained model"):
+        model_path(library.results, library.design(0))
+
+
+def test_a_message_is_read_back():
+    meta, arrays = read_message(
+        write_message({"a": "ä"}, {"x": np.eye(2), "n": np.arange(3), "yes": np.ones(1, bool)})
+    )
+    assert meta == {"a": "ä"}
+    assert arrays["x"].tolist() == [[1, 0], [0, 1]]
+    assert arrays["n"].tolist() == [0, 1, 2]

@@ -1,0 +1,99 @@
+"""A dome between its solved tilts: exact at them, smooth between, honest where nothing was solved."""
+
+import numpy as np
+import pytest
+from made_up_presses import MESH, made_up_press, moved
+
+from palpate.camera import build_camera
+from palpate.core import PalpateError
+from palpate.design import MarkerSpec, place_markers
+from palpate.viewer.markers_seen import follow_markers, follow_points
+from palpate.viewer.pressed_dome import gather_presses, weigh_presses
+from palpate.viewer.shell import PARTS, build_shell
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    return gather_presses([made_up_press(tilt) for tilt in (6.0, 0.0, 3.0)])
+
+
+@pytest.mark.parametrize("tilt", [0.0, 3.0, 6.0])
+def test_a_solved_tilt_is_given_back(pressed, tilt):
+    motion = pressed.at(tilt)
+    assert motion.depths_mm.tolist() == pytest.approx([0, 0.8, 1.6, 2.4, 3.2, 4.0])
+    assert motion.displacement[5] == pytest.approx(moved(MESH.nodes, tilt, 4.0), abs=1e-5)
+    assert motion.force_n[-1] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("tilt", [0.4, 1.5, 4.2])
+def test_between_solved_tilts_the_dome_is_that_of_the_closed_form(pressed, tilt):
+    assert pressed.at(tilt).displacement[5] == pytest.approx(moved(MESH.nodes, tilt, 4.0), abs=4e-3)
+
+
+def test_markers_turn_with_the_wall(pressed):
+    layout, camera = place_markers(MESH.dome, MarkerSpec(count=37)), build_camera()
+    motion = pressed.at(4.0)
+    straight = follow_markers(MESH, motion, layout, camera, 0.0)
+    turned = follow_markers(MESH, motion, layout, camera, 60.0)  # the rings look the same after a sixth of a turn
+    angle = np.radians(60)
+    rotation = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    expected = straight.positions[-1] @ rotation.T
+    distance = np.linalg.norm(turned.positions[-1][:, None] - expected[None], axis=-1).min(axis=1)
+    assert distance.max() < 1e-4
+    assert turned.pixels.shape == (6, 37, 2)
+    assert turned.seen.all()
+
+
+def test_points_of_both_halves_are_followed_in_the_domes_frame(pressed):
+    points = place_markers(MESH.dome, MarkerSpec(count=19)).positions
+    found = follow_points(MESH, pressed.at(6.0), points, 0.0)[-1]
+    assert found == pytest.approx(points + moved(points, 6.0, 4.0), abs=0.02)  # a coarse mesh
+
+
+def test_nothing_is_interpolated_where_a_press_ended():
+    pressed = gather_presses([made_up_press(0.0), made_up_press(3.0, reached=2.0), made_up_press(6.0)])
+    motion = pressed.at(2.0)
+    assert motion.depths_mm[-1] == pytest.approx(1.6)
+    assert motion.ended == "the branch ended"
+    assert pressed.at(6.0).depths_mm[-1] == pytest.approx(4.0)
+
+
+def test_branches_are_not_mixed():
+    pressed = gather_presses([made_up_press(0.0), made_up_press(3.0), made_up_press(6.0, inverted_from=3.0)])
+    assert pressed.at(4.5).ended == "between the flat and the inverted branch"
+    assert pressed.at(4.5).depths_mm[-1] == pytest.approx(2.4)
+    assert pressed.at(6.0).branch[-1] == "inverted"
+    assert pressed.at(3.0).branch[-1] == "flat"
+
+
+@pytest.mark.parametrize("tilt", [-1.0, 6.1, float("nan"), float("inf")])
+def test_a_tilt_that_was_not_pressed_is_refused(pressed, tilt):
+    with pytest.raises(PalpateError, match="not pressed"):
+        pressed.at(tilt)
+
+
+def test_weights_of_one_press_alone_are_one():
+    assert weigh_presses(np.array([4.0]), np.array(["flat"]), 4.0).tolist() == [[1.0], [0.0]]
+
+
+def test_presses_that_do_not_belong_together_are_refused():
+    with pytest.raises(PalpateError, match="no press"):
+        gather_presses([])
+
+
+def test_the_shell_is_closed_and_lies_on_the_two_spheres():
+    shell = build_shell(MESH)
+    rest = MESH.nodes[shell.nodes]
+    centre = [0, 0, MESH.dome.center_z]
+    for name, radius in (("outer", MESH.dome.outer_radius), ("inner", MESH.dome.radius)):
+        first, count = shell.parts[name]
+        used = np.unique(shell.triangles[first : first + count])
+        assert np.linalg.norm(rest[used] - centre, axis=1) == pytest.approx(radius, abs=1e-6)
+    corners = rest[shell.triangles]
+    volume = np.einsum("ki,ki->k", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    assert np.isfinite(volume).all()
+    assert tuple(shell.parts) == PARTS
+    assert sum(count for _, count in shell.parts.values()) == len(shell.triangles)
+    edges = np.sort(np.concatenate([shell.nodes[shell.triangles][:, pair] for pair in ([0, 1], [1, 2], [2, 0])]))
+    _, times = np.unique(edges, axis=0, return_counts=True)
+    assert (times == 2).all()  # every edge of the half dome is shared by two triangles: nothing is open
