@@ -7,7 +7,7 @@ from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.deck import deck_text, write_deck
 from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.element import System
-from palpate.fea.export import check_export, export_press, nodal_stress
+from palpate.fea.export import check_export, export_press
 from palpate.fea.io import read_press, write_press
 from palpate.fea.linear import make_linear_solver, solver_backends
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium
@@ -17,8 +17,7 @@ from palpate.fea.solid import Solid, State
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import SolverSpec, WallSpec, read_contact
 from palpate.fea.stability import Stability, find_stability
-from palpate.fea.stress import cauchy_stress, von_mises
-from palpate.fea.wall import touch_point, wall_normal
+from palpate.fea.stress import cauchy_stress
 
 __all__ = [
     "CELLS",
@@ -51,7 +50,6 @@ __all__ = [
     "find_stability",
     "kernels_compiled",
     "make_linear_solver",
-    "nodal_stress",
     "plot_convergence",
     "read_contact",
     "read_press",
@@ -59,10 +57,7 @@ __all__ = [
     "solve_press_calculix",
     "solver_backends",
     "study_convergence",
-    "touch_point",
     "untouched",
-    "von_mises",
-    "wall_normal",
     "write_deck",
     "write_press",
 ]

@@ -126,6 +126,14 @@ def _stress_fields(solid: Solid, u: FloatArray, turn: FloatArray) -> dict[str, F
     }
 
 
+def nodal_von_mises(press: Press) -> FloatArray:
+    """Von Mises stress (n, n_nodes) in MPa of every image; errors as of `Press.von_mises`."""
+    if press.solver.backend == "calculix":
+        raise PalpateError("A press solved by CalculiX has no stress at nodes.", "Solve it with palpate.")
+    solid = _solid(press)
+    return np.stack([von_mises(nodal_stress(solid, u)) for u in press.displacement])
+
+
 def nodal_stress(solid: Solid, u: FloatArray) -> FloatArray:
     """Cauchy stress (n, 6) MPa at the nodes, order xx, yy, zz, xy, yz, zx, for a displacement (n, 3) mm.
 

@@ -126,6 +126,18 @@ class Press:
         result: FloatArray = points + moved @ turn.T
         return result
 
+    def von_mises(self) -> FloatArray:
+        """Von Mises Cauchy stress (n, n_nodes) in MPa at the nodes, in every image.
+
+        Raises
+        ------
+        PalpateError
+            If CalculiX solved the press: its bricks have another pressure than our cells.
+        """
+        from palpate.fea.export import nodal_von_mises  # here, because an export knows presses
+
+        return nodal_von_mises(self)
+
 
 def azimuth_rotation(azimuth_deg: float) -> FloatArray:
     """Rotation (3, 3) about the dome's axis, ``dome_from_tilt``: columns are the tilt frame's axes."""

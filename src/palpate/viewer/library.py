@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from palpate.fea import Press
 from palpate.viewer.pressed_dome import Array32, Motion, PressedDome, gather_presses
 from palpate.viewer.results import Design, Results, read_design, read_presses
 from palpate.viewer.shell import Shell, build_shell
@@ -29,10 +33,20 @@ class Specimen:
     shell: Shell
     _stress: Array32 | None = None
 
-    def stress(self, motion: Motion) -> Array32:
-        """Von Mises stress (k, n) in MPa for a motion; the first call takes about a second."""
+    def learn_stress(self, presses: Sequence[Press]) -> None:
+        """Find the stress of the presses that this dome was gathered from; takes about a second."""
         if self._stress is None:
-            self._stress = find_stress(self.pressed)
+            self._stress = find_stress(self.pressed, presses)
+
+    @property
+    def knows_stress(self) -> bool:
+        """Whether the stress was found."""
+        return self._stress is not None
+
+    def stress(self, motion: Motion) -> Array32:
+        """Von Mises stress (k, n) in MPa for a motion; zero before `learn_stress`."""
+        if self._stress is None:
+            return np.zeros(motion.displacement.shape[:2], np.float32)
         return self.pressed.blend(self._stress, motion.weights)[..., 0].clip(min=0.0)
 
 
@@ -65,3 +79,10 @@ class Library:
                     self._kept.popitem(last=False)
             self._kept.move_to_end(design.press_keys)
             return found
+
+    def stressed(self, design: Design) -> Specimen:
+        """The same with the stress found; the first call for a dome takes about a second."""
+        specimen = self.specimen(design)
+        if not specimen.knows_stress:
+            specimen.learn_stress(read_presses(self.results, design))
+        return specimen

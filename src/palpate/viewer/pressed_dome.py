@@ -22,7 +22,6 @@ from scipy.spatial import cKDTree
 
 from palpate.core import PalpateError
 from palpate.fea import Press
-from palpate.material import Material
 from palpate.mesh import Mesh
 
 Array = NDArray[np.float64]
@@ -69,7 +68,7 @@ class PressedDome:
 
     Attributes
     ----------
-    mesh, material
+    mesh
         What was pressed.
     tilts_deg
         (t,) solved tilts, rising.
@@ -88,7 +87,6 @@ class PressedDome:
     """
 
     mesh: Mesh
-    material: Material
     tilts_deg: Array
     depths_mm: Array
     displacement: Array32
@@ -183,13 +181,12 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     moved, force = np.zeros((*shape, *mesh.nodes.shape), np.float32), np.zeros(shape)
     branch = np.full(shape, "", dtype="U16")
     for t, press in enumerate(presses):
-        depth, image = _match(depths, press)
+        depth, image = match_depths(depths, press)
         moved[depth, t] = press.displacement[image]
         force[depth, t] = np.linalg.norm(press.force[image], axis=1)
         branch[depth, t] = press.branch[image]
     return PressedDome(
         mesh=mesh,
-        material=presses[0].material,
         tilts_deg=np.array([press.wall.tilt_deg for press in presses], float),
         depths_mm=depths,
         displacement=moved,
@@ -261,8 +258,8 @@ def _depths(presses: Sequence[Press]) -> Array:
     return steps_down
 
 
-def _match(depths: Array, press: Press) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Numbers of the depths that a press has, and of its images there; on the way down only."""
+def match_depths(depths: Array, press: Press) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Numbers of the depths (d,) in mm that a press has, and of its images there; on the way down only."""
     down = len(press.depth) if not press.wall.unload else int(np.argmax(press.depth)) + 1
     depth, image = np.nonzero(np.abs(depths[:, None] - press.depth[None, :down]) <= SAME_MM)
     return depth, image

@@ -9,7 +9,6 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.design import MarkerLayout
-from palpate.fea import touch_point, wall_normal
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import MarkersSeen
 from palpate.viewer.message import write_message
@@ -68,7 +67,9 @@ def describe_markers(seen: MarkersSeen) -> bytes:
 
 
 def _say_motion(specimen: Specimen, motion: Motion) -> dict[str, Any]:
-    normal = wall_normal(math.radians(motion.tilt_deg), 0.0)
+    dome, tilt = specimen.pressed.mesh.dome, math.radians(motion.tilt_deg)
+    normal = np.array([0.0, -math.sin(tilt), math.cos(tilt)])
+    touch = np.array([0.0, 0.0, dome.center_z]) + dome.outer_radius * normal
     return {
         "tilt_deg": motion.tilt_deg,
         "depths_mm": motion.depths_mm.tolist(),
@@ -76,5 +77,5 @@ def _say_motion(specimen: Specimen, motion: Motion) -> dict[str, Any]:
         "branch": list(motion.branch),
         "ended": motion.ended,
         "normal": normal.tolist(),
-        "touch_mm": touch_point(specimen.pressed.mesh.dome, normal).tolist(),
+        "touch_mm": touch.tolist(),
     }

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from palpate.fea import Solid, nodal_stress, von_mises
-from palpate.viewer.pressed_dome import Array32, PressedDome
+from palpate.fea import Press
+from palpate.viewer.pressed_dome import Array32, PressedDome, match_depths
 
 
-def find_stress(pressed: PressedDome) -> Array32:
-    """Von Mises Cauchy stress (d, t, n, 1) in MPa; zero where a press ended before, or at rest.
+def find_stress(pressed: PressedDome, presses: Sequence[Press]) -> Array32:
+    """Von Mises Cauchy stress (d, t, n, 1) in MPa of the presses of a dome; zero where one ended before, or at rest.
 
     It is interpolated between tilts like the displacement, which costs less than finding it again from there.
     """
-    mesh = pressed.mesh
-    solid = Solid(mesh.nodes, mesh.cells, pressed.material, np.zeros_like(mesh.nodes, bool))
     found = np.zeros((*pressed.displacement.shape[:3], 1), np.float32)
-    for depth, tilt in np.argwhere(pressed.branch != ""):
-        moved = pressed.displacement[depth, tilt].astype(float)
-        if depth:
-            found[depth, tilt, :, 0] = von_mises(nodal_stress(solid, moved))
+    for tilt, press in enumerate(sorted(presses, key=lambda press: press.wall.tilt_deg)):
+        depth, image = match_depths(pressed.depths_mm, press)
+        found[depth, tilt, :, 0] = np.nan_to_num(press.von_mises()[image])
     return found

@@ -24,7 +24,7 @@ def test_designs_of_one_dome_share_their_presses(library):
 
 def test_what_the_page_draws_is_whole(library):
     design = library.design(1)
-    specimen = library.specimen(design)
+    specimen = library.stressed(design)
     meta, arrays = read_message(describe_shell(specimen, design.layout, design.camera))
     assert meta["tilts_deg"] == [0, 3, 6]
     assert arrays["triangles"].max() == len(arrays["rest"]) - 1
