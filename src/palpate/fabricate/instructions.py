@@ -18,6 +18,9 @@ from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
 
 _LINES, _WIDTH = 58, 92
 """Lines of a page of text and characters of a line."""
+_A4 = (8.27, 11.69)
+"""Width and height of a page, inches."""
+_DRAWING_DPI = 200
 _MAPPINGS = {
     PadMapping.AXIS: "along the dome's axis (distance from the axis is kept)",
     PadMapping.ARC: "to equal arcs (distance from the apex along the meridian is kept)",
@@ -166,14 +169,32 @@ def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[s
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
-def write_sheet(path: Path, sections: Sequence[Section], figures: Sequence[Figure]) -> None:
-    """Write the sheet as PDF: pages of text, then the drawings."""
+def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], artwork: Figure) -> None:
+    """Write the sheet as PDF, all on A4: pages of text, one of drawings, and the artwork 1:1."""
     with PdfPages(path, metadata={"CreationDate": None}) as pages:
         lines = [line for section in sections for line in _lay_out(section)]
         for start in range(0, len(lines), _LINES):
             pages.savefig(_page(lines[start : start + _LINES]))
-        for figure in figures:
-            pages.savefig(figure)
+        pages.savefig(_page_of_drawings(drawings))
+        pages.savefig(artwork)
+
+
+def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
+    """Drawings below each other over the page's width, as large as all fit."""
+    page = Figure(figsize=_A4)
+    shapes = [drawing.get_size_inches() for drawing in drawings]
+    width = min(0.86 * _A4[0], 0.92 * _A4[1] / sum(height / wide for wide, height in shapes))
+    bottom = 0.96 * _A4[1]
+    for drawing, (wide, height) in zip(drawings, shapes, strict=True):
+        tall = width * height / wide
+        bottom -= tall
+        drawing.set_dpi(_DRAWING_DPI)
+        drawing.canvas.draw()
+        place = (0.5 * (1 - width / _A4[0]), bottom / _A4[1], width / _A4[0], tall / _A4[1])
+        axis = page.add_axes(place)
+        axis.imshow(drawing.canvas.buffer_rgba())  # type: ignore[attr-defined]
+        axis.set_axis_off()
+    return page
 
 
 def _lay_out(section: Section) -> list[tuple[str, bool]]:
@@ -187,7 +208,7 @@ def _lay_out(section: Section) -> list[tuple[str, bool]]:
 
 
 def _page(lines: Sequence[tuple[str, bool]]) -> Figure:
-    figure = Figure(figsize=(8.27, 11.69))
+    figure = Figure(figsize=_A4)
     for k, (line, heading) in enumerate(lines):
         size, weight = (11, "bold") if heading else (9, "normal")
         figure.text(0.09, 0.955 - k * 0.0155, line, fontsize=size, fontweight=weight, va="top")

@@ -183,7 +183,7 @@ def _write_sheets(
         made.dome, made.layout, spec.material.name, (mold, made.enclosure, made.camera, process), findings
     )
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
-    write_sheet(work / "instructions.pdf", sections, [*figures.values(), draw_page(made.artwork, _title(made))])
+    write_sheet(work / "instructions.pdf", sections, [*figures.values()], draw_page(made.artwork, _title(made)))
 
 
 def _write_manifest(

@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import json
+import re
 import xml.etree.ElementTree as ElementTree
 
 import meshio
@@ -88,7 +89,11 @@ def test_the_sheet_names_the_volumes_to_mix(pack: FabricationPack) -> None:
     text = (pack.folder / "instructions.md").read_text()
     half = pack.volumes["module"] / 1000 / (1 - 0.001) ** 3 * 1.3 / 2
     assert f"part A {half:.1f} mL" in text
-    assert (pack.folder / "instructions.pdf").read_bytes().startswith(b"%PDF")
+    sheet = (pack.folder / "instructions.pdf").read_bytes()
+    assert sheet.startswith(b"%PDF")
+    boxes = re.findall(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", sheet)
+    assert len(boxes) == 3, "text, drawings, artwork"
+    assert all((float(w), float(h)) == pytest.approx((595, 842), abs=2) for w, h in boxes), "all on A4"
     assert (pack.folder / "artwork.pdf").read_bytes().startswith(b"%PDF")
 
 
