@@ -1,0 +1,15 @@
+# palpate with everything but the GPU: docker build -t palpate . && docker run --rm -v "$PWD:/work" palpate run first.yaml
+FROM debian:bookworm-slim
+COPY .ci/packages.txt /tmp/packages.txt
+RUN apt-get update \
+ && apt-get install -y --no-install-recommends python3 python3-venv $(cat /tmp/packages.txt) \
+ && rm -rf /var/lib/apt/lists/*
+RUN python3 -m venv /opt/palpate
+ENV PATH=/opt/palpate/bin:$PATH OMP_NUM_THREADS=1
+RUN pip install --no-cache-dir torch --index-url https://download.pytorch.org/whl/cpu
+COPY . /opt/source
+RUN pip install --no-cache-dir "/opt/source[learn,cad,viz,vision,cluster]" && palpate doctor
+RUN useradd --create-home palpate
+USER palpate
+WORKDIR /work
+ENTRYPOINT ["palpate"]
