@@ -31,6 +31,7 @@ app.command("palpate.cli.fit:fit", name="fit", help="Fit a material to the files
 app.command("palpate.cli.material:app", name="material", help="Look at the library of materials.")
 app.command("palpate.cli.limit:limit", name="limit", help="How good any estimator of a design could be.")
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
+app.command("palpate.cli.view:view", name="view", help="Look at results in a browser, design and press a dome.")
 app.command("palpate.cli.claims:claims", name="claims", help="Hold finished studies against the paper's claims.")
 app.command("palpate.cli.make:make", name="make", help="Write mold, print pattern, enclosure and instructions.")
 app.command("palpate.cli.specimens:specimens", name="specimens", help="Write molds of test specimens.")

@@ -1,0 +1,305 @@
+"""Charts of the page as data for ECharts: nothing is drawn here."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from palpate.grid import Cell, Row, SpecificationGrid
+from palpate.viewer.words import cell_words, column_label
+
+VIRIDIS = (
+    "#440154",
+    "#482475",
+    "#414487",
+    "#355f8d",
+    "#2a788e",
+    "#21918c",
+    "#22a884",
+    "#44bf70",
+    "#7ad151",
+    "#bddf26",
+    "#fde725",
+)
+"""Eleven steps of the colour map viridis: perceptually uniform, and safe for people who do not see all colours."""
+FIRST, SECOND, LIMIT = "#0072b2", "#d55e00", "#999999"
+"""Colours of the design shown, of the one beside it, and of limits (Okabe and Ito)."""
+
+Options = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Ink:
+    """Colours of text, faint text, lines and ground, as CSS."""
+
+    text: str
+    faint: str
+    line: str
+    ground: str
+
+
+LIGHT = Ink("#1f2933", "#5c6b7a", "#d5dde5", "#ffffff")
+DARK = Ink("#e4e9ee", "#9aa8b5", "#3a4550", "#1b2229")
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Which rows stand out: those that answer the question, the design shown and the one beside it (or -1)."""
+
+    kept: Collection[int]
+    design: int
+    other: int = -1
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a chart: a name, its points, its colour and whether it is dashed."""
+
+    name: str
+    points: Sequence[tuple[float, float]]
+    colour: str
+    dashed: bool = False
+
+
+def heat_options(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink) -> Options:
+    """Heat maps of a column, one a marker layout, heights over thicknesses; each cell's value ends in its row."""
+    heights = sorted({_number(row["height_mm"]) for row in grid.rows})
+    thicknesses = sorted({_number(row["thickness_mm"]) for row in grid.rows})
+    panels: dict[tuple[int, int], list[Options]] = {}
+    seen: Counter[tuple[Cell, ...]] = Counter()
+    figures = [value for i, row in enumerate(grid.rows) if (value := _figure(row[metric])) is not None]
+    low, high = min(figures, default=0.0), max(figures, default=1.0)
+    for number, row in enumerate(grid.rows):
+        markers = int(_number(row["markers"]))
+        dome = (row["height_mm"], row["thickness_mm"], markers, row.get("base_radius_mm"))
+        place = (thicknesses.index(_number(dome[1])), heights.index(_number(dome[0])))
+        cell = _heat_cell(number, row, (place, metric, low + 0.55 * (high - low)), chosen, ink)
+        panels.setdefault((markers, seen[dome]), []).append(cell)
+        seen[dome] += 1
+    names = [f"{markers} markers" + (f" ({layout + 1})" if layout else "") for markers, layout in sorted(panels)]
+    axes = ([f"{value:g}" for value in thicknesses], [f"{value:g}" for value in heights])
+    return {
+        **_panels(names, axes, ink),
+        "series": [
+            {"type": "heatmap", "name": name, "xAxisIndex": i, "yAxisIndex": i, "data": panels[key]}
+            for i, (name, key) in enumerate(zip(names, sorted(panels), strict=True))
+        ],
+        "visualMap": {
+            "type": "continuous",
+            "min": low,
+            "max": high if high > low else low + 1.0,
+            "dimension": 2,
+            "seriesIndex": list(range(len(names))),
+            "inRange": {"color": list(VIRIDIS)},
+            "orient": "horizontal",
+            "left": "center",
+            "bottom": 0,
+            "itemWidth": 10,
+            "itemHeight": 150,
+            "text": [f"{high:.3g}", f"{low:.3g}"],
+            "textStyle": {"color": ink.text, "fontSize": 11},
+        },
+        "tooltip": {"appendToBody": True},
+        "animation": False,
+        "aria": {"enabled": True, "label": {"description": f"Heat maps of {column_label(metric)} by design."}},
+    }
+
+
+def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float], chosen: Chosen, ink: Ink) -> Options:
+    (x, y), metric, bright = drawn
+    value = _figure(row[metric])
+    kept = number in chosen.kept and value is not None
+    border = {chosen.design: FIRST, chosen.other: SECOND}.get(number, ink.ground)
+    marked = number in (chosen.design, chosen.other)
+    name = f"H {cell_words(row['height_mm'])} mm, T {cell_words(row['thickness_mm'])} mm, {row['markers']} markers"
+    text = cell_words(value)
+    short = "–" if value is None else f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+    dark_text = value is not None and value > bright
+    return {
+        "name": name,
+        "value": [x, y, value if value is not None else "-", number],
+        "visualMap": kept,
+        "itemStyle": {
+            **({} if kept else {"color": ink.line}),
+            "borderColor": border,
+            "borderWidth": 3 if marked else 1,
+        },
+        "label": {
+            "show": True,
+            "formatter": short,
+            "fontSize": 10,
+            "color": ink.faint if not kept else "#10151a" if dark_text else "#ffffff",
+        },
+        "tooltip": {"formatter": f"{name}<br>{column_label(metric)}: <b>{text}</b>"},
+    }
+
+
+def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Ink) -> Options:
+    """Places, titles and axes of small panels, two abreast."""
+    abreast = 1 if len(names) == 1 else 2
+    rows = -(-len(names) // abreast)
+    wide, tall = 100 / abreast, 88 / rows
+    grids, titles, xs, ys = [], [], [], []
+    for i, name in enumerate(names):
+        left, top = wide * (i % abreast), tall * (i // abreast)
+        grids.append(
+            {"left": f"{left + 9}%", "top": f"{top + 7}%", "width": f"{wide - 10}%", "height": f"{tall - 17}%"}
+        )
+        titles.append(
+            {
+                "text": name,
+                "left": f"{left + 9}%",
+                "top": f"{top}%",
+                "textStyle": {"fontSize": 11, "fontWeight": 600, "color": ink.text},
+            }
+        )
+        style = {"axisLabel": {"color": ink.faint, "fontSize": 10}, "axisTick": {"show": False}, "gridIndex": i}
+        named = {"nameLocation": "middle", "nameTextStyle": {"color": ink.faint, "fontSize": 10}, **style}
+        line = {"axisLine": {"lineStyle": {"color": ink.line}}}
+        last = i // abreast == rows - 1
+        xs.append(
+            {"data": axes[0], "type": "category", "name": "T (mm)" if last else "", "nameGap": 20, **named, **line}
+        )
+        first = i % abreast == 0
+        ys.append(
+            {"data": axes[1], "type": "category", "name": "H (mm)" if first else "", "nameGap": 20, **named, **line}
+        )
+    return {"grid": grids, "title": titles, "xAxis": xs, "yAxis": ys}
+
+
+def pareto_front(points: Sequence[tuple[int, float, float]]) -> list[int]:
+    """Numbers of the points (number, x, y) that no other beats in both, by rising x; small is good."""
+    front: list[int] = []
+    least = math.inf
+    for number, _, y in sorted(points, key=lambda point: (point[1], point[2])):
+        if y < least:
+            front.append(number)
+            least = y
+    return front
+
+
+def scatter_options(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen, ink: Ink) -> Options:
+    """All designs by two columns, with the front that no other kept design beats in both."""
+    points = [
+        (i, x, y)
+        for i, row in enumerate(grid.rows)
+        if (x := _figure(row[axes[0]])) is not None and (y := _figure(row[axes[1]])) is not None
+    ]
+    kept = [point for point in points if point[0] in chosen.kept]
+    places = {number: (x, y) for number, x, y in points}
+    front = pareto_front(kept)
+    dots = [_scatter_dot(point, grid.rows[point[0]], axes, (chosen, front, ink)) for point in points]
+    return {
+        "grid": {"left": 48, "right": 12, "top": 12, "bottom": 40},
+        "xAxis": _axis(column_label(axes[0]), ink, 26),
+        "yAxis": _axis(column_label(axes[1]), ink, 34),
+        "tooltip": {"appendToBody": True},
+        "animation": False,
+        "series": [
+            {
+                "type": "line",
+                "name": "front",
+                "data": [places[number] for number in front],
+                "step": "end",
+                "symbol": "none",
+                "silent": True,
+                "lineStyle": {"color": ink.faint, "width": 1.5, "type": "dashed"},
+            },
+            {"type": "scatter", "name": "designs", "data": dots},
+        ],
+        "aria": {
+            "enabled": True,
+            "label": {"description": f"{column_label(axes[1])} over {column_label(axes[0])} of all designs."},
+        },
+    }
+
+
+def _scatter_dot(
+    point: tuple[int, float, float], row: Row, axes: tuple[str, str], how: tuple[Chosen, list[int], Ink]
+) -> Options:
+    number, x, y = point
+    chosen, front, ink = how
+    marked = {chosen.design: FIRST, chosen.other: SECOND}.get(number)
+    kept = number in chosen.kept
+    name = f"H {cell_words(row['height_mm'])} mm, T {cell_words(row['thickness_mm'])} mm, {row['markers']} markers"
+    return {
+        "name": name,
+        "value": [x, y, number],
+        "symbolSize": 15 if marked else 10 if number in front else 7,
+        "itemStyle": {
+            "color": marked or (VIRIDIS[5] if number in front else ink.faint),
+            "opacity": 1.0 if marked or (kept and number in front) else 0.55 if kept else 0.12,
+            "borderColor": ink.ground,
+            "borderWidth": 1,
+        },
+        "tooltip": {"formatter": f"{name}<br>{column_label(axes[0])}: {x:.3g}<br>{column_label(axes[1])}: {y:.3g}"},
+    }
+
+
+def line_options(curves: Sequence[Curve], axes: tuple[str, str], ink: Ink, marks: Sequence[Curve] = ()) -> Options:
+    """Curves over one pair of axes; of each mark the first point becomes an upright line with its name."""
+    uprights = [
+        {
+            "xAxis": mark.points[0][0],
+            "name": mark.name,
+            "lineStyle": {"color": mark.colour, "type": "dashed" if mark.dashed else "solid", "width": 1.2},
+            "label": {"show": False},
+        }
+        for mark in marks
+    ]
+    series = [_line(curve) for curve in curves]
+    if series:
+        series[0]["markLine"] = {"symbol": "none", "data": uprights, "silent": True, "animation": False}
+    return {
+        "grid": {"left": 44, "right": 14, "top": 26, "bottom": 36},
+        "legend": {
+            "show": len(curves) > 1,
+            "type": "scroll",
+            "top": 0,
+            "itemWidth": 18,
+            "itemHeight": 8,
+            "textStyle": {"color": ink.text, "fontSize": 10},
+        },
+        "tooltip": {"trigger": "axis", "appendToBody": True},
+        "xAxis": {**_axis(axes[0], ink, 24), "min": 0},
+        "yAxis": {**_axis(axes[1], ink, 32), "min": 0},
+        "animation": False,
+        "series": series,
+        "aria": {"enabled": True, "label": {"description": f"{axes[1]} over {axes[0]}."}},
+    }
+
+
+def _line(curve: Curve) -> Options:
+    return {
+        "type": "line",
+        "name": curve.name,
+        "data": [[round(x, 6), float(f"{y:.5g}")] for x, y in curve.points],
+        "symbolSize": 4,
+        "itemStyle": {"color": curve.colour},
+        "lineStyle": {"color": curve.colour, "width": 2, "type": "dashed" if curve.dashed else "solid"},
+    }
+
+
+def _axis(name: str, ink: Ink, gap: int) -> Options:
+    return {
+        "type": "value",
+        "scale": True,
+        "name": name,
+        "nameLocation": "middle",
+        "nameGap": gap,
+        "nameTextStyle": {"color": ink.text, "fontSize": 11},
+        "axisLabel": {"color": ink.faint, "fontSize": 10, "hideOverlap": True},
+        "axisLine": {"lineStyle": {"color": ink.line}},
+        "splitLine": {"lineStyle": {"color": ink.line, "opacity": 0.6}},
+    }
+
+
+def _figure(cell: Cell) -> float | None:
+    return float(cell) if isinstance(cell, int | float) and math.isfinite(cell) else None
+
+
+def _number(cell: Cell) -> float:
+    return float("nan") if cell is None else float(cell)

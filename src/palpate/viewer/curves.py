@@ -1,0 +1,57 @@
+"""What a design does as the wall goes down: its force, its errors and what limits them."""
+
+from __future__ import annotations
+
+import re
+
+from palpate.grid import Row
+from palpate.viewer.charts import FIRST, LIMIT, SECOND, Curve
+from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.results import Design
+
+_AT = r"_at_(\d+)_(\d+)mm"
+
+
+def force_curves(shown: list[tuple[Design, Motion]]) -> tuple[list[Curve], list[Curve]]:
+    """Force (N) over depth (mm) of one or two designs, a curve a branch, and where a second state begins."""
+    curves, marks = [], []
+    for (design, motion), colour in zip(shown, (FIRST, SECOND), strict=False):
+        for branch in dict.fromkeys(motion.branch):
+            points = [
+                (float(depth), float(force))
+                for depth, force, label in zip(motion.depths_mm, motion.force_n, motion.branch, strict=True)
+                if label == branch
+            ]
+            name = branch if len(shown) == 1 else f"{_short(design)} {branch}"
+            curves.append(Curve(name, points, colour, dashed=branch != "flat"))
+        start = design.row.get("bistable_from_mm")
+        if isinstance(start, int | float):
+            marks.append(Curve(f"two states from {start:.2g} mm", [(float(start), 0.0)], colour, dashed=True))
+    return curves, marks
+
+
+def error_curves(shown: list[Design]) -> list[Curve]:
+    """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against the limit of any network."""
+    curves = []
+    for design, colour in zip(shown, (FIRST, SECOND), strict=False):
+        errors = _by_depth(design.row, rf"rmse{_AT}_jitter_deg")
+        limits = _by_depth(design.row, rf"limit{_AT}_deg")
+        name = "" if len(shown) == 1 else f"{_short(design)} "
+        if errors:
+            curves.append(Curve(f"{name}network", errors, colour))
+        if limits:
+            curves.append(Curve(f"{name}limit", limits, colour if len(shown) > 1 else LIMIT, dashed=True))
+    return curves
+
+
+def _short(design: Design) -> str:
+    return f"H{design.dome.height:g} T{design.dome.thickness:g} {len(design.layout)}"
+
+
+def _by_depth(row: Row, pattern: str) -> list[tuple[float, float]]:
+    found = []
+    for column, cell in row.items():
+        match = re.fullmatch(pattern, column)
+        if match and isinstance(cell, int | float):
+            found.append((float(f"{match[1]}.{match[2]}"), float(cell)))
+    return sorted(found)

@@ -1,0 +1,53 @@
+"""The page's own elements: the dome in 3-D, the camera's view and the pose of the wall, all on one stage."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nicegui.element import Element
+
+
+class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": "scripts"}):
+    """The dome in 3-D; `slot` is ``"a"`` for the design shown and ``"b"`` for the one beside it."""
+
+    def __init__(self, slot: str, label: str) -> None:
+        super().__init__()
+        self._props["slot-name"] = slot
+        self._props["label"] = label
+
+    def look(self, side: str) -> None:
+        """Look from the ``"side"``, ``"front"``, ``"top"`` or ``"below"``."""
+        self.run_method("look", side)
+
+    def save(self, name: str) -> None:
+        """Let the browser save what is seen as a PNG file."""
+        self.run_method("savePicture", name)
+
+
+class CameraView(Element, component="scripts/camera_view.js"):
+    """What the camera below the dome sees; `slot` as of `DomeView`."""
+
+    def __init__(self, slot: str, label: str) -> None:
+        super().__init__()
+        self._props["slot-name"] = slot
+        self._props["label"] = label
+
+    def save(self, name: str) -> None:
+        """Let the browser save what is seen as an SVG file."""
+        self.run_method("saveDrawing", name)
+
+
+class PoseBar(Element, component="scripts/pose_bar.js"):
+    """Sliders for depth (mm), tilt and azimuth (degrees); emits ``rest`` with all three when they come to rest."""
+
+    def __init__(self, depth: float, tilt: float, azimuth: float) -> None:
+        super().__init__()
+        self._props["first"] = {"depth": depth, "tilt": tilt, "azimuth": azimuth}
+
+    def show(self, name: str | None, slot: str = "a") -> None:
+        """Put a design of the shelf on the stage, or take it off."""
+        self.run_method("show", name, slot)
+
+    def look(self, **look: Any) -> None:
+        """Choose what is drawn: `colour`, `cut`, `dots`, `trails`, `wall`."""
+        self.run_method("look", look)

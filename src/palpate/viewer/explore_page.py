@@ -1,0 +1,322 @@
+"""The explorer's page: the grid on the left, the pressed dome in the middle, camera and curves on the right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+from urllib.parse import urlencode
+
+from fastapi import Request
+from nicegui import events, ui
+
+from palpate.core import PalpateError
+from palpate.viewer.charts import Chosen, Curve, heat_options, line_options, scatter_options
+from palpate.viewer.curves import error_curves, force_curves
+from palpate.viewer.design_panel import DesignPanel
+from palpate.viewer.elements import CameraView, DomeView, PoseBar
+from palpate.viewer.library import Library
+from palpate.viewer.link import Coloured, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.results import Design
+from palpate.viewer.shelf import Shelf
+from palpate.viewer.words import column_label
+
+_SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
+_EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
+
+
+class ExplorePage:
+    """One visitor's explorer.
+
+    Parameters
+    ----------
+    shelf
+        Designs to show.
+    library
+        The result folder.
+    request
+        Its query is the link to a view.
+    """
+
+    def __init__(self, shelf: Shelf, library: Library, request: Request) -> None:
+        self._shelf, self._library, self._grid = shelf, library, library.results.grid
+        self._view, self._complaints = read_link(request.query_params, self._grid)
+        self._names = {i: self._name(i) for i in range(len(self._grid.rows))}
+        self._head = Head(request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.rows)} designs")
+        self._head.watch(self._redraw)
+
+    def build(self) -> None:
+        """Place every element and show the view."""
+        with self._head.tools:
+            self._build_export()
+        with ui.element("main").classes("explorer"):
+            with ui.element("section").classes("side").props('aria-label="Specification grid"'):
+                self._build_grid()
+                self._build_scatter()
+            with ui.element("section").classes("stage").props('aria-label="Pressed dome"'):
+                self._build_stage()
+            with ui.element("section").classes("side").props('aria-label="Camera and curves"'):
+                self._build_curves()
+        self._redraw()
+        complain(self._fault, " ".join(self._complaints))
+
+    def _name(self, number: int) -> str:
+        row = self._grid.rows[number]
+        return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
+
+    def _build_export(self) -> None:
+        ui.button("Link", icon="link", on_click=self._copy_link).props(
+            'flat dense no-caps aria-label="Copy the link"'
+        )
+        with (
+            ui.button("Export", icon="download").props('flat dense no-caps aria-label="Export what is seen"'),
+            ui.menu(),
+        ):
+            ui.menu_item("3-D picture (PNG)", lambda: self._dome.save("dome.png"))
+            ui.menu_item("Camera view (SVG)", lambda: self._camera.save("camera.svg"))
+            ui.menu_item("Heat maps (SVG)", self._save_heat)
+            ui.menu_item("Dome at this pose (glTF)", lambda: self._download("dome.glb", depth=self._view.depth))
+            ui.menu_item("Markers at this tilt (CSV)", lambda: self._download("markers.csv"))
+            ui.menu_item("Designs that are kept (CSV)", self._download_grid)
+
+    def _build_grid(self) -> None:
+        columns = {name: column_label(name) for name in numeric_columns(self._grid)}
+        with ui.element("div").classes("card"):
+            heading("Specification grid")
+            ui.select(
+                columns, value=self._view.metric, label="Colour shows", with_input=True, on_change=self._choose_metric
+            ).props("dense outlined options-dense").classes("wide metric")
+            self._where = (
+                ui.input("Keep designs where", value=self._view.where, placeholder=_EXAMPLE)
+                .props("dense outlined clearable debounce=350")
+                .classes("wide where")
+                .on_value_change(self._filter)
+            )
+            self._kept = ui.label("").classes("faint").props('aria-live="polite"')
+            self._heat = ui.echart({}, on_point_click=self._click_cell, renderer="svg").classes("heat")
+        self._columns = columns
+
+    def _build_scatter(self) -> None:
+        with ui.element("div").classes("card"):
+            heading("Trade-off")
+            with ui.element("div").classes("pair"):
+                for axis, label in (("across", "Across"), ("up", "Up")):
+                    ui.select(
+                        self._columns,
+                        value=getattr(self._view, axis),
+                        label=label,
+                        with_input=True,
+                        on_change=lambda event, axis=axis: self._choose_axis(axis, event.value),
+                    ).props("dense outlined options-dense").classes(axis)
+            self._scatter = ui.echart({}, on_point_click=self._click_dot, renderer="svg").classes("scatter")
+
+    def _build_stage(self) -> None:
+        view = self._view
+        with ui.element("div").classes("stage-head"):
+            self._select = (
+                ui.select(self._names, value=view.design, label="Design", with_input=True)
+                .props("dense outlined options-dense")
+                .classes("design")
+                .on_value_change(lambda event: self._choose(event.value))
+            )
+            self._beside = (
+                ui.select(
+                    {-1: "nothing", **self._names},
+                    value=view.other,
+                    label="Beside it",
+                    with_input=True,
+                )
+                .props("dense outlined options-dense")
+                .classes("beside")
+                .on_value_change(lambda event: self._set_beside(event.value))
+            )
+        self._fault = complaint()
+        with ui.element("div").classes("domes") as self._domes:
+            self._dome = DomeView("a", "Design shown")
+            self._second = DomeView("b", "Design beside it")
+            with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
+                for side in ("side", "front", "top", "below"):
+                    ui.button(side, on_click=lambda side=side: self._look_from(side)).props("flat dense no-caps")
+        self._build_look()
+        self._bar = PoseBar(view.depth, view.tilt, view.azimuth)
+        self._bar.on("rest", self._rest)
+        self._bar.look(**{name: getattr(view, name) for name, _ in _SWITCHES}, colour=str(view.colour))
+
+    def _build_look(self) -> None:
+        with ui.element("div").classes("look"):
+            ui.toggle(
+                [str(item) for item in Coloured], value=str(self._view.colour), on_change=self._choose_colour
+            ).props('no-caps dense unelevated aria-label="Colour of the dome"')
+            for name, label in _SWITCHES:
+                ui.checkbox(
+                    label,
+                    value=getattr(self._view, name),
+                    on_change=lambda event, name=name: self._choose_look(name, event.value),
+                ).props("dense")
+
+    def _build_curves(self) -> None:
+        with ui.element("div").classes("card"):
+            heading("What the camera sees")
+            with ui.element("div").classes("cameras"):
+                self._camera = CameraView("a", "Design shown")
+                self._camera_second = CameraView("b", "Design beside it")
+        with ui.element("div").classes("card"):
+            heading("Force on the wall")
+            self._force = ui.echart({}, renderer="svg").classes("curve")
+            self._force_note = ui.label("").classes("faint")
+        with ui.element("div").classes("card"):
+            heading("Error by depth, 2 px jitter")
+            self._error = ui.echart({}, renderer="svg").classes("curve")
+        self._panel = DesignPanel()
+
+    def _redraw(self) -> None:
+        self._draw_grid()
+        self._draw_scatter()
+        self._draw_design()
+
+    def _draw_grid(self) -> None:
+        chosen, message = self._chosen()
+        total = len(self._grid.rows)
+        self._kept.text = message or f"{len(chosen.kept)} of {total} designs kept"
+        self._kept.classes(add="complaint" if message else "faint", remove="faint" if message else "complaint")
+        set_options(self._heat, heat_options(self._grid, self._view.metric, chosen, self._head.ink))
+
+    def _draw_scatter(self) -> None:
+        axes = (self._view.across, self._view.up)
+        set_options(self._scatter, scatter_options(self._grid, axes, self._chosen()[0], self._head.ink))
+
+    def _chosen(self) -> tuple[Chosen, str]:
+        """Rows that stand out, and what is wrong with the question."""
+        try:
+            kept, message = kept_rows(self._grid, self._view.where), ""
+        except PalpateError as error:
+            kept, message = kept_rows(self._grid, ""), str(error)
+        return Chosen(kept, self._view.design, self._view.other), message
+
+    def _draw_design(self) -> None:
+        """Put the chosen designs on the stage, with their curves."""
+        self._domes.classes(add="two") if self._view.other >= 0 else self._domes.classes(remove="two")
+        for element in (self._second, self._camera_second):
+            element.set_visibility(self._view.other >= 0)
+        self._bar.show(str(self._view.design))
+        self._bar.show(str(self._view.other) if self._view.other >= 0 else None, "b")
+        self._panel.show([self._library.design(number) for number in self._numbers()])
+        self._draw_curves()
+
+    def _draw_curves(self) -> None:
+        shown: list[tuple[Design, Motion]] = []
+        faults = []
+        for number in self._numbers():
+            try:
+                design, specimen = self._shelf.find(str(number))
+                tilts = specimen.pressed.tilts_deg
+                shown.append((design, specimen.pressed.at(min(max(self._view.tilt, tilts[0]), tilts[-1]))))
+            except PalpateError as error:
+                faults.append(str(error))
+        complain(self._fault, " ".join(faults))
+        ink, here = self._head.ink, Curve("", [(self._view.depth, 0.0)], self._head.ink.text)
+        curves, marks = force_curves(shown)
+        axes = ("depth (mm)", "force (N)")
+        set_options(self._force, line_options(curves, axes, ink, [*marks, here]))
+        errors = error_curves([self._library.design(number) for number in self._numbers()])
+        set_options(self._error, line_options(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
+        self._force_note.text = " ".join(_say_end(design, motion) for design, motion in shown)
+
+    def _numbers(self) -> list[int]:
+        return [number for number in (self._view.design, self._view.other) if number >= 0]
+
+    def _change(self, **parts: Any) -> None:
+        self._view = replace(self._view, **parts)
+        query = write_link(self._view)
+        ui.run_javascript(f"history.replaceState(null, '', '/{'?' + query if query else ''}')")
+
+    def _choose(self, number: int | None) -> None:
+        if number is None or number == self._view.design:
+            return
+        self._change(design=number)
+        self._select.value = number
+        self._redraw()
+
+    def _set_beside(self, number: int | None) -> None:
+        if number is not None and number != self._view.other:
+            self._change(other=number)
+            self._redraw()
+
+    def _choose_metric(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        if event.value:
+            self._change(metric=event.value)
+            self._draw_grid()
+
+    def _choose_axis(self, axis: str, column: str | None) -> None:
+        if column:
+            self._change(**{axis: column})
+            self._draw_scatter()
+
+    def _filter(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        self._change(where=event.value or "")
+        self._draw_grid()
+        self._draw_scatter()
+
+    def _click_cell(self, event: events.EChartPointClickEventArguments) -> None:
+        self._choose(_row_of(event, 3))
+
+    def _click_dot(self, event: events.EChartPointClickEventArguments) -> None:
+        if event.series_type == "scatter":
+            self._choose(_row_of(event, 2))
+
+    def _choose_colour(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        self._change(colour=Coloured(event.value))
+        self._bar.look(colour=event.value)
+
+    def _choose_look(self, name: str, value: bool) -> None:
+        self._change(**{name: value})
+        self._bar.look(**{name: value})
+
+    def _look_from(self, side: str) -> None:
+        self._dome.look(side)
+        self._second.look(side)
+
+    def _rest(self, event: events.GenericEventArguments) -> None:
+        pose = {name: float(event.args[name]) for name in ("depth", "tilt", "azimuth")}
+        self._change(**pose)
+        self._draw_curves()
+
+    def _copy_link(self) -> None:
+        ui.run_javascript("navigator.clipboard.writeText(location.href)")
+        ui.notify("The link to this view was copied.", position="top")
+
+    def _save_heat(self) -> None:
+        ui.run_javascript(
+            f"const svg = getElement({self._heat.id}).$el.querySelector('svg');"
+            "const a = document.createElement('a');"
+            "a.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(svg)], "
+            "{type: 'image/svg+xml'})); a.download = 'heat_maps.svg'; a.click();"
+        )
+
+    def _download(self, file: str, **more: float) -> None:
+        view = self._view
+        query = {"name": view.design, "tilt": view.tilt, "azimuth": view.azimuth, **more}
+        ui.download.from_url(f"/data/{file}?{urlencode(query)}", file)
+
+    def _download_grid(self) -> None:
+        ui.download.from_url(f"/data/grid.csv?{urlencode({'where': self._view.where})}", "grid.csv")
+
+
+def set_options(chart: ui.echart, options: dict[str, Any]) -> None:
+    """Give a chart other data."""
+    chart.options.clear()
+    chart.options.update(options)
+    chart.update()
+
+
+def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | None:
+    """Number of the row that a clicked point carries."""
+    value: Any = event.value
+    return int(value[place]) if isinstance(value, list) and len(value) > place else None
+
+
+def _say_end(design: Design, motion: Motion) -> str:
+    start = design.row.get("bistable_from_mm")
+    second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
+    return f"At {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"

@@ -1,0 +1,102 @@
+"""What is seen at one pose, as rows of a table and as parts of a 3-D model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.viewer.charts import VIRIDIS
+from palpate.viewer.gltf import Part
+from palpate.viewer.library import Specimen
+from palpate.viewer.markers_seen import follow_markers, turn_about_axis
+from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.results import Design
+
+Array = NDArray[np.float64]
+_WALL = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+
+def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
+    """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
+    motion = specimen.pressed.at(tilt_deg)
+    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, azimuth_deg)
+    angle = np.radians(azimuth_deg)
+    rx, ry = tilt_deg * float(np.cos(angle)), tilt_deg * float(np.sin(angle))
+    rows = []
+    for k, depth in enumerate(motion.depths_mm):
+        for marker in range(len(design.layout)):
+            x, y, z = (f"{value:.5f}" for value in seen.positions[k, marker])
+            u, v = (f"{value:.4f}" for value in seen.pixels[k, marker])
+            pose = {"rx_deg": f"{rx:.6g}", "ry_deg": f"{ry:.6g}", "depth_mm": f"{depth:.6g}"}
+            place = {"x_mm": x, "y_mm": y, "z_mm": z, "u_px": u, "v_px": v}
+            rows.append({**pose, "marker": marker, **place, "seen": int(seen.seen[k, marker])})
+    return rows
+
+
+def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, float]) -> list[Part]:
+    """Dome, markers and wall at a pose (depth mm, tilt and azimuth in degrees), in the dome's frame.
+
+    Raises
+    ------
+    PalpateError
+        If the depth is not reached at this tilt.
+    """
+    depth, tilt_deg, azimuth_deg = pose
+    motion = specimen.pressed.at(tilt_deg)
+    if not 0 <= depth <= motion.depths_mm[-1] + 1e-6:
+        raise PalpateError(
+            f"{depth:g} mm is not reached at {tilt_deg:g}°.", f"It ends at {motion.depths_mm[-1]:g} mm."
+        )
+    turn = turn_about_axis(azimuth_deg)
+    shell, nodes = specimen.shell, specimen.pressed.mesh.nodes
+    moved = _between(motion, motion.displacement, depth)
+    first, _ = shell.parts["cut"]
+    seen = shell.nodes[: shell.triangles[:first].max() + 1]  # all but the cut, which a whole dome does not show
+    half, size = (nodes + moved)[seen], np.linalg.norm(moved[seen], axis=1)
+    points = np.concatenate([half, half * [-1.0, 1.0, 1.0]]) @ turn.T
+    triangles = np.concatenate([shell.triangles[:first], shell.triangles[:first, ::-1] + len(half)])
+    colours = _colours(np.concatenate([size, size]) / max(float(np.abs(motion.displacement).max()), 1e-9))
+    return [
+        Part("dome", points, triangles, colours),
+        _markers(design, specimen, motion, pose),
+        _wall(specimen, pose, turn),
+    ]
+
+
+def _between(motion: Motion, field: NDArray[Any], depth: float) -> Array:
+    """A field (k, …) at a depth between its images, on straight lines."""
+    place = float(np.interp(depth, motion.depths_mm, np.arange(len(motion.depths_mm))))
+    low = min(int(place), len(motion.depths_mm) - 1)
+    high = min(low + 1, len(motion.depths_mm) - 1)
+    mixed: Array = field[low] + (place - low) * (np.asarray(field[high], float) - field[low])
+    return mixed
+
+
+def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[float, float, float]) -> Part:
+    """Each marker as an octahedron as wide as its dot."""
+    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, pose[2])
+    centres = _between(motion, seen.positions, pose[0])
+    corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.layout.diameter / 2
+    faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    points = (centres[:, None] + corners).reshape(-1, 3)
+    triangles = (faces[None] + 6 * np.arange(len(centres))[:, None, None]).reshape(-1, 3)
+    return Part("markers", points, triangles, np.tile([0.1, 0.1, 0.12, 1.0], (len(points), 1)))
+
+
+def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: Array) -> Part:
+    dome, tilt = specimen.pressed.mesh.dome, np.radians(pose[1])
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(tilt), np.sin(tilt)]])
+    touch = np.array([0.0, -np.sin(tilt), np.cos(tilt)]) * dome.outer_radius + [0.0, 0.0, dome.center_z - pose[0]]
+    points = (touch + _WALL * 1.2 * dome.outer_radius @ axes) @ turn.T
+    return Part("wall", points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))
+
+
+def _colours(share: Array) -> Array:
+    """Colours (v, 4) of shares (v,) from 0 to 1."""
+    steps = np.array([[int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)] for code in VIRIDIS])
+    at = np.linspace(0, 1, len(steps))
+    mixed = np.stack([np.interp(share, at, steps[:, i]) for i in range(3)], axis=-1)
+    return np.concatenate([mixed, np.ones((len(share), 1))], axis=1)

@@ -1,0 +1,164 @@
+"""A link to a view: everything that is chosen on the explorer's page, as the query of its address."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from enum import StrEnum
+from typing import Any
+from urllib.parse import urlencode
+
+from palpate.core import PalpateError
+from palpate.grid import SpecificationGrid, filter_rows
+
+
+class Coloured(StrEnum):
+    """What the colour of the dome shows."""
+
+    DISPLACEMENT = "displacement"
+    STRESS = "stress"
+    CONTACT = "contact"
+
+
+@dataclass(frozen=True)
+class View:
+    """What is chosen on the explorer's page.
+
+    Attributes
+    ----------
+    design, other
+        Numbers of the design shown and of the one beside it; -1 for none.
+    metric, across, up
+        Columns of the heat maps and of the two axes of the scatter.
+    where
+        Question that designs must answer; empty for all.
+    depth, tilt, azimuth
+        Pose of the wall: mm, degrees, degrees.
+    colour
+        What the colour shows.
+    cut, dots, trails, wall
+        What is drawn: half the dome only, markers, their trails, the wall.
+    """
+
+    design: int = 0
+    other: int = -1
+    metric: str = ""
+    across: str = ""
+    up: str = ""
+    where: str = ""
+    depth: float = 0.0
+    tilt: float = 0.0
+    azimuth: float = 0.0
+    colour: Coloured = Coloured.DISPLACEMENT
+    cut: bool = True
+    dots: bool = True
+    trails: bool = True
+    wall: bool = True
+
+
+def write_link(view: View) -> str:
+    """The query of a view, without the question mark; what is as at first is left out."""
+    usual = View()
+    chosen = {
+        field.name: _write(getattr(view, field.name))
+        for field in fields(View)
+        if getattr(view, field.name) != getattr(usual, field.name)
+    }
+    return urlencode(chosen)
+
+
+def read_link(query: Mapping[str, str], grid: SpecificationGrid) -> tuple[View, tuple[str, ...]]:
+    """Read a view back, with a sentence for each part that is not understood and was left out.
+
+    Parameters
+    ----------
+    query
+        Names and values; unknown names are passed over.
+    grid
+        The grid that is shown, with at least one row.
+    """
+    view, complaints = first_view(grid), []
+    for field in fields(View):
+        text = query.get(field.name)
+        if text is None:
+            continue
+        try:
+            value = _read(text, getattr(view, field.name))
+            _check(field.name, value, grid)
+        except (ValueError, PalpateError) as error:
+            complaints.append(f"The link's {field.name} was left out: {error}")
+        else:
+            view = replace(view, **{field.name: value})
+    return view, tuple(complaints)
+
+
+def first_view(grid: SpecificationGrid) -> View:
+    """What a grid shows first: the best design, its error over all heights and thicknesses."""
+    known = numeric_columns(grid)
+    metric = next((name for name in ("rmse_jitter_deg", "rmse_deg") if name in known), known[0])
+    across = next((name for name in ("force_n", "height_mm") if name in known), known[0])
+    pressed = [i for i, row in enumerate(grid.rows) if row.get("press_key") and row.get(metric) is not None]
+    best = min(pressed, key=lambda i: float(grid.rows[i][metric] or 0.0), default=0)
+    return View(design=best, metric=metric, across=across, up=metric, tilt=0.0)
+
+
+def numeric_columns(grid: SpecificationGrid) -> list[str]:
+    """Columns that have a number in some row and a text in none, in the grid's order; the main ones come first."""
+    found = []
+    for name in grid.columns:
+        cells = [row[name] for row in grid.rows]
+        if any(isinstance(cell, int | float) for cell in cells) and not any(isinstance(cell, str) for cell in cells):
+            found.append(name)
+    return found
+
+
+def kept_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
+    """Numbers of the rows for which a question is true; all for an empty one.
+
+    Raises
+    ------
+    PalpateError
+        If the question is not understood.
+    """
+    if not where.strip():
+        return frozenset(range(len(grid.rows)))
+    kept = {id(row) for row in filter_rows(grid.rows, where)}
+    return frozenset(i for i, row in enumerate(grid.rows) if id(row) in kept)
+
+
+def _write(value: Any) -> str:
+    if isinstance(value, bool):
+        return "1" if value else "0"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _read(text: str, usual: Any) -> Any:
+    if isinstance(usual, bool):
+        if text not in ("0", "1"):
+            raise ValueError(f"'{text[:40]}' is neither 0 nor 1.")
+        return text == "1"
+    if isinstance(usual, Coloured):
+        if text not in list(Coloured):
+            raise ValueError(f"'{text[:40]}' is none of {', '.join(Coloured)}.")
+        return Coloured(text)
+    if isinstance(usual, int | float):
+        try:
+            value = type(usual)(text)
+        except ValueError:
+            raise ValueError(f"'{text[:40]}' is no number.") from None
+        if not math.isfinite(value):
+            raise ValueError(f"'{text[:40]}' is not finite.")
+        return value
+    return text
+
+
+def _check(name: str, value: Any, grid: SpecificationGrid) -> None:
+    if name in ("design", "other") and not (0 if name == "design" else -1) <= value < len(grid.rows):
+        raise ValueError(f"there is no design {value}.")
+    if name in ("metric", "across", "up") and value not in numeric_columns(grid):
+        raise ValueError(f"the grid has no column of numbers '{str(value)[:40]}'.")
+    if name == "where":
+        kept_rows(grid, value)
+    if name in ("depth", "tilt") and not 0 <= value <= 100:
+        raise ValueError(f"{value:g} is out of reach.")

@@ -1,0 +1,88 @@
+"""The head of every page: name, ways to the other pages, light and dark."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from fastapi import Request
+from nicegui import ui
+
+from palpate.viewer.charts import DARK, FIRST, LIGHT, Ink
+
+STYLE = Path(__file__).parent / "scripts" / "style.css"
+COOKIE = "palpate_dark"
+PAGES = (("/", "Explore"), ("/design", "Design"), ("/live", "Live"))
+
+
+class Head:
+    """The head of one page.
+
+    Parameters
+    ----------
+    request
+        Says whether the browser wants the dark page.
+    here
+        Path of this page.
+    about
+        What is shown, e.g. the name of the result folder.
+    """
+
+    def __init__(self, request: Request, here: str, about: str) -> None:
+        ui.add_css(STYLE)
+        ui.colors(primary=FIRST)
+        self._dark = ui.dark_mode(request.cookies.get(COOKIE) == "1")
+        self._watchers: list[Callable[[], None]] = []
+        with ui.element("header").classes("head"):
+            ui.link("palpate", "/").classes("wordmark").props('aria-label="palpate, to the explorer"')
+            with ui.element("nav").props('aria-label="Pages"'):
+                for path, name in PAGES:
+                    link = ui.link(name, path).classes("tab")
+                    if path == here:
+                        link.classes("here").props('aria-current="page"')
+            ui.label(about).classes("about").tooltip(about)
+            self.tools = ui.element("div").classes("tools")
+            self._switch = ui.button(icon=self._icon(), on_click=self._turn).props(
+                'flat round dense aria-label="Light or dark"'
+            )
+
+    @property
+    def ink(self) -> Ink:
+        """Colours of text and lines in charts."""
+        return DARK if self._dark.value else LIGHT
+
+    def watch(self, redraw: Callable[[], None]) -> None:
+        """Call `redraw` when light turns to dark or back."""
+        self._watchers.append(redraw)
+
+    def _icon(self) -> str:
+        return "light_mode" if self._dark.value else "dark_mode"
+
+    def _turn(self) -> None:
+        self._dark.value = not self._dark.value
+        self._switch.props(f"icon={self._icon()}")
+        ui.run_javascript(
+            f"document.cookie = '{COOKIE}={int(bool(self._dark.value))}; path=/; max-age=31536000; SameSite=Strict'"
+        )
+        for redraw in self._watchers:
+            redraw()
+
+
+def complain(box: ui.label, sentence: str) -> None:
+    """Show a sentence in place, or nothing."""
+    box.text = sentence
+    box.set_visibility(bool(sentence))
+
+
+def complaint() -> ui.label:
+    """A place for a sentence about what went wrong; hidden while it is empty."""
+    box = ui.label("").classes("complaint").props('role="alert"')
+    box.set_visibility(False)
+    return box
+
+
+def heading(text: str) -> ui.element:
+    """A small heading of a card."""
+    with ui.element("h2").classes("card-head") as element:
+        ui.label(text)
+    return element

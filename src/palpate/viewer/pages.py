@@ -1,0 +1,52 @@
+"""All pages of the viewer put together as one application."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import FastAPI, Request
+from nicegui import ui
+
+from palpate.core import PalpateError
+from palpate.viewer.explore_page import ExplorePage
+from palpate.viewer.library import Library
+from palpate.viewer.page_head import Head
+from palpate.viewer.results import read_results
+from palpate.viewer.routes import answer_errors, make_routes
+from palpate.viewer.shelf import Shelf
+
+TITLE = "palpate"
+
+
+def build_app(folder: Path | None) -> FastAPI:
+    """The application for a result folder; without one, or with one that cannot be read, its page says so."""
+    shelf, reason = Shelf(), "No result folder was given."
+    if folder is not None:
+        try:
+            shelf, reason = Shelf(Library(read_results(folder))), ""
+        except PalpateError as error:
+            reason = str(error)
+    app = FastAPI(title=TITLE, docs_url=None, redoc_url=None, openapi_url=None)
+    answer_errors(app)
+    app.include_router(make_routes(shelf))
+
+    @ui.page("/", title=TITLE)
+    def explore(request: Request) -> None:
+        if shelf.library is None:
+            show_reason(request, reason)
+        else:
+            ExplorePage(shelf, shelf.library, request).build()
+
+    ui.run_with(app, title=TITLE, tailwind=False, show_welcome_message=False, language="en-US")
+    return app
+
+
+def show_reason(request: Request, reason: str) -> None:
+    """The explorer without results: why, and what to do."""
+    Head(request, "/", "no results")
+    with ui.element("main").classes("empty"):
+        ui.label(reason).classes("complaint").props('role="alert"')
+        ui.label(
+            "Make results with `palpate run studies/first.yaml`, then open them with `palpate view results/first`."
+        )
+        ui.link("Design a dome and press it now", "/design").classes("go")

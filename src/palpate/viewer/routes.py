@@ -1,0 +1,82 @@
+"""What the browser asks for while it draws: messages of one design, and files of what is seen."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any
+
+from fastapi import APIRouter, FastAPI, Request, Response
+from fastapi.responses import JSONResponse
+
+from palpate.core import PalpateError
+from palpate.viewer.export import dome_parts, marker_rows
+from palpate.viewer.gltf import write_gltf
+from palpate.viewer.link import kept_rows
+from palpate.viewer.markers_seen import follow_markers
+from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
+from palpate.viewer.shelf import Shelf
+
+BINARY = "application/octet-stream"
+
+
+def make_routes(shelf: Shelf) -> APIRouter:
+    """The addresses below ``/data``; ``name`` is that of a design on the shelf, tilt and azimuth are in degrees."""
+    router = APIRouter(prefix="/data")
+
+    @router.get("/shell/{name}")
+    def shell(name: str) -> Response:
+        design, specimen = shelf.find(name)
+        return Response(describe_shell(specimen, design.layout, design.camera), media_type=BINARY)
+
+    @router.get("/motion/{name}")
+    def motion(name: str, tilt: float = 0.0, stress: bool = False) -> Response:
+        _, specimen = shelf.find(name, stress=stress)
+        return Response(describe_motion(specimen, specimen.pressed.at(tilt), stress=stress), media_type=BINARY)
+
+    @router.get("/markers/{name}")
+    def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
+        design, specimen = shelf.find(name)
+        mesh, found = specimen.pressed.mesh, specimen.pressed.at(tilt)
+        seen = follow_markers(mesh, found, design.layout, design.camera, azimuth)
+        return Response(describe_markers(seen), media_type=BINARY)
+
+    @router.get("/markers.csv")
+    def markers_csv(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
+        return _csv("markers.csv", marker_rows(*shelf.find(name), tilt, azimuth))
+
+    @router.get("/dome.glb")
+    def dome(name: str, depth: float = 0.0, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
+        design, specimen = shelf.find(name)
+        model = write_gltf(dome_parts(design, specimen, (depth, tilt, azimuth)))
+        return Response(model, media_type="model/gltf-binary", headers=_attachment("dome.glb"))
+
+    @router.get("/grid.csv")
+    def grid(where: str = "") -> Response:
+        if shelf.library is None:
+            raise PalpateError("There is no grid.", "Start the viewer with a result folder.")
+        found = shelf.library.results.grid
+        rows = [dict(found.rows[i]) for i in sorted(kept_rows(found, where))]
+        return _csv("grid.csv", rows)
+
+    return router
+
+
+def answer_errors(app: FastAPI) -> None:
+    """Let every error that a person can mend become an answer with its sentence and remedy."""
+
+    @app.exception_handler(PalpateError)
+    def _say(_: Request, error: PalpateError) -> JSONResponse:
+        return JSONResponse({"what": error.what, "remedy": error.remedy}, status_code=422)
+
+
+def _csv(name: str, rows: list[dict[str, Any]]) -> Response:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]) if rows else ["empty"], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return Response(text.getvalue(), media_type="text/csv", headers=_attachment(name))
+
+
+def _attachment(name: str) -> dict[str, str]:
+    return {"content-disposition": f'attachment; filename="{name}"'}

@@ -1,0 +1,371 @@
+// The dome in 3-D: half of it is drawn and mirrored, so that the other half can be cut away.
+import { OrbitControls, THREE } from "nicegui-scene";
+import { between, changed, CIVIDIS, listen, mix, placeOf, save, stage, VIRIDIS } from "palpate-stage";
+
+const TABLE = 256;
+const TABLES = { displacement: VIRIDIS, stress: VIRIDIS, contact: CIVIDIS };
+const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
+const FAR_MM = 2;
+
+export default {
+  props: { slotName: String, label: String },
+  template: `
+    <div class="dome-view" ref="box">
+      <canvas ref="canvas" tabindex="0" role="img" :aria-label="words" @keydown="turn"></canvas>
+      <div class="dome-legend" aria-hidden="true"><span ref="low"></span><i ref="ramp"></i><span ref="high"></span><b ref="what"></b></div>
+      <div class="dome-note" ref="note" role="status"></div>
+    </div>`,
+  computed: {
+    words() {
+      return `${this.label}: the pressed dome in 3-D. Arrow keys turn the view, plus and minus zoom.`;
+    },
+  },
+  mounted() {
+    this.three = buildScene(this.$refs.canvas);
+    this.three.controls.addEventListener("change", () => this.render());
+    this.stop = listen(() => this.draw());
+    this.watcher = new ResizeObserver(() => this.resize());
+    this.watcher.observe(this.$refs.box);
+    this.resize();
+    changed();
+  },
+  beforeUnmount() {
+    this.stop();
+    this.watcher.disconnect();
+    this.three.renderer.dispose();
+  },
+  methods: {
+    resize() {
+      const { clientWidth: width, clientHeight: height } = this.$refs.box;
+      if (!width || !height) return;
+      const { renderer, camera } = this.three;
+      renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      renderer.setSize(width, height, false);
+      camera.aspect = width / height;
+      camera.updateProjectionMatrix();
+      this.render();
+    },
+    draw() {
+      const slot = stage.slots[this.slotName];
+      if (!slot.motion) {
+        this.three.pivot.visible = false;
+        this.$refs.note.textContent = stage.fault || (slot.name ? "Reading the presses …" : "");
+        this.render();
+        return;
+      }
+      if (slot.shell !== this.shell) this.load(slot.shell);
+      this.move(slot);
+      this.render();
+    },
+    load(shell) {
+      this.shell = shell;
+      this.motion = null;
+      loadShell(this.three, shell);
+      if (!this.placed) this.look("side");
+    },
+    move(slot) {
+      const { three } = this;
+      const place = placeOf(slot.motion);
+      const { positions } = three;
+      if (slot.motion !== this.motion || stage.look.colour !== this.colour) {
+        this.motion = slot.motion;
+        this.colour = stage.look.colour;
+        this.top = greatest(slot);
+      }
+      const count = slot.shell.arrays.rest.length;
+      between(slot.motion.arrays.displacement, count, place, three.moved);
+      for (let i = 0; i < count; i++) positions.array[i] = slot.shell.arrays.rest[i] + three.moved[i];
+      positions.needsUpdate = true;
+      colour(three, slot, place, this.top);
+      smooth(three, slot.shell.arrays.seam);
+      placeWall(three, slot, place.depth);
+      placeMarkers(three, slot, place);
+      three.pivot.visible = true;
+      three.pivot.rotation.z = (stage.pose.azimuth * Math.PI) / 180;
+      three.other.visible = !stage.look.cut;
+      three.cut.visible = stage.look.cut;
+      this.say(slot, place);
+    },
+    say(slot, place) {
+      const low = { displacement: "0", stress: "0", contact: "0" }[this.colour];
+      this.$refs.low.textContent = low;
+      this.$refs.high.textContent = this.colour === "contact" ? `${FAR_MM}+` : this.top.toPrecision(3);
+      this.$refs.what.textContent = NAMES[this.colour];
+      this.$refs.ramp.style.background = `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
+      const ended = place.depth < stage.pose.depth - 1e-6;
+      const waits = stage.look.colour === "stress" && !slot.motion.arrays.stress;
+      this.$refs.note.textContent = stage.fault || (waits ? "Finding the stress …" : ended
+        ? `Ended at ${place.depth.toFixed(1)} mm: ${slot.motion.meta.ended}.` : "");
+    },
+    render() {
+      const { renderer, scene, camera } = this.three;
+      renderer.render(scene, camera);
+      this.drawn = (this.drawn || 0) + 1;
+      this.$refs.box.dataset.drawn = this.drawn;
+    },
+    look(from) {
+      const meta = this.shell?.meta;
+      if (!meta) return;
+      const way = { side: [-2.6, -1.9, 1.6], top: [0, -0.01, 1], below: [0, -0.3, -1], front: [-1, 0, 0.15] }[from];
+      const { camera, controls } = this.three;
+      const reach = Math.max(meta.outer_base_radius_mm + 4, meta.outer_radius_mm) * 1.12;
+      const half = Math.tan((camera.fov * Math.PI) / 360);
+      const arm = new THREE.Vector3(...way).setLength(reach / (half * Math.min(1, camera.aspect)));
+      controls.target.set(0, 0, meta.height_mm * 0.42);
+      camera.position.copy(controls.target).add(arm);
+      this.placed = true;
+      controls.update();
+      this.render();
+    },
+    turn(event) {
+      const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+      const zoom = { "+": 0.9, "=": 0.9, "-": 1.1 }[event.key];
+      if (!step && !zoom) return;
+      event.preventDefault();
+      const { camera, controls } = this.three;
+      const arm = camera.position.clone().sub(controls.target);
+      const ball = new THREE.Spherical().setFromVector3(new THREE.Vector3(arm.x, arm.z, -arm.y));
+      if (step) {
+        ball.theta -= step[0];
+        ball.phi = Math.min(Math.max(ball.phi + step[1], 0.02), Math.PI - 0.02);
+      }
+      if (zoom) ball.radius *= zoom;
+      const turned = new THREE.Vector3().setFromSpherical(ball);
+      camera.position.set(turned.x, -turned.z, turned.y).add(controls.target);
+      controls.update();
+    },
+    savePicture(name) {
+      this.render();
+      save(name, this.three.renderer.domElement.toDataURL("image/png"), "image/png");
+    },
+    picturesDrawn() {
+      return this.drawn;
+    },
+  },
+};
+
+function buildScene(canvas) {
+  const antialias = !drawnBySoftware();
+  const renderer = new THREE.WebGLRenderer({ canvas, antialias, alpha: true, preserveDrawingBuffer: true });
+  const scene = new THREE.Scene();
+  const camera = new THREE.PerspectiveCamera(32, 1, 1, 2000);
+  camera.up.set(0, 0, 1);
+  const controls = new OrbitControls(camera, canvas);
+  controls.enableDamping = false;
+  scene.add(new THREE.HemisphereLight(0xffffff, 0xb8c4d0, 2.2), camera);
+  const sun = new THREE.DirectionalLight(0xffffff, 1.5);
+  sun.position.set(-30, 40, 60);
+  camera.add(sun);
+  const pivot = new THREE.Group();
+  scene.add(pivot);
+  return { renderer, scene, camera, controls, pivot, fixed: addGroup(scene) };
+}
+
+// Without a graphics card smooth edges cost more than they are worth.
+function drawnBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl");
+  const told = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = told ? gl.getParameter(told.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+function addGroup(scene) {
+  const group = new THREE.Group();
+  scene.add(group);
+  return group;
+}
+
+function loadShell(three, shell) {
+  const { rest, triangles } = shell.arrays;
+  three.pivot.clear();
+  three.fixed.clear();
+  const { parts } = shell.meta;
+  const geometry = new THREE.BufferGeometry();
+  three.positions = new THREE.BufferAttribute(new Float32Array(rest), 3);
+  three.colours = new THREE.BufferAttribute(new Float32Array(rest.length), 3);
+  three.moved = new Float32Array(rest.length);
+  three.field = new Float32Array(rest.length / 3);
+  geometry.setAttribute("position", three.positions);
+  geometry.setAttribute("color", three.colours);
+  geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(triangles), 1));
+  geometry.computeVertexNormals();
+  three.geometry = geometry;
+  three.cutFrom = triangles.subarray(3 * parts.cut[0]).reduce((least, vertex) => Math.min(least, vertex), Infinity);
+  const skin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 18, specular: 0x222222 });
+  const whole = new THREE.Mesh(share(geometry, 0, 3 * parts.cut[0]), skin);
+  const cutSkin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 0,
+    polygonOffset: true, polygonOffsetFactor: -1 });
+  three.cut = new THREE.Mesh(share(geometry, 3 * parts.cut[0], 3 * parts.cut[1]), cutSkin);
+  three.other = new THREE.Mesh(whole.geometry, skin);
+  three.other.visible = false;
+  three.other.scale.set(-1, 1, 1);
+  [whole, three.cut, three.other].forEach((mesh) => (mesh.frustumCulled = false));
+  three.pivot.add(whole, three.cut, three.other, buildWall(three, shell.meta));
+  buildMarkers(three, shell);
+  three.fixed.add(buildBase(shell.meta));
+}
+
+// The same points and colours, of which only a part of the triangles is drawn.
+function share(geometry, first, count) {
+  const part = new THREE.BufferGeometry();
+  for (const name of ["position", "color", "normal"]) part.setAttribute(name, geometry.getAttribute(name));
+  part.setIndex(geometry.getIndex());
+  part.setDrawRange(first, count);
+  return part;
+}
+
+function buildWall(three, meta) {
+  const size = 2.5 * meta.outer_radius_mm;
+  const pane = new THREE.Mesh(
+    new THREE.PlaneGeometry(size, size),
+    new THREE.MeshBasicMaterial({ color: 0x8fa3b5, transparent: true, opacity: 0.22, side: THREE.DoubleSide, depthWrite: false }),
+  );
+  const edge = new THREE.LineSegments(new THREE.EdgesGeometry(pane.geometry), new THREE.LineBasicMaterial({ color: 0x7b8fa1 }));
+  pane.add(edge);
+  pane.renderOrder = 2;
+  pane.frustumCulled = false;
+  three.pane = pane;
+  return pane;
+}
+
+function buildBase(meta) {
+  const ring = new THREE.RingGeometry(meta.outer_base_radius_mm, meta.outer_base_radius_mm + 4, 96);
+  const material = new THREE.MeshLambertMaterial({ color: 0x9aa8b5, side: THREE.DoubleSide, transparent: true, opacity: 0.55 });
+  const base = new THREE.Mesh(ring, material);
+  base.position.z = -0.02;
+  return base;
+}
+
+function buildMarkers(three, shell) {
+  const count = shell.arrays.rest_px.length / 2;
+  const ball = new THREE.SphereGeometry(shell.meta.marker_diameter_mm * 0.4, 12, 8);
+  three.balls = new THREE.InstancedMesh(ball, new THREE.MeshPhongMaterial({ color: 0x14181d, shininess: 40 }), count);
+  three.balls.frustumCulled = false;
+  three.trails = new THREE.LineSegments(
+    new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xd55e00 }));
+  three.trails.frustumCulled = false;
+  three.fixed.add(three.balls, three.trails);
+}
+
+function placeWall(three, slot, depth) {
+  const { normal, touch_mm: touch } = slot.motion.meta;
+  three.pane.visible = stage.look.wall;
+  // a hair above the surface, or pane and skin would flicker through each other
+  const lift = 0.08;
+  three.pane.position.set(touch[0] + lift * normal[0], touch[1] + lift * normal[1], touch[2] + lift * normal[2] - depth);
+  three.pane.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(...normal));
+}
+
+function placeMarkers(three, slot, place) {
+  const { positions } = slot.markers.arrays;
+  const [images, count] = positions.shape;
+  three.balls.visible = stage.look.dots;
+  three.trails.visible = stage.look.dots && stage.look.trails;
+  const image = Math.min(place.image, images - 1);
+  const at = { image, next: Math.min(place.next, images - 1), share: place.share };
+  const now = between(positions, count * 3, at, new Float32Array(count * 3));
+  const matrix = new THREE.Matrix4();
+  const away = cutAway(positions, count);
+  for (let m = 0; m < count; m++) {
+    if (away(m)) {
+      three.balls.setMatrixAt(m, matrix.makeScale(0, 0, 0));
+      continue;
+    }
+    three.balls.setMatrixAt(m, matrix.makeTranslation(now[3 * m], now[3 * m + 1], now[3 * m + 2]));
+  }
+  three.balls.instanceMatrix.needsUpdate = true;
+  const points = [];
+  for (let m = 0; m < count; m++) {
+    if (away(m)) continue;
+    for (let k = 0; k < image; k++) {
+      points.push(...triple(positions, k * count + m), ...triple(positions, (k + 1) * count + m));
+    }
+    points.push(...triple(positions, image * count + m), now[3 * m], now[3 * m + 1], now[3 * m + 2]);
+  }
+  three.trails.geometry.dispose();
+  three.trails.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
+}
+
+// Whether a marker sits on the half that is cut away: on the far side of the mirror plane at rest.
+function cutAway(positions, count) {
+  if (!stage.look.cut) return () => false;
+  const angle = (stage.pose.azimuth * Math.PI) / 180;
+  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+  return (m) => m < count && positions[3 * m] * cos + positions[3 * m + 1] * sin < -0.1;
+}
+
+function triple(values, i) {
+  return [values[3 * i], values[3 * i + 1], values[3 * i + 2]];
+}
+
+function greatest(slot) {
+  const values = stage.look.colour === "stress" ? slot.motion.arrays.stress : slot.motion.arrays.displacement;
+  let top = 0;
+  if (stage.look.colour === "stress") {
+    for (const value of values || []) top = Math.max(top, value);
+  } else {
+    for (let i = 0; i < values.length; i += 3) {
+      top = Math.max(top, values[i] ** 2 + values[i + 1] ** 2 + values[i + 2] ** 2);
+    }
+    top = Math.sqrt(top);
+  }
+  return top || 1;
+}
+
+function ramp(name) {
+  return name === "contact" ? [...CIVIDIS].reverse() : TABLES[name];
+}
+
+const tables = {};
+function table(name) {
+  if (!tables[name]) {
+    const steps = ramp(name);
+    tables[name] = new Float32Array(TABLE * 3);
+    for (let i = 0; i < TABLE; i++) {
+      const tone = new THREE.Color(...mix(steps, i / (TABLE - 1))).convertSRGBToLinear();
+      tables[name].set([tone.r, tone.g, tone.b], 3 * i);
+    }
+  }
+  return tables[name];
+}
+
+function colour(three, slot, place, top) {
+  const { field, moved } = three;
+  const name = stage.look.colour;
+  if (name === "stress" && slot.motion.arrays.stress) {
+    between(slot.motion.arrays.stress, field.length, place, field);
+  } else if (name === "contact") {
+    const { normal: n, touch_mm: t } = slot.motion.meta;
+    const at = three.positions.array;
+    const level = n[0] * t[0] + n[1] * t[1] + n[2] * (t[2] - place.depth);
+    for (let i = 0; i < field.length; i++) {
+      field[i] = level - (n[0] * at[3 * i] + n[1] * at[3 * i + 1] + n[2] * at[3 * i + 2]);
+    }
+  } else {
+    for (let i = 0; i < field.length; i++) field[i] = Math.hypot(moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]);
+  }
+  const scale = (TABLE - 1) / (name === "contact" ? FAR_MM : top);
+  const tones = table(name);
+  const out = three.colours.array;
+  for (let i = 0; i < field.length; i++) {
+    const step = 3 * Math.min(Math.max(Math.round(field[i] * scale), 0), TABLE - 1);
+    out[3 * i] = tones[step];
+    out[3 * i + 1] = tones[step + 1];
+    out[3 * i + 2] = tones[step + 2];
+  }
+  three.colours.needsUpdate = true;
+}
+
+// Normals of the drawn half; in the mirror plane they lie in it, so that no crease shows.
+function smooth(three, seam) {
+  three.geometry.computeVertexNormals();
+  const normals = three.geometry.getAttribute("normal");
+  for (let i = 0; i < three.cutFrom; i++) {
+    if (!seam[i]) continue;
+    const [y, z] = [normals.getY(i), normals.getZ(i)];
+    const length = Math.hypot(y, z) || 1;
+    normals.setXYZ(i, 0, y / length, z / length);
+  }
+  normals.needsUpdate = true;
+}

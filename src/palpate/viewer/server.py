@@ -1,0 +1,114 @@
+"""The server of the viewer: one process, one result folder, one door with a guard."""
+
+from __future__ import annotations
+
+import ipaddress
+import secrets
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from palpate.core import PalpateError, load_extra
+from palpate.viewer.guard import LOOPBACK, Door, Guard
+
+SHORTEST_TOKEN = 16
+"""Characters of the shortest token that is taken."""
+
+
+@dataclass(frozen=True)
+class ServeSpec:
+    """Where the viewer listens.
+
+    Attributes
+    ----------
+    host, port
+        Address and port; port 0 is any that is free.
+    token
+        What a visitor must bring; empty: none on this machine's own address, a fresh one on any other.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8750
+    token: str = ""
+
+
+def open_door(spec: ServeSpec) -> tuple[Door, socket.socket]:
+    """Take the port, and decide on the token.
+
+    Raises
+    ------
+    PalpateError
+        If the token is too short to be one, or the address is not this machine's or taken.
+    """
+    if spec.token and (len(spec.token) < SHORTEST_TOKEN or not spec.token.isascii() or not spec.token.isalnum()):
+        raise PalpateError(
+            f"The token has {len(spec.token)} characters or other signs than letters and digits.",
+            f"Take {SHORTEST_TOKEN} letters and digits or more, or leave it out: one is made.",
+        )
+    token = spec.token or ("" if is_loopback(spec.host) else secrets.token_hex(16))
+    kind = socket.AF_INET6 if ":" in spec.host else socket.AF_INET
+    listener = socket.socket(kind, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((spec.host, spec.port))
+    except (OSError, OverflowError) as error:
+        listener.close()
+        reason = getattr(error, "strerror", None) or str(error)
+        raise PalpateError(
+            f"The viewer cannot listen at {spec.host}, port {spec.port}: {reason}.",
+            "Another viewer may be running there: open it, or choose another --port (0: any that is free).",
+        ) from None
+    return Door(spec.host, listener.getsockname()[1], token), listener
+
+
+def is_loopback(host: str) -> bool:
+    """Whether an address is reached from this machine alone."""
+    if host in LOOPBACK:
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def link_of(door: Door) -> str:
+    """The link that opens a door."""
+    host = f"[{door.host}]" if ":" in door.host else door.host
+    return f"http://{host}:{door.port}/" + (f"?token={door.token}" if door.token else "")
+
+
+def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None]) -> None:
+    """Serve the viewer until it is interrupted.
+
+    Parameters
+    ----------
+    folder
+        Result folder of a study; without one, only the pages that need none show something.
+    spec
+        Where to listen.
+    announce
+        Called with the link as soon as the port is taken.
+
+    Raises
+    ------
+    PalpateError
+        As `open_door`.
+    MissingExtraError
+        If NiceGUI is not installed.
+    """
+    load_extra("nicegui", "web", "NiceGUI")
+    uvicorn: Any = load_extra("uvicorn", "web")
+    from palpate.viewer.pages import build_app
+
+    door, listener = open_door(spec)
+    try:
+        guarded = Guard(build_app(folder), door)
+        announce(link_of(door))
+        server = uvicorn.Server(
+            uvicorn.Config(guarded, log_level="warning", server_header=False, ws_max_size=1_000_000, lifespan="on")
+        )
+        server.run(sockets=[listener])
+    finally:
+        listener.close()

@@ -1,0 +1,55 @@
+"""Every design that the page can show: those of the result folder, and those that somebody made on the page."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass, field
+
+from palpate.core import PalpateError
+from palpate.viewer.library import Library, Specimen
+from palpate.viewer.results import Design
+
+KEPT = 24
+"""Designs made on the page that are kept; a dome at rest takes about 1 MB."""
+
+
+@dataclass(eq=False)
+class Shelf:
+    """Designs by name: the number of a row, or the name that `put` gave.
+
+    Attributes
+    ----------
+    library
+        Designs of the result folder; `None` without one.
+    """
+
+    library: Library | None = None
+    _made: OrderedDict[str, tuple[Design, Specimen]] = field(default_factory=OrderedDict)
+    _count: int = 0
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def put(self, design: Design, specimen: Specimen) -> str:
+        """Keep a design made on the page and return its name."""
+        with self._lock:
+            self._count += 1
+            name = f"made-{self._count}"
+            self._made[name] = (design, specimen)
+            while len(self._made) > KEPT:
+                self._made.popitem(last=False)
+            return name
+
+    def find(self, name: str, *, stress: bool = False) -> tuple[Design, Specimen]:
+        """A design with its presses, and with their stress if asked for.
+
+        Raises
+        ------
+        PalpateError
+            If there is no such design, or its presses are missing or broken.
+        """
+        if name in self._made:
+            return self._made[name]
+        if self.library is None or not (name.isascii() and name.isdigit() and len(name) < 8):
+            raise PalpateError(f"There is no design '{name[:40]}' any more.", "Load the page again.")
+        design = self.library.design(int(name))
+        return design, self.library.stressed(design) if stress else self.library.specimen(design)

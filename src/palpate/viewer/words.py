@@ -1,0 +1,44 @@
+"""Names of columns and figures as people read them."""
+
+from __future__ import annotations
+
+from palpate.grid import Cell, unit_of
+
+_NAMES = {
+    "rmse_deg": "RMSE of the angle",
+    "max_error_deg": "greatest error of the angle",
+    "rmse_jitter_deg": "RMSE of the angle, 2 px jitter",
+    "max_error_jitter_deg": "greatest error, 2 px jitter",
+    "limit_deg": "limit of any network",
+    "rmse_over_limit": "RMSE over its limit",
+    "travel_mm": "marker travel",
+    "force_n": "force at full depth",
+    "peak_stress_mpa": "peak stress",
+    "bistable_from_mm": "second state from",
+    "interval_coverage": "coverage of the intervals",
+    "interval_half_width_deg": "half-width of the interval",
+    "rmse_depth_mm": "RMSE of the depth",
+    "height_mm": "height H",
+    "thickness_mm": "thickness T",
+    "base_radius_mm": "base radius B",
+}
+
+
+def column_words(column: str) -> str:
+    """A column without its unit, e.g. ``"marker travel"``."""
+    unit = unit_of(column)
+    short = column.removesuffix(f"_{unit.lower()}") if unit else column
+    return _NAMES.get(column, short.replace("_", " ").replace("rmse", "RMSE"))
+
+
+def column_label(column: str) -> str:
+    """A column with its unit, e.g. ``"marker travel (mm)"``."""
+    unit = unit_of(column)
+    return column_words(column) + (f" ({'°' if unit == 'deg' else unit})" if unit else "")
+
+
+def cell_words(cell: Cell) -> str:
+    """A cell in about three digits; a dash for an empty one."""
+    if cell is None or cell == "":
+        return "–"
+    return cell if isinstance(cell, str) else f"{cell:.3g}"

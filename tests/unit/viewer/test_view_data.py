@@ -1,0 +1,115 @@
+"""Links and charts: data in, data out."""
+
+import numpy as np
+import pytest
+from made_up_presses import MESH, made_up_press, rows
+
+from palpate.camera import build_camera
+from palpate.design import MarkerSpec, place_markers
+from palpate.grid import SpecificationGrid
+from palpate.viewer.charts import LIGHT, Chosen, heat_options, line_options, pareto_front, scatter_options
+from palpate.viewer.curves import error_curves, force_curves
+from palpate.viewer.link import Coloured, View, first_view, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.pressed_dome import gather_presses
+from palpate.viewer.results import Design
+from palpate.viewer.words import cell_words, column_label
+
+GRID = SpecificationGrid(rows(), tuple(rows()[0]))
+
+
+def test_a_link_restores_the_view():
+    view = View(
+        design=1,
+        other=0,
+        metric="travel_mm",
+        across="force_n",
+        up="rmse_deg",
+        where="markers > 7",
+        depth=3.25,
+        tilt=4.5,
+        azimuth=210.0,
+        colour=Coloured.STRESS,
+        cut=False,
+        trails=False,
+    )
+    query = dict(part.split("=") for part in write_link(view).split("&"))
+    query["where"] = "markers > 7"
+    assert read_link(query, GRID) == (view, ())
+
+
+def test_the_first_view_is_the_best_design():
+    assert first_view(GRID).design == 1
+    assert first_view(GRID).metric == "rmse_jitter_deg"
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        {"design": "9"},
+        {"design": "-1"},
+        {"design": "x"},
+        {"other": "99"},
+        {"metric": "spec"},
+        {"metric": "nothing"},
+        {"where": "__import__('os')"},
+        {"depth": "nan"},
+        {"tilt": "1e9"},
+        {"azimuth": "inf"},
+        {"colour": "red"},
+        {"cut": "yes"},
+    ],
+)
+def test_what_a_link_gets_wrong_is_left_out_and_said(query):
+    view, complaints = read_link(query, GRID)
+    assert view == first_view(GRID)
+    assert len(complaints) == 1
+
+
+def test_columns_of_text_are_no_metric():
+    assert "spec" not in numeric_columns(GRID)
+    assert "rmse_deg" in numeric_columns(GRID)
+
+
+def test_an_empty_question_keeps_every_design():
+    assert kept_rows(GRID, "  ") == {0, 1, 2}
+    assert kept_rows(GRID, "rmse_deg < 0.3") == {1}
+
+
+def test_every_design_has_a_cell_that_names_its_row():
+    options = heat_options(GRID, "rmse_deg", Chosen({0}, 1, 0), LIGHT)
+    cells = [cell for series in options["series"] for cell in series["data"]]
+    assert [cell["value"][3] for cell in cells] == [0, 1, 2]
+    assert [cell["visualMap"] for cell in cells] == [True, False, False]
+    assert [series["name"] for series in options["series"]] == ["7 markers", "19 markers", "37 markers"]
+
+
+def test_the_front_is_what_nothing_beats():
+    points = [(0, 1.0, 5.0), (1, 2.0, 2.0), (2, 3.0, 3.0), (3, 4.0, 1.0), (4, 1.0, 6.0)]
+    assert pareto_front(points) == [0, 1, 3]
+    assert pareto_front([]) == []
+
+
+def test_designs_without_a_figure_are_not_in_the_scatter():
+    options = scatter_options(GRID, ("force_n", "rmse_deg"), Chosen({0, 1, 2}, 0), LIGHT)
+    assert [dot["value"][2] for dot in options["series"][1]["data"]] == [0, 1]
+
+
+def test_curves_change_their_dash_with_the_branch():
+    presses = [made_up_press(0.0, inverted_from=2.0)]
+    layout = place_markers(MESH.dome, MarkerSpec(count=7))
+    design = Design(0, rows()[0], MESH.dome, layout, build_camera(), ())
+    curves, marks = force_curves([(design, gather_presses(presses).at(0.0))])
+    assert [(curve.name, curve.dashed) for curve in curves] == [("flat", False), ("inverted", True)]
+    assert marks[0].points[0][0] == pytest.approx(3.2)
+    errors = error_curves([design])
+    assert [curve.name for curve in errors] == ["network", "limit"]
+    assert errors[1].points == [(0.8, 1.0), (1.6, 0.5)]
+    options = line_options(curves, ("depth (mm)", "force (N)"), LIGHT, marks)
+    assert options["series"][0]["data"][1] == [pytest.approx(0.8), pytest.approx(0.08)]
+
+
+def test_words_of_columns_have_units():
+    assert column_label("travel_mm") == "marker travel (mm)"
+    assert column_label("rmse_at_2_4mm_deg") == "RMSE at 2 4mm (°)"
+    assert cell_words(None) == "–"
+    assert cell_words(np.pi) == "3.14"
