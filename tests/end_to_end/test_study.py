@@ -63,6 +63,16 @@ def wait_for(out: Path, count: int) -> None:
         time.sleep(0.05)
 
 
+def spawned_by(parent: int) -> list[int]:
+    """Processes that `parent` has spawned to work, oldest first."""
+    return sorted(
+        int(process.name)
+        for process in Path("/proc").glob("[0-9]*")
+        if b"spawn_main" in (process / "cmdline").read_bytes()
+        and int((process / "stat").read_text().rpartition(")")[2].split()[1]) == parent
+    )
+
+
 def test_a_study_leaves_table_and_pictures(finished: Path) -> None:
     rows = numbers(finished)
     assert [row["markers"] for row in rows] == ["7", "19"]
@@ -148,7 +158,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished
     assert numbers(tmp_path) == numbers(finished)
 
 
-@pytest.mark.parametrize("hands", [["--workers", "1"], ["--cluster", "local:2"]])
+@pytest.mark.parametrize("hands", [["--workers", "1"], ["--workers", "4"], ["--cluster", "local:2"]])
 def test_whoever_does_the_tasks_the_grid_is_the_same(
     tiny_study: Path, finished: Path, tmp_path: Path, hands: list[str]
 ) -> None:
@@ -160,6 +170,23 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     assert numbers(tmp_path) == numbers(finished)
     said = json.loads(finish(["status", tiny_study, "--out", tmp_path, "--json"]).stdout)
     assert (said["made"], said["of"], said["left_s"]) == (12, 12, 0)
+
+
+def test_a_dask_worker_killed_in_the_middle_costs_nothing_but_time(
+    tiny_study: Path, finished: Path, tmp_path: Path
+) -> None:
+    pytest.importorskip("distributed")
+    process = start(["run", tiny_study, "--out", tmp_path, "--cluster", "local:3", "--json"])
+    wait_for(tmp_path, 2)
+    workers = spawned_by(process.pid)
+    assert len(workers) == 3
+    os.kill(workers[1], signal.SIGKILL)
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 0, err
+    said = json.loads(out)
+    assert sum(said["computed"].values()) in (11, 12)  # the killed one may just have put its artefact away
+    assert len(artefacts(tmp_path)) == 12
+    assert numbers(tmp_path) == numbers(finished)
 
 
 def test_a_bit_flipped_in_a_finished_artefact_is_found_and_mended(tiny_study: Path, finished: Path) -> None:

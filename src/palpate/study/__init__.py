@@ -1,10 +1,11 @@
 """Study: one YAML file carried through the whole chain, on worker processes, resumed where it was."""
 
+from palpate.study.available import available_cores
 from palpate.study.cluster import check_place
 from palpate.study.observer import Observer, Silence
 from palpate.study.read_study import list_presets, read_study
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary, StudyResult, TaskFailure
-from palpate.study.run_study import available_cores, run_limits, run_study
+from palpate.study.run_study import run_limits, run_study
 from palpate.study.status import KindStatus, StudyStatus, find_status, needed_keys
 from palpate.study.study import DesignsSpec, MaterialSpec, Study
 

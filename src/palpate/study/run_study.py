@@ -14,6 +14,7 @@ from pathlib import Path
 
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
 from palpate.learn import find_device
+from palpate.study.available import fitting_workers
 from palpate.study.cluster import ClusterCrew
 from palpate.study.collect import collect_designs, collect_limits
 from palpate.study.crew import Crew, LocalCrew
@@ -127,7 +128,7 @@ class _Hands:
     def crew(self, store: ArtefactStore, tasks: int) -> Crew:
         if self.cluster is not None:
             return ClusterCrew(store, self.cluster)
-        return LocalCrew(store, min(self.workers or available_cores(), tasks))
+        return LocalCrew(store, min(self.workers or fitting_workers(), tasks))
 
 
 class _Run:
@@ -186,14 +187,6 @@ class _Run:
             outcomes = do_tasks(todo, there, crew, self._observer, self._hands.limit_s)
         self.outcomes.update(outcomes)
         self.made -= outcomes.keys()  # what broke while it was read was made again
-
-
-def available_cores() -> int:
-    """Number of cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1
 
 
 def _writable(out: Path) -> Path:
