@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -33,6 +34,7 @@ def solve_press(
     wall: WallSpec | None = None,
     solver: SolverSpec | None = None,
     branch: Branch = Branch.FLAT,
+    observe: Callable[[float], None] | None = None,
 ) -> Press:
     """Solve one press from first touch to full depth.
 
@@ -50,6 +52,8 @@ def solve_press(
     branch
         Flat: pressed from rest. Inverted: the other state, found at the greatest depth and followed back to where
         it ends; it has no image at rest, and its work counts from the energy stored there.
+    observe
+        Called with the depth in mm of each image on the way down as soon as it is solved.
 
     Returns
     -------
@@ -68,7 +72,7 @@ def solve_press(
     path = start_path(problem, mesh, normal, solver)
     reachable = clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)
     goals = image_depths(wall, min(wall.depth, reachable))
-    images = _press_down(path, goals)
+    images = _press_down(path, goals, observe)
     if wall.unload and path.ended is Ended.DEPTH_REACHED:
         images += _draw_back(path, goals)
     if branch is Branch.INVERTED:
@@ -95,7 +99,7 @@ def solve_press(
     )
 
 
-def _press_down(path: Path, goals: list[float]) -> list[int]:
+def _press_down(path: Path, goals: list[float], observe: Callable[[float], None] | None) -> list[int]:
     """Press to the depths (mm) of the images as far as they go; the points of the path that are images."""
     images = [0]
     for goal in goals:
@@ -104,6 +108,8 @@ def _press_down(path: Path, goals: list[float]) -> list[int]:
                 images.append(len(path.points) - 1)
             break
         images.append(len(path.points) - 1)
+        if observe is not None:
+            observe(goal)
     return images
 
 

@@ -8,6 +8,7 @@ from fastapi import FastAPI, Request
 from nicegui import ui
 
 from palpate.core import PalpateError
+from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
 from palpate.viewer.library import Library
 from palpate.viewer.page_head import Head
@@ -36,6 +37,10 @@ def build_app(folder: Path | None) -> FastAPI:
             show_reason(request, reason)
         else:
             ExplorePage(shelf, shelf.library, request).build()
+
+    @ui.page("/design", title=f"{TITLE}: design")
+    def design(request: Request) -> None:
+        DesignPage(shelf, request).build()
 
     ui.run_with(app, title=TITLE, tailwind=False, show_welcome_message=False, language="en-US")
     return app

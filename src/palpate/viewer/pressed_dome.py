@@ -198,6 +198,21 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     )
 
 
+def rest_dome(mesh: Mesh, tilt_deg: float = 0.0) -> PressedDome:
+    """A dome that was never pressed, as a press of no depth by a wall of a tilt (degrees)."""
+    return PressedDome(
+        mesh=mesh,
+        tilts_deg=np.array([tilt_deg]),
+        depths_mm=np.zeros(1),
+        displacement=np.zeros((1, 1, *mesh.nodes.shape), np.float32),
+        force_n=np.zeros((1, 1)),
+        branch=np.full((1, 1), "flat", dtype="U16"),
+        ended=("not pressed yet",),
+        ended_mm=(0.0,),
+        mirrored=_mirror(mesh),
+    )
+
+
 def _mirror(mesh: Mesh) -> NDArray[np.intp]:
     """For each node the one across y = 0."""
     distance, mirrored = cKDTree(mesh.nodes).query(mesh.nodes * [1.0, -1.0, 1.0])

@@ -93,6 +93,15 @@ export default {
       };
       this.ticking = requestAnimationFrame(tick);
     },
+    playWhenReady() {
+      const wait = setInterval(() => {
+        if (!(stage.slots.a.motion?.meta.depths_mm.length > 1)) return;
+        clearInterval(wait);
+        this.fit();
+        if (!this.playing) this.play();
+      }, 50);
+      setTimeout(() => clearInterval(wait), 5000);
+    },
     told() {
       const slot = stage.slots.a;
       if (!slot.motion) return null;

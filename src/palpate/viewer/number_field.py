@@ -1,0 +1,88 @@
+"""A number on the page: a slider and a box, with the bounds and unit that its spec declares."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import events, ui
+from pydantic import BaseModel
+
+from palpate.core import parameters
+from palpate.viewer.sketch import bounds_of
+
+Change = Callable[[float], None]
+
+
+class NumberField:
+    """One number of a spec.
+
+    Parameters
+    ----------
+    spec, name
+        The spec and its field.
+    label
+        Name on the page.
+    step
+        Of the slider.
+    change
+        Called with each new value that is within the bounds.
+    ends
+        Least and greatest value that the page offers; without them, the bounds.
+    """
+
+    def __init__(
+        self,
+        spec: type[BaseModel],
+        name: str,
+        label: str,
+        step: float,
+        change: Change,
+        ends: tuple[float, float] | None = None,
+    ) -> None:
+        note = next(note for note in parameters(spec) if note.name == name)
+        low, high = ends or bounds_of(spec, name)
+        unit = {"deg": "°", "1": ""}.get(note.unit, note.unit)
+        self._place(f"{label} ({unit})" if unit else label, (low, high, step), float(note.default), change)
+        self._row.props(f'title="{note.meaning}"')
+
+    @classmethod
+    def free(cls, label: str, ends: tuple[float, float, float], value: float, change: Change) -> NumberField:
+        """A number that no spec declares: least, most and step of it are given."""
+        field = cls.__new__(cls)
+        field._place(label, ends, value, change)
+        return field
+
+    def note(self, text: str) -> None:
+        """Say more about the number."""
+        with self._row:
+            ui.label(text).classes("faint field-note")
+
+    def _place(self, label: str, ends: tuple[float, float, float], value: float, change: Change) -> None:
+        self._low, self._high, step = ends
+        self._change = change
+        with ui.element("div").classes("field") as self._row:
+            ui.label(label).classes("field-name")
+            self._slider = ui.slider(min=self._low, max=self._high, step=step, value=value)
+            self._slider.props(f'dense aria-label="{label}"').on_value_change(self._slide)
+            self._box = ui.number(value=value, step=step, on_change=self._type).props(
+                f'dense borderless hide-bottom-space aria-label="{label}"'
+            )
+            self._wrong = ui.label("").classes("field-wrong").props('role="alert"')
+
+    def _slide(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        if event.value is not None and event.value != self._box.value:
+            self._box.value = round(float(event.value), 6)
+
+    def _type(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        value = event.value
+        if not isinstance(value, int | float) or not math.isfinite(value):
+            self._wrong.text = "This is no number."
+        elif not self._low <= value <= self._high:
+            self._wrong.text = f"From {self._low:g} to {self._high:g}."
+        else:
+            self._wrong.text = ""
+            if self._slider.value != value:
+                self._slider.value = value
+            self._change(float(value))

@@ -1,0 +1,92 @@
+"""A sketch: a design that somebody is making up on the page, and what is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import PalpateError, Spec
+from palpate.design import DomeSpec, Finding, MarkerSpec, Severity, build_dome, place_markers
+from palpate.fabricate import ProcessSpec, check_process
+from palpate.fea import WallSpec
+from palpate.mesh import MeshSpec, mesh_dome
+from palpate.study import MaterialSpec
+from palpate.viewer.library import Specimen
+from palpate.viewer.pressed_dome import rest_dome
+from palpate.viewer.results import Design
+from palpate.viewer.shell import build_shell
+
+REST_CELLS = 16
+"""Cells from pole to rim of a dome that is only looked at."""
+
+
+class Sketch(Spec):
+    """Everything that the design page chooses."""
+
+    dome: DomeSpec = DomeSpec()
+    markers: MarkerSpec = MarkerSpec()
+    material: MaterialSpec = MaterialSpec()
+    camera: CameraSpec = CameraSpec()
+    wall: WallSpec = WallSpec()
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A sketch as it is shown: the design, its dome at rest, and what was found about it, errors first."""
+
+    design: Design
+    specimen: Specimen
+    findings: tuple[Finding, ...]
+
+
+def draw_sketch(sketch: Sketch) -> Drawn:
+    """Build the dome of a sketch at rest and check it, in milliseconds.
+
+    Raises
+    ------
+    PalpateError
+        If the dome cannot be built or its markers not be placed on it.
+    """
+    dome = build_dome(sketch.dome)
+    layout, camera = place_markers(dome, sketch.markers), build_camera(sketch.camera)
+    if not layout.on_dome.all():
+        raise PalpateError("Some markers lie outside the dome.", "Use smaller rings, or a wider dome.")
+    mesh = mesh_dome(dome, MeshSpec(cells=REST_CELLS))
+    findings = check_process(dome, layout, sketch.material.material(), camera, ProcessSpec())
+    hidden = int((~camera.visible(layout.positions, dome)).sum())
+    if hidden:
+        remedy = "Move the camera further away, or leave the outer ring out."
+        said = f"{hidden} of {len(layout)} markers are out of the camera's sight."
+        findings = (Finding(Severity.WARNING, "markers-out-of-sight", said, remedy), *findings)
+    order = list(Severity)
+    findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
+    design = Design(-1, sketch_row(sketch), dome, layout, camera, ())
+    return Drawn(design, Specimen(rest_dome(mesh, sketch.wall.tilt_deg), build_shell(mesh)), findings)
+
+
+def sketch_row(sketch: Sketch) -> dict[str, float | int | str | None]:
+    """The figures of a sketch that a grid would have as well."""
+    return {
+        "height_mm": sketch.dome.height,
+        "base_radius_mm": sketch.dome.base_radius,
+        "thickness_mm": sketch.dome.thickness,
+        "markers": sketch.markers.count,
+    }
+
+
+def bounds_of(spec: type[BaseModel], name: str) -> tuple[float, float]:
+    """Least and greatest value of a spec's field, as declared there; infinite where nothing is."""
+    low, high = -np.inf, np.inf
+    for item in spec.model_fields[name].metadata:
+        low = max(low, *(float(_bound(item, word, -np.inf)) for word in ("ge", "gt")))
+        high = min(high, *(float(_bound(item, word, np.inf)) for word in ("le", "lt")))
+    return low, high
+
+
+def _bound(item: Any, word: str, usual: float) -> float:
+    found = getattr(item, word, None)
+    return usual if found is None else float(found)

@@ -1,0 +1,43 @@
+"""Long work of the design page, done in processes of its own: a press, a fabrication pack."""
+
+from __future__ import annotations
+
+import tempfile
+import zipfile
+from pathlib import Path
+
+from palpate.design import MountSpec, build_dome
+from palpate.fabricate import PackSpec, ProcessSpec, write_pack
+from palpate.fea import Press, solve_press
+from palpate.mesh import MeshSpec, mesh_dome
+from palpate.viewer.errand import Report
+from palpate.viewer.sketch import Sketch
+
+
+def press_sketch(sketch: Sketch, report: Report) -> Press:
+    """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
+    mesh = mesh_dome(build_dome(sketch.dome), MeshSpec())
+    wall = sketch.wall
+    return solve_press(
+        mesh, sketch.material.material(), wall, observe=lambda depth: report(min(depth / wall.depth, 1.0))
+    )
+
+
+def pack_sketch(sketch: Sketch, report: Report) -> bytes:
+    """The fabrication pack of a sketch as a zip file; how far it is cannot be told."""
+    spec = PackSpec(
+        dome=sketch.dome,
+        markers=sketch.markers,
+        mount=MountSpec(),
+        material=sketch.material.material(),
+        process=ProcessSpec(),
+        camera=sketch.camera,
+    )
+    report(0.0)
+    with tempfile.TemporaryDirectory(prefix="palpate-pack-") as name:
+        folder, archive = Path(name) / "pack", Path(name) / "pack.zip"
+        write_pack(folder, spec)
+        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
+            for path in sorted(folder.iterdir()):
+                file.write(path, f"pack/{path.name}")
+        return archive.read_bytes()

@@ -1,0 +1,105 @@
+"""A design made up on the page: drawn at once, checked, and pressed or made by a process of its own."""
+
+import time
+
+import numpy as np
+import pytest
+
+pytest.importorskip("cv2")
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec
+from palpate.fea import WallSpec
+from palpate.viewer.errand import Errand
+from palpate.viewer.scene import describe_motion
+from palpate.viewer.shelf import KEPT, Shelf
+from palpate.viewer.sketch import Sketch, bounds_of, draw_sketch
+
+
+def work_in_steps(count, report):
+    for i in range(count):
+        report((i + 1) / count)
+    return count
+
+
+def work_for_ever(report):
+    report(0.5)
+    time.sleep(600)
+
+
+def refuse(report):
+    raise PalpateError("It is too thin.", "Make it thicker.")
+
+
+def stumble(report):
+    raise ZeroDivisionError("by zero")
+
+
+def die(report):
+    import os
+
+    os._exit(3)
+
+
+def wait_for(errand, seconds=60):
+    end = time.monotonic() + seconds
+    while not errand.look():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_work_gives_its_result_and_says_how_far_it_is():
+    errand = Errand(work_in_steps, 4)
+    wait_for(errand)
+    assert (errand.result, errand.share, errand.fault) == (4, 1.0, "")
+
+
+@pytest.mark.parametrize(("work", "said"), [(refuse, "thicker"), (stumble, "ZeroDivisionError"), (die, "died")])
+def test_work_that_fails_says_why(work, said):
+    errand = Errand(work)
+    wait_for(errand)
+    assert errand.result is None
+    assert said in errand.fault
+
+
+def test_work_can_be_called_off():
+    errand = Errand(work_for_ever)
+    while errand.share < 0.5:
+        errand.look()
+        time.sleep(0.02)
+    errand.call_off()
+    assert errand.look()
+    assert errand.fault == "Cancelled."
+
+
+def test_a_sketch_is_drawn_at_rest_with_its_wall():
+    drawn = draw_sketch(Sketch(wall=WallSpec(tilt_deg=5)))
+    motion = drawn.specimen.pressed.at(5.0)
+    assert motion.depths_mm.tolist() == [0.0]
+    assert np.abs(motion.displacement).max() == 0
+    assert describe_motion(drawn.specimen, motion)
+    assert drawn.design.name == "H 20  T 2 mm, 169 markers"
+
+
+def test_a_camera_that_is_too_near_is_found():
+    sketch = Sketch.model_validate({"camera": {"distance": 12}})
+    assert draw_sketch(sketch).findings[0].code == "markers-out-of-sight"
+
+
+def test_rings_beyond_the_dome_are_refused():
+    with pytest.raises(PalpateError, match="outside"):
+        draw_sketch(Sketch(markers=MarkerSpec(ring_diameters=(90.0,))))
+
+
+def test_bounds_are_those_of_the_spec():
+    assert bounds_of(DomeSpec, "height") == (2, 60)
+    assert bounds_of(MarkerSpec, "diameter") == (0, 10)
+
+
+def test_the_shelf_keeps_the_last_designs():
+    shelf = Shelf()
+    drawn = draw_sketch(Sketch())
+    names = [shelf.put(drawn.design, drawn.specimen) for _ in range(KEPT + 1)]
+    assert shelf.find(names[-1])[0] is drawn.design
+    with pytest.raises(PalpateError, match="any more"):
+        shelf.find(names[0])
