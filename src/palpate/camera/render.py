@@ -38,6 +38,9 @@ class RenderSpec(Spec):
     rim: bool = False
     """Whether a bright rim and dark clutter lie outside the dome."""
     seed: int = parameter(0, unit="1", meaning="seed of light, dirt and noise", ge=0)
+    noise_seed: int | None = parameter(
+        None, unit="1", meaning="seed of the noise alone, where light and dirt stay; empty: seed gives it too", ge=0
+    )
 
 
 def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> Array:
@@ -133,7 +136,9 @@ def render(camera: Camera, edges: Array, spec: RenderSpec | None = None) -> NDAr
     for share in (1.0, 0.6, 0.4) if spec.glare else ():
         place, width = rng.uniform(-0.35, 0.35, 2), rng.uniform(0.02, 0.05)
         image = image + share * spec.glare * np.exp(-((u - place[0]) ** 2 + (v - place[1]) ** 2) / (2.0 * width**2))
-    image = image + rng.normal(0.0, spec.noise, image.shape) if spec.noise else image
+    if spec.noise:
+        rng = rng if spec.noise_seed is None else np.random.default_rng(spec.noise_seed)
+        image = image + rng.normal(0.0, spec.noise, image.shape)
     return np.clip(np.rint(image), 0, 255).astype(np.uint8)
 
 

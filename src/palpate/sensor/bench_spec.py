@@ -19,14 +19,16 @@ class ToleranceSpec(Spec):
     """
 
     thickness: float = parameter(0.05, unit="mm", meaning="thickness of the wall", ge=0, le=1)
-    modulus: float = parameter(0.03, unit="1", meaning="stiffness, all constants of the law by one share", ge=0, le=0.9)
+    modulus: float = parameter(
+        0.03, unit="1", meaning="stiffness, all constants of the law by one share", ge=0, le=0.9
+    )
     stiffening: float = parameter(
         0.1, unit="1", meaning="constants of higher order, over the first of the law", ge=0, le=0.9
     )
     friction: float = parameter(
         0.8,
         unit="1",
-        meaning="least coefficient of friction on a clean dry wall, of which up to twice is met; 0: as in the training",
+        meaning="least coefficient of friction on a clean wall; up to twice that is met; 0: as in the training",
         ge=0,
         le=5,
     )
@@ -60,24 +62,27 @@ class ToleranceSpec(Spec):
     )
 
 
-class BenchSpec(Spec):
+class VirtualBenchSpec(Spec):
     """How the bench presses, looks and counts."""
 
     units: int = parameter(20, unit="1", meaning="sampled units beside the nominal one", ge=0, le=10_000)
-    tilts_deg: tuple[float, ...] = parameter(
-        (1.0, 3.0, 5.0, 7.0, 9.0, 11.0), unit="deg", meaning="tilts that are pressed"
+    tilts: int = parameter(
+        3, unit="1", meaning="tilts of every unit, drawn from as many equal parts of the range", ge=1, le=100
     )
-    azimuths: int = parameter(2, unit="1", meaning="directions drawn at random for every tilt", ge=1, le=100)
+    max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt", gt=0, le=30)
+    azimuths: int = parameter(4, unit="1", meaning="directions drawn at random for every tilt", ge=1, le=100)
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
     image_step: float = parameter(
         0.7, unit="mm", meaning="travel between two images, other than the training's", gt=0, le=10
     )
     least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0, le=60)
     contact: str | float = parameter(
-        "no-slip", unit="1", meaning="contact of the nominal unit: frictionless, no-slip or the coefficient of friction"
+        "no-slip",
+        unit="1",
+        meaning="contact of the nominal unit: frictionless, no-slip or the coefficient of friction",
     )
     cells: int | None = parameter(
-        None, unit="1", meaning="cells along a meridian; empty: a third more than the training's own", ge=4, le=200
+        None, unit="1", meaning="cells along a meridian; empty: an eighth more than the training's own", ge=4, le=200
     )
     solver: Literal["palpate", "calculix"] = parameter("palpate", unit="", meaning="who solves the presses")
     zero: bool = parameter(

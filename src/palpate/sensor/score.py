@@ -1,0 +1,102 @@
+"""Errors of readings against the truth as in the paper's Table 3, with intervals.
+
+Images of one press are alike, so intervals come from drawing whole presses with replacement (Efron and Tibshirani,
+*An Introduction to the Bootstrap*, 1993, section 8.5). The greatest error has none: a bootstrap is silent there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import generator
+from palpate.learn import ErrorSummary
+
+Array = NDArray[np.float64]
+COMPONENTS = (("roll", "deg"), ("pitch", "deg"), ("depth", "mm"))
+"""rx, ry and depth by the names of the paper, and their units."""
+LEVEL = 0.95
+"""Share of repetitions that an interval covers."""
+_DRAWS = 2000
+
+PAPER_TABLE_3 = {
+    "roll": ErrorSummary(rmse=0.58, mae=0.49, max=1.62, sd=0.54, bias=float("nan")),
+    "pitch": ErrorSummary(rmse=0.57, mae=0.47, max=1.64, sd=0.49, bias=float("nan")),
+    "depth": ErrorSummary(rmse=1.00, mae=1.00, max=1.40, sd=0.16, bias=float("nan")),
+}
+"""Errors of the sensor of Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, Table 3 (degrees, mm)."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """Errors of one component.
+
+    Attributes
+    ----------
+    component, unit
+        As in `COMPONENTS`.
+    images, presses
+        Number of images with a pose, and of presses that they come from.
+    errors
+        RMSE, MAE, greatest absolute error, SD and bias.
+    rmse_interval, mae_interval, sd_interval
+        Ends of the intervals of `LEVEL`; equal to the figure where there is one press only.
+    """
+
+    component: str
+    unit: str
+    images: int
+    presses: int
+    errors: ErrorSummary
+    rmse_interval: tuple[float, float]
+    mae_interval: tuple[float, float]
+    sd_interval: tuple[float, float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def score_readings(truth: Array, estimates: Array, press: NDArray[np.int64], seed: int = 0) -> tuple[Score, ...]:
+    """Score roll, pitch and depth.
+
+    Parameters
+    ----------
+    truth, estimates
+        (n, 3) rx, ry (degrees) and depth (mm); images whose estimate is not a number are left out.
+    press
+        (n,) number of the press.
+    seed
+        Seed of the bootstrap.
+
+    Raises
+    ------
+    PalpateError
+        If no image has an estimate.
+    """
+    read = np.isfinite(estimates).all(axis=1)
+    errors, press = (estimates - truth)[read], press[read]
+    count = len(np.unique(press))
+    scores = []
+    for column, (name, unit) in enumerate(COMPONENTS):
+        error = errors[:, column]
+        summary = ErrorSummary.of(error)
+        drawn = _bootstrap(error, press, seed)
+        ends = [tuple(float(v) for v in np.quantile(row, [0.5 - LEVEL / 2, 0.5 + LEVEL / 2])) for row in drawn]
+        scores.append(Score(name, unit, len(error), count, summary, *ends))  # type: ignore[arg-type]
+    return tuple(scores)
+
+
+def _bootstrap(error: Array, press: NDArray[np.int64], seed: int) -> tuple[Array, Array, Array]:
+    """RMSE, MAE and SD of repetitions in which whole presses are drawn with replacement."""
+    _, which = np.unique(press, return_inverse=True)
+    sums = np.stack(
+        [np.bincount(which, weights) for weights in (np.ones(len(error)), error, np.abs(error), error**2)]
+    )
+    drawn = generator(seed, "bootstrap").integers(0, sums.shape[1], (_DRAWS, sums.shape[1]))
+    images, total, absolute, square = sums[:, drawn].sum(axis=-1)
+    variance = np.maximum(square / images - (total / images) ** 2, 0.0)
+    return np.sqrt(square / images), absolute / images, np.sqrt(variance)
