@@ -161,13 +161,13 @@ def _fill(fine: NDArray[np.uint8], points: Array) -> None:
     high = np.minimum(np.ceil(points.max(axis=0)).astype(int) + 1, np.array(fine.shape)[::-1])
     if np.any(high <= low):
         return
-    x, y = np.arange(low[0], high[0])[None], np.arange(low[1], high[1])[:, None]
-    inside = np.zeros((high[1] - low[1], high[0] - low[0]), bool)
-    for (ax, ay), (bx, by) in zip(points, np.roll(points, -1, axis=0), strict=True):
-        if ay == by:
-            continue
-        crosses = (ay > y) != (by > y)
-        inside ^= crosses & (x < (bx - ax) * (y - ay) / (by - ay) + ax)
+    x, y = np.arange(low[0], high[0]), np.arange(low[1], high[1])[:, None]
+    (ax, ay), (bx, by) = points.T, np.roll(points, -1, axis=0).T
+    rise = np.where(by == ay, 1.0, by - ay)
+    crosses = (ay > y) != (by > y)
+    across = np.sort(np.where(crosses, (bx - ax) * (y - ay) / rise + ax, -np.inf), axis=1)
+    most = int(crosses.sum(axis=1).max(initial=0))  # edges that a row meets, two for a convex dot
+    inside = (x < across[:, across.shape[1] - most :, None]).sum(axis=1) % 2 == 1
     fine[low[1] : high[1], low[0] : high[0]][inside] = 255
 
 

@@ -21,8 +21,8 @@ from palpate.sensor.bench_spec import ToleranceSpec
 from palpate.sensor.deviation import IMPERFECTIONS, Deviation, Imperfection, single_deviation
 
 Array = NDArray[np.float64]
-DRAWS = 4
-"""Units with other signs and other dots off, for an imperfection that needs no press of its own."""
+DRAWS = 2
+"""Units of opposite signs and other dots off, for an imperfection that needs no press of its own."""
 
 
 @dataclass(frozen=True)
