@@ -56,3 +56,23 @@ class PoseBar(Element, component="scripts/pose_bar.js"):
         """Go to a pose and play the press that was just put on the stage, as soon as it is there."""
         self.run_method("pose", {"depth": 0.0, "tilt": tilt_deg, "azimuth": azimuth_deg})
         self.run_method("playWhenReady")
+
+
+class LiveView(Element, component="scripts/live_view.js"):
+    """An image of a sensor with its markers."""
+
+    def __init__(self, label: str) -> None:
+        super().__init__()
+        self._props["label"] = label
+
+    def begin(self, width: int, height: int, rest: list[list[float]]) -> None:
+        """Prepare for images of a size in px and markers (m, 2) px at rest."""
+        self.run_method("begin", width, height, rest)
+
+    def show(self, picture: str, positions: list[list[float]], found: list[bool], stretch: float) -> None:
+        """Show an image (a data link) with markers (m, 2) px, whether each was found, and arrows so much longer."""
+        self.run_method("show", picture, positions, found, stretch)
+
+    def number(self, shown: bool) -> None:
+        """Show the markers' numbers, or not."""
+        self.run_method("number", shown)

@@ -11,6 +11,7 @@ from palpate.core import PalpateError
 from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
 from palpate.viewer.library import Library
+from palpate.viewer.live_page import LivePage
 from palpate.viewer.page_head import Head
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
@@ -34,7 +35,7 @@ def build_app(folder: Path | None) -> FastAPI:
     @ui.page("/", title=TITLE)
     def explore(request: Request) -> None:
         if shelf.library is None:
-            show_reason(request, reason)
+            show_reason(request, "/", reason)
         else:
             ExplorePage(shelf, shelf.library, request).build()
 
@@ -42,13 +43,20 @@ def build_app(folder: Path | None) -> FastAPI:
     def design(request: Request) -> None:
         DesignPage(shelf, request).build()
 
+    @ui.page("/live", title=f"{TITLE}: live")
+    def live(request: Request) -> None:
+        if shelf.library is None:
+            show_reason(request, "/live", reason)
+        else:
+            LivePage(shelf.library, request).build()
+
     ui.run_with(app, title=TITLE, tailwind=False, show_welcome_message=False, language="en-US")
     return app
 
 
-def show_reason(request: Request, reason: str) -> None:
-    """The explorer without results: why, and what to do."""
-    Head(request, "/", "no results")
+def show_reason(request: Request, here: str, reason: str) -> None:
+    """A page without results: why, and what to do."""
+    Head(request, here, "no results")
     with ui.element("main").classes("empty"):
         ui.label(reason).classes("complaint").props('role="alert"')
         ui.label(

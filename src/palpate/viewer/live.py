@@ -1,0 +1,143 @@
+"""A sensor at work, image by image, with everything that the page shows of it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.learn import Predictor
+from palpate.markers import Motion, Tracker
+from palpate.sensor import Reading, Sensor, Unit, describe_reading, open_sensor
+from palpate.viewer.results import Design
+from palpate.viewer.source import Shot
+
+LONGEST = 100_000
+"""Readings of the longest record."""
+
+
+class Verdict(StrEnum):
+    """Whether the wall stands upright to within a tolerance."""
+
+    GO = "go"
+    NO_GO = "no go"
+    UNSURE = "unsure"
+    NO_TOUCH = "no touch"
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What one image gave.
+
+    Attributes
+    ----------
+    image
+        (h, w) grey levels; `None` where it could not be read.
+    reading
+        The pose.
+    positions_px, found
+        (m, 2) px and (m,) where the markers are, and whether a dot was found there.
+    truth
+        rx, ry (degrees) and depth (mm) where they are known.
+    """
+
+    image: NDArray[np.uint8] | None
+    reading: Reading
+    positions_px: NDArray[np.float64]
+    found: NDArray[np.bool_]
+    truth: tuple[float, float, float] | None
+
+
+class Live:
+    """A sensor opened on the first image of a source; `step` reads the next ones.
+
+    Parameters
+    ----------
+    design, predictor
+        The unit's design and its model.
+    shots
+        Images; the first shows the untouched dome.
+    marked
+        Whether the orientation mark is printed.
+
+    Raises
+    ------
+    PalpateError
+        If there is no image, or the dots are not those of the design.
+    """
+
+    def __init__(self, design: Design, predictor: Predictor, shots: Iterator[Shot], *, marked: bool = True) -> None:
+        first = next(shots, None)
+        if first is None:
+            raise PalpateError("The source has no image.", "Record the untouched dome first.")
+        if isinstance(first.image, PalpateError):
+            raise first.image
+        unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
+        self.sensor: Sensor = open_sensor([first.image], unit, predictor)
+        self.rest_px = self.sensor.naming.positions_px
+        self.record: list[dict[str, Any]] | None = None
+        self._shots = shots
+        self._tracker = Tracker(Motion(self.rest_px))
+
+    def step(self) -> Step | None:
+        """Read the next image; `None` at the end of the source."""
+        shot = next(self._shots, None)
+        if shot is None:
+            return None
+        reading = self.sensor.read(shot.image)
+        positions, found = self.rest_px, np.zeros(len(self.rest_px), bool)
+        image = None
+        if not isinstance(shot.image, PalpateError):
+            image = to_grey(shot.image)
+            if not math.isnan(reading.depth_mm):
+                sighting = self._tracker.step(self.sensor.detector.find(shot.image).positions_px)
+                positions, found = sighting.positions_px, sighting.found
+        if self.record is not None and len(self.record) < LONGEST:
+            self.record.append(describe_reading(reading))
+        return Step(image, reading, positions, found, shot.truth)
+
+
+def judge(reading: Reading, tolerance_deg: float) -> Verdict:
+    """Hold the tilt of a reading, with its interval, against a tolerance in degrees.
+
+    The interval of the tilt is that of its components, |rx ± a| and |ry ± b|, at their nearest and farthest.
+    """
+    if not reading.touching or math.isnan(reading.rx_deg):
+        return Verdict.NO_TOUCH
+    least, most = tilt_interval(reading)
+    if most <= tolerance_deg:
+        return Verdict.GO
+    return Verdict.NO_GO if least > tolerance_deg else Verdict.UNSURE
+
+
+def tilt_interval(reading: Reading) -> tuple[float, float]:
+    """Least and greatest tilt (degrees) within the intervals of both components."""
+    pairs = [(abs(reading.rx_deg), reading.half_width[0]), (abs(reading.ry_deg), reading.half_width[1])]
+    least = math.hypot(*(max(size - half, 0.0) for size, half in pairs))
+    most = math.hypot(*(size + half for size, half in pairs))
+    return least, most
+
+
+def record_csv(record: list[dict[str, Any]]) -> bytes:
+    """A record of readings as a CSV file."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(record[0]) if record else ["image"], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(record)
+    return text.getvalue().encode()
+
+
+def to_grey(image: NDArray[Any]) -> NDArray[np.uint8]:
+    """An image of any depth and colour as grey levels (h, w) from 0 to 255."""
+    grey = image if image.ndim == 2 else image[..., :3].mean(axis=-1)
+    if image.dtype == np.uint16:
+        grey = grey / 257.0
+    return np.clip(grey, 0, 255).astype(np.uint8)

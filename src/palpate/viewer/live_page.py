@@ -1,0 +1,234 @@
+"""The live page: images of a unit, its markers, the pose of the wall, and whether it is upright enough."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from fastapi import Request
+from nicegui import events, ui
+
+from palpate.core import PalpateError
+from palpate.learn import open_predictor
+from palpate.viewer.dial import COLOURS, draw_dial
+from palpate.viewer.elements import LiveView
+from palpate.viewer.library import Library
+from palpate.viewer.live import Live, Step, Verdict, judge, record_csv, tilt_interval
+from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.png import write_png
+from palpate.viewer.results import model_path
+from palpate.viewer.source import Shot, find_recordings, inside, replay, touch_for_ever
+
+_VIRTUAL = "virtual touches"
+_PERIOD_S = 0.1
+
+
+class LivePage:
+    """One visitor's sensor.
+
+    Parameters
+    ----------
+    library
+        The result folder: designs with their models, and recordings in folders of their own.
+    request
+        Of the page.
+    """
+
+    def __init__(self, library: Library, request: Request) -> None:
+        self._library = library
+        self._rows = library.results.grid.rows
+        self._live: Live | None = None
+        self._busy = False
+        self._tolerance = 2.0
+        self._kept: list[dict[str, Any]] = []
+        Head(request, "/live", library.results.folder.resolve().name)
+
+    def build(self) -> None:
+        """Place every element; nothing runs before *Start*."""
+        with ui.element("main").classes("live"):
+            with ui.element("section").classes("side").props('aria-label="Source"'):
+                self._build_source()
+                self._build_record()
+            with ui.element("section").classes("stage").props('aria-label="Image"'):
+                self._fault = complaint()
+                self._view = LiveView("The sensor's image with its markers")
+                self._told = ui.label("Choose a source and start.").classes("faint").props('role="status"')
+            with ui.element("section").classes("side").props('aria-label="Pose"'):
+                self._build_pose()
+        self._timer = ui.timer(_PERIOD_S, self._next, active=False)
+        self._show_pose(None)
+
+    def _build_source(self) -> None:
+        names = {i: _name(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
+        best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
+        recordings = find_recordings(self._library.results.folder)
+        with ui.element("div").classes("card"):
+            heading("Source")
+            self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
+            self._source = ui.select([_VIRTUAL, *recordings], value=_VIRTUAL, label="Images")
+            for select in (self._design, self._source):
+                select.props("dense outlined options-dense").classes("wide")
+            self._marked = ui.checkbox("The orientation mark is printed", value=True).props("dense")
+            with ui.element("div").classes("do"):
+                self._start_button = ui.button("Start", icon="play_arrow", on_click=self._start)
+                self._start_button.props("no-caps unelevated dense")
+                ui.button("Stop", icon="stop", on_click=self._stop).props("no-caps outline dense")
+            ui.label("Folders of images inside the result folder are listed; the first image shows the dome at rest.")
+
+    def _build_record(self) -> None:
+        with ui.element("div").classes("card"):
+            heading("Record")
+            with ui.element("div").classes("do"):
+                self._record = ui.button("Record", icon="fiber_manual_record", on_click=self._turn_record)
+                self._record.props("no-caps outline dense")
+                ui.button("Save CSV", icon="download", on_click=self._save).props("no-caps flat dense")
+            self._recorded = ui.label("Nothing recorded.").classes("faint").props('aria-live="polite"')
+        with ui.element("div").classes("card"):
+            heading("Picture")
+            ui.checkbox("Numbers of the markers", on_change=lambda event: self._view.number(event.value)).props(
+                "dense"
+            )
+            self._stretch = ui.number("Arrows, times", value=2.0, min=0.5, max=20, step=0.5).props("dense outlined")
+
+    def _build_pose(self) -> None:
+        with ui.element("div").classes("card"):
+            heading("Pose of the wall")
+            self._verdict = ui.label("").classes("verdict").props('role="status"')
+            self._dial = ui.html("", sanitize=False).classes("dial-box")
+            self._figures = ui.element("table").classes("figures")
+        with ui.element("div").classes("card"):
+            heading("Upright to within")
+            self._limit = ui.number(
+                "Tolerance (°)",
+                value=self._tolerance,
+                step=0.5,
+                validation={"From 0.1 to 30.": lambda value: value is not None and 0.1 <= value <= 30},
+                on_change=self._set_tolerance,
+            ).props("dense outlined")
+
+    async def _start(self) -> None:
+        self._stop()
+        complain(self._fault, "")
+        self._told.text = "Opening the sensor …"
+        try:
+            self._live = await asyncio.to_thread(self._open)
+        except PalpateError as error:
+            self._told.text = ""
+            complain(self._fault, str(error))
+            return
+        camera = self._live.sensor.unit.nominal
+        size = (camera.width_px, camera.height_px) if camera else (346, 260)
+        self._view.begin(*size, self._live.rest_px.round(2).tolist())
+        self._timer.activate()
+
+    def _open(self) -> Live:
+        if self._design.value is None:
+            raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
+        design = self._library.design(int(self._design.value))
+        predictor = open_predictor(model_path(self._library.results, design))
+        shots: Iterator[Shot]
+        if self._source.value == _VIRTUAL:
+            shots = touch_for_ever(design, self._library.specimen(design))
+        else:
+            shots = replay(inside(self._library.results.folder, str(self._source.value)))
+        return Live(design, predictor, shots, marked=self._source.value == _VIRTUAL or bool(self._marked.value))
+
+    def _stop(self) -> None:
+        self._timer.deactivate()
+        self._live = None
+        self._record.text = "Record"
+
+    async def _next(self) -> None:
+        live = self._live
+        if live is None or self._busy:
+            return
+        self._busy = True
+        try:
+            step = await asyncio.to_thread(live.step)
+        except PalpateError as error:
+            self._stop()
+            complain(self._fault, str(error))
+            return
+        finally:
+            self._busy = False
+        if live is not self._live:
+            return
+        if step is None:
+            self._stop()
+            self._told.text = "The recording ended."
+            return
+        self._show(step)
+
+    def _show(self, step: Step) -> None:
+        picture = "" if step.image is None else _as_link(write_png(step.image))
+        stretch = min(max(float(self._stretch.value or 1.0), 0.5), 20.0)
+        self._view.show(picture, step.positions_px.round(2).tolist(), step.found.tolist(), stretch)
+        reading = step.reading
+        found = f"Image {reading.image}: {reading.found} of {len(step.found)} markers found"
+        self._told.text = " · ".join(
+            part for part in (found, f"{reading.latency_ms:.0f} ms", "; ".join(reading.flags), reading.reason) if part
+        )
+        self._show_pose(step)
+        record = self._live.record if self._live else None
+        if record is not None:
+            self._recorded.text = f"{len(record)} readings recorded."
+
+    def _show_pose(self, step: Step | None) -> None:
+        reading = step.reading if step else None
+        verdict = judge(reading, self._tolerance) if reading else Verdict.NO_TOUCH
+        self._verdict.text = verdict.upper()
+        self._verdict.style(f"background: {COLOURS[verdict]}")
+        self._dial.set_content(draw_dial(reading, self._tolerance, verdict, step.truth if step else None))
+        self._figures.clear()
+        if step is None or verdict is Verdict.NO_TOUCH:
+            return
+        with self._figures:
+            for name, value, half, unit, truth in _rows(step):
+                with ui.element("tr"):
+                    for text in (name, f"{value:.2f} ± {half:.2f} {unit}", truth):
+                        with ui.element("td"):
+                            ui.label(text)
+
+    def _set_tolerance(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        if isinstance(event.value, int | float) and 0.1 <= event.value <= 30:
+            self._tolerance = float(event.value)
+
+    def _turn_record(self) -> None:
+        if self._live is None:
+            complain(self._fault, "Nothing runs yet: start a source first.")
+            return
+        complain(self._fault, "")
+        self._live.record = [] if self._live.record is None else None
+        on = self._live.record is not None
+        self._record.text = "Stop recording" if on else "Record"
+        self._kept = self._live.record if self._live.record is not None else self._kept
+
+    def _save(self) -> None:
+        if not self._kept:
+            complain(self._fault, "Nothing was recorded yet.")
+            return
+        ui.download.content(record_csv(self._kept), "readings.csv")
+
+
+def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
+    reading, truth = step.reading, step.truth
+    least, most = tilt_interval(reading)
+    values = (reading.rx_deg, reading.ry_deg, reading.depth_mm)
+    rows = [
+        (name, value, half, unit, f"true {truth[i]:.2f}" if truth else "")
+        for i, (name, value, half, unit) in enumerate(
+            zip(("rx", "ry", "depth"), values, reading.half_width, ("°", "°", "mm"), strict=True)
+        )
+    ]
+    return [*rows, ("tilt", reading.tilt_deg, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
+
+
+def _name(row: Any) -> str:
+    return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
+
+
+def _as_link(png: bytes) -> str:
+    return "data:image/png;base64," + base64.b64encode(png).decode()

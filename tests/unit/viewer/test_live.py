@@ -1,0 +1,136 @@
+"""The live page's sensor: from a source to a verdict."""
+
+import math
+import struct
+import zlib
+from itertools import islice
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+from made_up_presses import MESH, made_up_press, rows
+
+pytest.importorskip("PIL")
+
+from palpate.camera import build_camera
+from palpate.core import PalpateError
+from palpate.design import MarkerSpec, place_markers
+from palpate.sensor import Reading
+from palpate.viewer.dial import draw_dial
+from palpate.viewer.library import Specimen
+from palpate.viewer.live import Live, Verdict, judge, record_csv, tilt_interval, to_grey
+from palpate.viewer.png import write_png
+from palpate.viewer.pressed_dome import gather_presses
+from palpate.viewer.results import Design
+from palpate.viewer.shell import build_shell
+from palpate.viewer.source import Shot, find_recordings, inside, replay, touch_for_ever
+
+LAYOUT = place_markers(MESH.dome, MarkerSpec(count=19))
+DESIGN = Design(0, rows()[1], MESH.dome, LAYOUT, build_camera(), ())
+
+
+class MadeUpPredictor:
+    """Reads the mean shift of the markers as a pose."""
+
+    markers, level = 19, 0.9
+
+    def predict(self, images_px):
+        poses = np.tile([1.0, 2.0, 3.0], (len(images_px), 1))
+        return SimpleNamespace(poses=poses, half_width=np.full(poses.shape, 0.5), outside=np.zeros(len(poses), bool))
+
+
+@pytest.fixture(scope="module")
+def specimen():
+    pressed = gather_presses([made_up_press(tilt) for tilt in (0.0, 3.0, 6.0)])
+    return Specimen(pressed, build_shell(pressed.mesh))
+
+
+def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
+    return Reading(1, rx, ry, 3.0, (half, half, 0.1), touching, 19, (), 5.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "verdict"),
+    [
+        (reading(0.5, 0.5), Verdict.GO),
+        (reading(3.0, 0.0), Verdict.NO_GO),
+        (reading(1.9, 0.0), Verdict.UNSURE),
+        (reading(0.0, 0.0, half=math.inf), Verdict.UNSURE),
+        (reading(touching=False), Verdict.NO_TOUCH),
+        (reading(math.nan, math.nan), Verdict.NO_TOUCH),
+    ],
+)
+def test_a_verdict_counts_the_interval(given, verdict):
+    assert judge(given, 2.0) is verdict
+    assert draw_dial(given, 2.0, verdict).startswith("<svg")
+
+
+def test_the_tilt_lies_within_its_interval():
+    assert tilt_interval(reading(3.0, 4.0, half=0.0)) == pytest.approx((5.0, 5.0))
+    assert tilt_interval(reading(0.1, 0.1, half=0.2)) == pytest.approx((0.0, 0.3 * math.sqrt(2)))
+
+
+def test_virtual_touches_are_read_back(specimen):
+    live = Live(DESIGN, MadeUpPredictor(), touch_for_ever(DESIGN, specimen, seed=1))
+    live.record = []
+    steps = [live.step() for _ in range(20)]
+    assert all(step.found.mean() > 0.9 for step in steps if step.found.any())
+    assert max(float(np.abs(step.positions_px - live.rest_px).max()) for step in steps) > 1
+    assert len(live.record) == 20
+    assert record_csv(live.record).count(b"\n") == 21
+    truths = np.array([step.truth for step in steps])
+    assert np.hypot(truths[:, 0], truths[:, 1]).max() <= 6
+    assert truths[:, 2].max() <= 4
+
+
+def test_a_recording_is_replayed_with_its_faults(specimen, tmp_path):
+    for number, shot in enumerate(islice(touch_for_ever(DESIGN, specimen), 4)):
+        cv2.imwrite(str(tmp_path / f"{number:03d}.png"), shot.image)
+    (tmp_path / "002.png").write_bytes(b"no image")
+    live = Live(DESIGN, MadeUpPredictor(), replay(tmp_path))
+    steps = []
+    while (step := live.step()) is not None:
+        steps.append(step)
+    assert [step.image is None for step in steps] == [False, True, False]
+    assert "not an image" in steps[1].reading.reason
+
+
+def test_a_source_without_an_image_is_refused():
+    with pytest.raises(PalpateError, match="no image"):
+        Live(DESIGN, MadeUpPredictor(), iter(()))
+    with pytest.raises(PalpateError, match="broken"):
+        Live(DESIGN, MadeUpPredictor(), iter([Shot(PalpateError("It is broken."))]))
+
+
+@pytest.mark.parametrize(
+    "name", ["..", "../other", "/etc", "", ".", "a/../../other", "link", "x\0y", "nothing", "a.txt"]
+)
+def test_a_recording_cannot_lie_outside_the_result_folder(tmp_path, name):
+    folder, other = tmp_path / "results", tmp_path / "other"
+    folder.mkdir()
+    other.mkdir()
+    (folder / "a.txt").write_text("")
+    (folder / "link").symlink_to(other)
+    with pytest.raises(PalpateError, match="no recording"):
+        inside(folder, name)
+
+
+def test_recordings_are_found_but_not_in_the_store(tmp_path):
+    for place in ("one", "runs/two", "store/press", ".hidden"):
+        (tmp_path / place).mkdir(parents=True)
+        (tmp_path / place / "0.png").write_bytes(b"")
+    assert find_recordings(tmp_path) == ("one", "runs/two")
+    assert inside(tmp_path, "runs/two") == (tmp_path / "runs" / "two").resolve()
+
+
+def test_a_png_holds_the_grey_levels():
+    image = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
+    found = cv2.imdecode(np.frombuffer(write_png(image), np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert (found == image).all()
+    assert zlib.crc32(b"IEND") == struct.unpack(">I", write_png(image)[-4:])[0]
+
+
+def test_every_kind_of_image_becomes_grey():
+    assert to_grey(np.full((2, 2), 65535, np.uint16)).max() == 255
+    assert to_grey(np.full((2, 2, 3), 90, np.uint8)).max() == 90
