@@ -7,8 +7,9 @@ from palpate.dataset.io import read_dataset, write_dataset
 from palpate.dataset.jacobian import image_jacobian
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
-from palpate.dataset.spec import DatasetSpec
+from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
+from palpate.dataset.vary import Relatives
 
 __all__ = [
     "DATASET_VERSION",
@@ -17,6 +18,8 @@ __all__ = [
     "LeakageError",
     "MarkerField",
     "Normalisation",
+    "RandomiseSpec",
+    "Relatives",
     "build_field",
     "draw_jitter",
     "generate_dataset",

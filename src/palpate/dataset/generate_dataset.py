@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from palpate.core import PalpateError
 from palpate.dataset.dataset import Dataset
-from palpate.dataset.field import MarkerField, build_field
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
+from palpate.dataset.vary import Relatives, VariedField, vary_camera, vary_field
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
@@ -35,6 +35,7 @@ def generate_dataset(
     markers: MarkerLayout,
     camera: Camera,
     spec: DatasetSpec = DatasetSpec(),  # noqa: B008  (a spec is frozen)
+    relatives: Relatives = Relatives(),  # noqa: B008  (frozen as well)
 ) -> Dataset:
     """Make the images of one design.
 
@@ -47,7 +48,9 @@ def generate_dataset(
     camera
         Looks at the markers from below.
     spec
-        Poses, images left out, jitter, normalisation and split.
+        Poses, images left out, jitter, normalisation, split and what varies from unit to unit.
+    relatives
+        Presses of units that differ from the design, as `spec.randomise` asks for.
 
     Returns
     -------
@@ -57,22 +60,23 @@ def generate_dataset(
     Raises
     ------
     PalpateError
-        If a marker at rest cannot be seen, or no image is left.
+        If a marker at rest cannot be seen, no image is left, or presses that `spec.randomise` asks for are missing.
     """
-    field = build_field(presses, markers)
-    view = _View(camera, presses[0].mesh.dome)
-    _refuse_unseen_at_rest(field.rest, view)
     rotations = sample_poses(spec)
+    field = vary_field(presses, markers, relatives, spec, len(rotations))
+    base = field.base
+    view = _View(camera, presses[0].mesh.dome, spec, base.rest)
+    _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
     dropped: Counter[str] = Counter()
     columns = [
         _images_at(field, image, rotations, view, dropped)
-        for image in range(spec.dropped_images, len(field.depths_mm))
+        for image in range(spec.dropped_images, len(base.depths_mm))
     ]
     if not columns or not sum(len(column["row"]) for column in columns):
         raise PalpateError(
             f"No image is left: {spec.dropped_images} images dropped, presses end at "
-            f"{field.depths_mm.max(initial=0.0):g} mm, {sum(dropped.values())} images out of reach.",
+            f"{base.depths_mm.max(initial=0.0):g} mm, {sum(dropped.values())} images out of reach.",
             "Press deeper, or drop fewer images.",
         )
     joined = {name: np.concatenate([column[name] for column in columns]) for name in columns[0]}
@@ -85,9 +89,9 @@ def generate_dataset(
         validation=hold_out(press, spec.validation_fraction, spec.seed),
         branch=joined["branch"],
         travel_mm=joined["travel_mm"],
-        rest_px=camera.project(field.rest),
+        rest_px=camera.project(base.rest),
         image_size_px=(camera.width_px, camera.height_px),
-        solved_presses=len(presses),
+        solved_presses=len(presses) + relatives.count,
         dropped=dict(dropped),
     )
 
@@ -98,26 +102,42 @@ class _View:
 
     camera: Camera
     dome: Dome
+    spec: DatasetSpec
+    rest: Array
+
+    def project(self, points: Array, rest: Array, rows: NDArray[np.intp]) -> Array:
+        """(k, m, 2) px of markers (k, m, 3) of the virtual presses `rows`, as if each rest looked as designed."""
+        varied = self.spec.randomise
+        if varied is None or not (varied.of_the_camera or varied.dot):
+            return self.camera.project(points)
+        moved = np.empty((*points.shape[:2], 2))
+        for k, row in enumerate(rows):
+            camera = (
+                vary_camera(self.camera, varied, self.spec.seed, int(row)) if varied.of_the_camera else self.camera
+            )
+            moved[k] = camera.project(points[k]) - camera.project(rest[k])
+        return self.camera.project(self.rest) + moved
 
 
 def _images_at(
-    field: MarkerField, image: int, rotations: Array, view: _View, dropped: Counter[str]
+    field: VariedField, image: int, rotations: Array, view: _View, dropped: Counter[str]
 ) -> dict[str, NDArray[np.generic]]:
     """Columns of the images at one depth; `dropped` counts the others."""
-    branch, reason = field.labels(np.hypot(rotations[:, 0], rotations[:, 1]), image)
+    branch, reason = field.labels(rotations, image)
     dropped.update(str(text) for text in reason[reason != ""])
     row = np.flatnonzero(branch != "")
-    points = field.positions(rotations[row, 0], rotations[row, 1], image)
+    points = field.positions(rotations, row, image)
     seen = view.camera.visible(points, view.dome).all(axis=1)
     if not seen.all():
         dropped[UNSEEN] += int((~seen).sum())
     row, points = row[seen], points[seen]
+    rest = field.rest_of(row)
     return {
         "row": row,
-        "images_px": view.camera.project(points),
-        "depth": np.full(len(row), field.depths_mm[image]),
+        "images_px": view.project(points, rest, row),
+        "depth": np.full(len(row), field.base.depths_mm[image]),
         "branch": branch[row],
-        "travel_mm": np.linalg.norm(points - field.rest, axis=-1).mean(axis=-1),
+        "travel_mm": np.linalg.norm(points - rest, axis=-1).mean(axis=-1),
     }
 
 

@@ -2,9 +2,54 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
+
+from pydantic import SerializerFunctionWrapHandler, field_validator, model_serializer
+from pydantic_core import PydanticCustomError
 
 from palpate.core import Spec, parameter
+
+
+class RandomiseSpec(Spec):
+    """How the units behind the training images differ from the design, each virtual press another one.
+
+    What is off is off as the sensor sees it: at rest it looks as designed, for the sensor reads how far the markers
+    moved since then.
+    """
+
+    frictions: tuple[float, ...] = parameter(
+        (),
+        unit="1",
+        meaning="coefficients of friction that are pressed as well, and all between them and the wall's own",
+    )
+    thickness: float = parameter(
+        0.0,
+        unit="mm",
+        meaning="a thinner and a thicker wall by this are pressed as well, and all between",
+        ge=0,
+        le=1,
+    )
+    dot: float = parameter(0.0, unit="mm", meaning="greatest displacement of a printed dot, both ways", ge=0, le=2)
+    camera_offset: float = parameter(
+        0.0, unit="mm", meaning="greatest offset of the camera along x and y", ge=0, le=5
+    )
+    camera_distance: float = parameter(0.0, unit="mm", meaning="greatest change of its distance", ge=0, le=10)
+    camera_tilt_deg: float = parameter(
+        0.0, unit="deg", meaning="greatest tilt of the camera about x and y", ge=0, le=10
+    )
+    focal: float = parameter(0.0, unit="1", meaning="greatest change of the focal length, share", ge=0, le=0.2)
+
+    @field_validator("frictions")
+    @classmethod
+    def _frictions_fall(cls, frictions: tuple[float, ...]) -> tuple[float, ...]:
+        if not all(0.05 <= friction <= 10 for friction in frictions) or len(set(frictions)) < len(frictions):
+            raise PydanticCustomError("bad_frictions", "frictions are numbers from 0.05 to 10, each given once.", {})
+        return tuple(sorted(frictions, reverse=True))
+
+    @property
+    def of_the_camera(self) -> bool:
+        """Whether the camera varies."""
+        return any((self.camera_offset, self.camera_distance, self.camera_tilt_deg, self.focal))
 
 
 class DatasetSpec(Spec):
@@ -44,3 +89,13 @@ class DatasetSpec(Spec):
         0.2, unit="1", meaning="share of the presses held out for validation", gt=0, lt=1
     )
     seed: int = parameter(0, unit="1", meaning="seed of poses and split", ge=0)
+    randomise: RandomiseSpec | None = None
+    """How the units behind the images differ from the design; nothing, if not given."""
+
+    @model_serializer(mode="wrap")
+    def _leave_out_what_is_off(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without randomisation a spec is written as before there was any, so that old artefacts keep their keys."""
+        content: dict[str, Any] = dump(self)
+        if self.randomise is None:
+            content.pop("randomise", None)
+        return content

@@ -59,6 +59,7 @@ def plan_study(study: Study) -> Plan:
     designs = []
     for dome in study.designs.domes():
         presses = tuple(_plan_presses(study, dome))
+        relatives = tuple(tuple(group) for group in _plan_relatives(study, dome))
         inverted = replace(min(presses, key=lambda press: press.wall.tilt_deg), branch=Branch.INVERTED)
         for markers in study.designs.markers:
             dataset = DatasetTask(
@@ -67,6 +68,7 @@ def plan_study(study: Study) -> Plan:
                 markers=_checked(dome, markers),
                 camera=study.camera,
                 spec=study.dataset,
+                relatives=relatives,
             )
             designs.append(LearningTask(dataset=dataset, spec=study.learning, inverted=inverted))
     return Plan(designs=tuple(designs))
@@ -81,6 +83,19 @@ def _plan_presses(study: Study, dome: DomeSpec) -> Iterator[PressTask]:
             wall=study.wall.model_copy(update={"tilt_deg": tilt_deg}),
             solver=study.solver,
         )
+
+
+def _plan_relatives(study: Study, dome: DomeSpec) -> Iterator[Iterator[PressTask]]:
+    """Presses of units that differ from the design, as `RandomiseSpec` asks for: frictions, thinner, thicker."""
+    varied = study.dataset.randomise
+    if varied is None:
+        return
+    for friction in varied.frictions:
+        wall = study.wall.model_copy(update={"contact": friction})
+        yield _plan_presses(study.model_copy(update={"wall": wall}), dome)
+    for step in (-varied.thickness, varied.thickness) if varied.thickness else ():
+        other = DomeSpec.model_validate(dome.model_dump() | {"thickness": dome.thickness + step})
+        yield _plan_presses(study, other)
 
 
 def _checked(dome_spec: DomeSpec, markers: MarkerSpec) -> MarkerSpec:

@@ -14,6 +14,7 @@ from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.dataset import (
     DATASET_VERSION,
     DatasetSpec,
+    Relatives,
     build_field,
     generate_dataset,
     read_dataset,
@@ -81,7 +82,8 @@ class PressTask(Task):
     @property
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
-        return f"press {dome_name(self.dome)} tilt {self.wall.tilt_deg:g}°{state}"
+        friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
+        return f"press {dome_name(self.dome)} tilt {self.wall.tilt_deg:g}°{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -119,6 +121,8 @@ class DatasetTask(Task):
     markers: MarkerSpec
     camera: CameraSpec
     spec: DatasetSpec
+    relatives: tuple[tuple[PressTask, ...], ...] = ()
+    """Presses of units that differ: for each friction of `spec.randomise`, then of a thinner and a thicker wall."""
 
     @property
     def name(self) -> str:
@@ -132,21 +136,23 @@ class DatasetTask(Task):
             "camera": self.camera.model_dump(mode="json"),
             "dataset": self.spec.model_dump(mode="json"),
         }
-        inputs = tuple(press.recipe.key for press in self.presses)
+        inputs = tuple(press.recipe.key for press in self.needs)
         return Recipe(kind="dataset", spec=spec, inputs=inputs, version=DATASET_VERSION)
 
     @property
     def needs(self) -> tuple[Task, ...]:
-        return self.presses
+        return (*self.presses, *(press for group in self.relatives for press in group))
 
     @property
     def cost(self) -> float:
         return 1.0 + 0.02 * self.markers.count
 
     def make(self, store: ArtefactStore) -> None:
-        presses = [read_press(find_made(store, task)) for task in self.presses]
+        groups = [[read_press(find_made(store, task)) for task in group] for group in (self.presses, *self.relatives)]
         layout = place_markers(build_dome(self.dome), self.markers)
-        dataset = generate_dataset(presses, layout, build_camera(self.camera), self.spec)
+        frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
+        relatives = Relatives(tuple(groups[1:frictions]), tuple(groups[frictions:]))
+        dataset = generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives)
         store.write(self.recipe, lambda path: write_dataset(path, dataset))
 
 

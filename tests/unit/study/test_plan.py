@@ -81,3 +81,16 @@ def test_the_content_of_a_layout_file_changes_the_dataset(tmp_path: Path) -> Non
 def test_a_design_that_cannot_be_built_is_named() -> None:
     with pytest.raises(PalpateError, match=r"Design H20 T2: 12 markers are up to 25 mm"):
         plan_of(designs={"markers": [{"ring_diameters": [10, 50]}]})
+
+
+def test_units_that_differ_are_pressed_for_the_dataset_alone() -> None:
+    plain = plan_of()
+    varied = plan_of(dataset={"randomise": {"frictions": [0.7, 1.2], "thickness": 0.05}})
+    presses = {name for name in varied if name.startswith("press")}
+    assert {
+        name: key for name, key in varied.items() if name in plain and name.startswith(("press", "inverted"))
+    } == {name: key for name, key in plain.items() if name.startswith(("press", "inverted"))}
+    assert len(presses) == 2 * (1 + 2 + 2)
+    assert {"press H20 T2 tilt 2° friction 0.7", "press H20 T1.95 tilt 0°"} <= presses
+    assert kinds_changed(dataset={"randomise": {"thickness": 0.05}}) == AFTER_PRESS
+    assert kinds_changed(dataset={"randomise": None}) == set()

@@ -1,0 +1,214 @@
+"""Markers of units that differ from the design, for a training that has seen what the bench will meet.
+
+Every virtual press is that of another unit. With fields u of the presses of the design, of walls with friction µ_k
+and of a thinner and a thicker dome, a unit's displacement is
+
+    u = u_0 + (1 - a) (u_k - u_0) + a (u_k+1 - u_0) + b (u_± - u_0),      0 ≤ a, b ≤ 1
+
+that is, linear between neighbouring frictions (no slip, if the design says so, is next to the largest) and from the
+design's thickness to one of the others. A misprinted dot moves as the surface beneath it, to first order in its
+displacement δ along two tangents t_i:  u(p + δ) = u(p) + Σ δ_i (u(p + h t_i) - u(p)) / h.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError, generator
+from palpate.dataset.field import MarkerField, TextArray, build_field
+from palpate.dataset.spec import DatasetSpec, RandomiseSpec
+
+if TYPE_CHECKING:
+    from palpate.camera import Camera
+    from palpate.design import MarkerLayout
+    from palpate.fea import Press
+
+Array = NDArray[np.float64]
+_STEP = 0.2
+"""Distance h of the points from which the surface's motion beside a dot is taken, mm."""
+
+
+@dataclass(frozen=True)
+class Relatives:
+    """Presses of units that differ from the design.
+
+    Attributes
+    ----------
+    frictions
+        Presses of the design with each of `RandomiseSpec.frictions`, in that order.
+    thicknesses
+        Presses of a thinner and of a thicker wall, or none.
+    """
+
+    frictions: tuple[Sequence[Press], ...] = ()
+    thicknesses: tuple[Sequence[Press], ...] = ()
+
+    @property
+    def count(self) -> int:
+        """Number of presses."""
+        return sum(len(group) for group in (*self.frictions, *self.thicknesses))
+
+
+@dataclass(frozen=True, eq=False)
+class VariedField:
+    """Positions of the markers of another unit for every virtual press.
+
+    Attributes
+    ----------
+    base
+        The design.
+    others
+        Frictions by falling coefficient, then thicknesses.
+    weights
+        (n presses, len(others)) share of each other's difference from the base.
+    beside
+        Fields of dots displaced along two tangents by `_STEP`; empty where the print is exact.
+    off
+        (n presses, m, 2) displacement of each dot along them, mm.
+    """
+
+    base: MarkerField
+    others: tuple[MarkerField, ...]
+    weights: Array
+    beside: tuple[MarkerField, ...]
+    off: Array
+
+    @property
+    def rest(self) -> Array:
+        """(m, 3) markers of the undeformed design, mm."""
+        return self.base.rest
+
+    def labels(self, rotations: Array, image: int) -> tuple[TextArray, TextArray]:
+        """Branch of every virtual press at one depth, or why there is none; see `MarkerField.labels`."""
+        tilt = np.hypot(rotations[:, 0], rotations[:, 1])
+        branch, reason = self.base.labels(tilt, image)
+        for weight, other in zip(self.weights.T, self.others, strict=True):
+            its_branch, its_reason = other.labels(tilt, image)
+            apart = (weight > 0) & (its_branch != branch) & (branch != "")
+            reason[apart] = np.where(its_reason[apart] != "", its_reason[apart], "units on different branches")
+            branch[apart] = ""
+        return branch, reason
+
+    def rest_of(self, rows: NDArray[np.intp]) -> Array:
+        """(k, m, 3) markers at rest of the virtual presses `rows`, mm."""
+        if not self.beside:
+            return np.broadcast_to(self.rest, (len(rows), *self.rest.shape))
+        return self.rest + self._aside(rows, [field.rest for field in self.beside], self.rest)
+
+    def positions(self, rotations: Array, rows: NDArray[np.intp], image: int) -> Array:
+        """(k, m, 3) deformed markers of the virtual presses `rows` at one depth, mm."""
+        rx, ry = rotations[rows].T
+        base = self.base.positions(rx, ry, image)
+        moved = base.copy()
+        for weight, other in zip(self.weights[rows].T, self.others, strict=True):
+            used = np.flatnonzero(weight)
+            moved[used] += weight[used, None, None] * (other.positions(rx[used], ry[used], image) - base[used])
+        if self.beside:
+            moved += self._aside(rows, [field.positions(rx, ry, image) for field in self.beside], base)
+        return moved
+
+    def _aside(self, rows: NDArray[np.intp], beside: Sequence[Array], base: Array) -> Array:
+        steps = zip(np.moveaxis(self.off[rows], -1, 0), beside, strict=True)
+        return np.asarray(sum(off[..., None] * (points - base) / _STEP for off, points in steps))
+
+
+def vary_field(
+    presses: Sequence[Press], layout: MarkerLayout, relatives: Relatives, spec: DatasetSpec, count: int
+) -> VariedField:
+    """Draw a unit for each of `count` virtual presses.
+
+    Parameters
+    ----------
+    presses, layout
+        The design's.
+    relatives
+        Presses of units that differ.
+    spec
+        Seed, and what varies.
+    count
+        Number of virtual presses.
+
+    Raises
+    ------
+    PalpateError
+        If the presses for a friction or thickness are missing, or have other depths than the design's.
+    """
+    chosen, base = spec.randomise or RandomiseSpec(), build_field(presses, layout)
+    _refuse_missing(chosen, relatives)
+    others = tuple(build_field(group, layout) for group in (*relatives.frictions, *relatives.thicknesses))
+    for other in others:
+        if len(other.depths_mm) != len(base.depths_mm) or not np.allclose(other.depths_mm, base.depths_mm):
+            raise PalpateError(
+                f"Presses of another friction or thickness end at {other.depths_mm.max(initial=0.0):g} mm, the "
+                f"design's at {base.depths_mm.max(initial=0.0):g} mm.",
+                "Press less deep, or vary less.",
+            )
+    size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
+    off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
+    return VariedField(base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off)
+
+
+def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> Array:
+    """(count, frictions and thicknesses) shares of the others in every virtual press."""
+    frictions = len(spec.frictions)
+    weights = np.zeros((count, frictions + (2 if spec.thickness else 0)))
+    if frictions:
+        place = generator(seed, "friction").uniform(0.0, frictions, count)  # 0: the design's contact
+        knots = np.arange(1, frictions + 1)
+        weights[:, :frictions] = np.maximum(1.0 - np.abs(place[:, None] - knots), 0.0)
+    if spec.thickness:
+        thick = generator(seed, "thickness").uniform(-1.0, 1.0, count)
+        weights[:, frictions] = np.maximum(-thick, 0.0)
+        weights[:, frictions + 1] = np.maximum(thick, 0.0)
+    return weights
+
+
+def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> Camera:
+    """The camera under the unit of one virtual press."""
+    from palpate.camera import build_camera
+
+    rng, nominal = generator(seed, "camera", press), camera.spec
+    ways = dict(zip(("offset_x", "offset_y", "tilt_x_deg", "tilt_y_deg"), rng.uniform(-1.0, 1.0, 4), strict=True))
+    sizes = {"offset": spec.camera_offset, "tilt": spec.camera_tilt_deg}
+    values = {name: getattr(nominal, name) + sizes[name.split("_")[0]] * float(way) for name, way in ways.items()}
+    values["distance"] = nominal.distance + spec.camera_distance * float(rng.uniform(-1.0, 1.0))
+    scale = 1.0 + spec.focal * float(rng.uniform(-1.0, 1.0))
+    values |= {"fx_px": nominal.fx_px * scale, "fy_px": nominal.fy_px * scale}
+    return build_camera(nominal.model_copy(update=values))
+
+
+def _refuse_missing(spec: RandomiseSpec, relatives: Relatives) -> None:
+    wanted: Mapping[str, tuple[int, int]] = {
+        "friction": (len(spec.frictions), len(relatives.frictions)),
+        "thickness": (2 if spec.thickness else 0, len(relatives.thicknesses)),
+    }
+    for name, (needed, given) in wanted.items():
+        if needed != given:
+            raise PalpateError(
+                f"The dataset varies the {name} by {needed} more sets of presses, but {given} are there.",
+                "Press them first; `palpate run` does so by itself.",
+            )
+
+
+def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec) -> tuple[MarkerField, ...]:
+    """Fields of the dots displaced along the meridian and along the circle."""
+    if not spec.dot:
+        return ()
+    dome = presses[0].mesh.dome
+    centre = np.array([0.0, 0.0, dome.center_z])
+    normals = (layout.positions - centre) / dome.radius
+    round_about = np.cross([0.0, 0.0, 1.0], normals)
+    on_axis = np.linalg.norm(round_about, axis=1, keepdims=True) < 1e-9
+    round_about = np.where(on_axis, [[0.0, 1.0, 0.0]], round_about)
+    round_about /= np.linalg.norm(round_about, axis=1, keepdims=True)
+    fields = []
+    for tangent in (np.cross(round_about, normals), round_about):
+        arms = dome.radius * normals + _STEP * tangent
+        moved = centre + dome.radius * arms / np.linalg.norm(arms, axis=1, keepdims=True)
+        fields.append(build_field(presses, replace(layout, positions=moved)))
+    return tuple(fields)
