@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -102,22 +101,24 @@ def _units(played: Bench, out: Path, json: bool) -> None:
 
 
 def _budget(played: Bench, out: Path, json: bool) -> None:
-    from palpate.sensor import BUDGET_COLUMNS, budget_row, describe_budget, run_budget, write_budget
+    from palpate.sensor import describe_budget, run_budget, write_budget
 
     lines = []
     for line in run_budget(played):
         lines.append(line)
         _say(f"{line.words}: {line.angle_deg:.3f}°")
         write_budget(out, played, lines)
+    said = describe_budget(played, lines)
     if json:
-        print_json(describe_budget(played, lines))
+        print_json(said)
         return
-    _show(BUDGET_COLUMNS, [budget_row(line) for line in lines])
-    print(f"Tables and chart: {out}")
+    names = ["words", "tolerance", "angle_deg", "angle_max_deg", "depth", "units"]
+    print_table("error budget", names, [[_text(line[name]) for name in names] for line in said["lines"]])
+    print(f"All at once, root of the sum of squares: {said['total_angle_deg']:.3f}°. Tables and chart: {out}")
 
 
-def _show(columns: Sequence[str], rows: list[list[str]]) -> None:
-    print_table("error budget", list(columns), rows)
+def _text(value: object) -> str:
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
 
 
 def _read_pair(text: str) -> tuple[str, str]:

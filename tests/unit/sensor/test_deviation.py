@@ -7,8 +7,9 @@ from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.material import Material, get_material, ogden
-from palpate.sensor import Deviation, ToleranceSpec, draw_deviation, set_scene
-from palpate.sensor.deviation import IMPERFECTIONS, single_deviation
+from palpate.sensor import Deviation, ToleranceSpec
+from palpate.sensor.deviation import IMPERFECTIONS, draw_deviation, single_deviation
+from palpate.sensor.photograph import set_scene
 
 DOME = build_dome(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))

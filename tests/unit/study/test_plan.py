@@ -86,7 +86,7 @@ def test_a_design_that_cannot_be_built_is_named() -> None:
 def test_units_that_differ_are_pressed_for_the_dataset_alone() -> None:
     plain = plan_of()
     varied = plan_of(dataset={"randomise": {"frictions": [0.7, 1.2], "thickness": 0.05}})
-    presses = {name for name in varied if name.startswith("press")}
+    presses = {name for name in varied if name.startswith("press") and "inverted" not in name}
     assert {
         name: key for name, key in varied.items() if name in plain and name.startswith(("press", "inverted"))
     } == {name: key for name, key in plain.items() if name.startswith(("press", "inverted"))}
