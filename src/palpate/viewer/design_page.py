@@ -62,7 +62,7 @@ class DesignPage:
 
     def build(self) -> None:
         """Place every element and draw the first sketch."""
-        with ui.element("main").classes("explorer"):
+        with ui.element("div").classes("explorer"):
             with ui.element("section").classes("side").props('aria-label="Design"'):
                 self._build_fields()
             with ui.element("section").classes("stage").props('aria-label="Dome"'):

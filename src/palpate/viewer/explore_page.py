@@ -15,7 +15,7 @@ from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.library import Library
-from palpate.viewer.link import Coloured, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns, read_link, write_link
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
@@ -50,7 +50,7 @@ class ExplorePage:
         """Place every element and show the view."""
         with self._head.tools:
             self._build_export()
-        with ui.element("main").classes("explorer"):
+        with ui.element("div").classes("explorer"):
             with ui.element("section").classes("side").props('aria-label="Specification grid"'):
                 self._build_grid()
                 self._build_scatter()
@@ -59,7 +59,8 @@ class ExplorePage:
             with ui.element("section").classes("side").props('aria-label="Camera and curves"'):
                 self._build_curves()
         self._redraw()
-        complain(self._fault, " ".join(self._complaints))
+        if self._complaints:
+            complain(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
 
     def _name(self, number: int) -> str:
         row = self._grid.rows[number]
@@ -228,7 +229,7 @@ class ExplorePage:
 
     def _change(self, **parts: Any) -> None:
         self._view = replace(self._view, **parts)
-        query = write_link(self._view)
+        query = write_link(self._view, first_view(self._grid))
         ui.run_javascript(f"history.replaceState(null, '', '/{'?' + query if query else ''}')")
 
     def _choose(self, number: int | None) -> None:

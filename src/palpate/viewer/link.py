@@ -57,9 +57,8 @@ class View:
     wall: bool = True
 
 
-def write_link(view: View) -> str:
-    """The query of a view, without the question mark; what is as at first is left out."""
-    usual = View()
+def write_link(view: View, usual: View) -> str:
+    """The query of a view, without the question mark; what is as in the grid's first view, `usual`, is left out."""
     chosen = {
         field.name: _write(getattr(view, field.name))
         for field in fields(View)

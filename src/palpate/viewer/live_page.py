@@ -48,7 +48,7 @@ class LivePage:
 
     def build(self) -> None:
         """Place every element; nothing runs before *Start*."""
-        with ui.element("main").classes("live"):
+        with ui.element("div").classes("live"):
             with ui.element("section").classes("side").props('aria-label="Source"'):
                 self._build_source()
                 self._build_record()

@@ -57,7 +57,7 @@ def build_app(folder: Path | None) -> FastAPI:
 def show_reason(request: Request, here: str, reason: str) -> None:
     """A page without results: why, and what to do."""
     Head(request, here, "no results")
-    with ui.element("main").classes("empty"):
+    with ui.element("div").classes("empty"):
         ui.label(reason).classes("complaint").props('role="alert"')
         ui.label(
             "Make results with `palpate run studies/first.yaml`, then open them with `palpate view results/first`."

@@ -269,8 +269,12 @@ def _depths(presses: Sequence[Press]) -> Array:
         raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
     step = steps.pop()
     reached = max(float(press.depth.max()) for press in presses)
-    steps_down: Array = step * np.arange(int((reached + SAME_MM) / step) + 1, dtype=float)
-    return steps_down
+    images = step * np.arange(int((reached + SAME_MM) / step) + 1, dtype=float)
+    # where a press ended early is an image of it alone; full depth is one of all that came so far
+    ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
+    every = np.concatenate([images, ends[ends <= reached + SAME_MM]])
+    depths: Array = np.unique(np.round(every, 6))
+    return depths
 
 
 def match_depths(depths: Array, press: Press) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -53,6 +53,7 @@ def open_door(spec: ServeSpec) -> tuple[Door, socket.socket]:
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((spec.host, spec.port))
+        listener.listen()  # from now on visitors wait, even before the pages are ready
     except (OSError, OverflowError) as error:
         listener.close()
         reason = getattr(error, "strerror", None) or str(error)

@@ -55,13 +55,23 @@ def build_shell(mesh: Mesh) -> Shell:
     parts, first = {}, 0
     for name, piece in zip(PARTS, pieces, strict=True):
         own, numbers = np.unique(piece, return_inverse=True)
-        corners = numbers.reshape(-1, 9)[:, _TRIANGLES].reshape(-1, 3)
+        corners = _turn_outward(mesh, own, numbers.reshape(-1, 9)[:, _TRIANGLES].reshape(-1, 3), name)
         parts[name] = (first, len(corners))
         first += len(corners)
         triangles.append(corners + sum(len(earlier) for earlier in nodes))
         nodes.append(own)
     every = np.concatenate(nodes)
     return Shell(every, np.concatenate(triangles), parts, np.isin(every, mesh.mirror))
+
+
+def _turn_outward(mesh: Mesh, nodes: IntArray, triangles: IntArray, part: str) -> IntArray:
+    """The same triangles (k, 3), numbers of `nodes`, each counter-clockwise for whoever looks at the silicone."""
+    a, b, c = mesh.nodes[nodes][triangles].transpose(1, 0, 2)
+    arm = (a + b + c) / 3.0 - [0.0, 0.0, mesh.dome.center_z]
+    away = {"outer": arm, "inner": -arm, "base": [0.0, 0.0, -1.0], "cut": [-1.0, 0.0, 0.0]}[part]
+    wrong = (np.cross(b - a, c - a) * away).sum(axis=1) < 0
+    turned: IntArray = np.where(wrong[:, None], triangles[:, ::-1], triangles)
+    return turned
 
 
 def _cell_faces(mesh: Mesh) -> IntArray:

@@ -130,7 +130,6 @@ def test_a_token_that_is_none_is_refused(token):
 
 def test_a_second_viewer_at_the_same_port_is_told():
     door, listener = open_door(ServeSpec(port=0))
-    listener.listen()
     with pytest.raises(PalpateError, match="Another viewer"):
         open_door(ServeSpec(port=door.port))
     listener.close()

@@ -58,6 +58,12 @@ def test_nothing_is_interpolated_where_a_press_ended():
     assert pressed.at(6.0).depths_mm[-1] == pytest.approx(4.0)
 
 
+def test_the_end_of_a_press_alone_is_shown():
+    motion = gather_presses([made_up_press(3.0, reached=2.0)]).at(3.0)
+    assert motion.depths_mm.tolist() == pytest.approx([0, 0.8, 1.6, 2.0])
+    assert motion.displacement[-1] == pytest.approx(moved(MESH.nodes, 3.0, 2.0), abs=1e-5)
+
+
 def test_branches_are_not_mixed():
     pressed = gather_presses([made_up_press(0.0), made_up_press(3.0), made_up_press(6.0, inverted_from=3.0)])
     assert pressed.at(4.5).ended == "between the flat and the inverted branch"
@@ -91,7 +97,7 @@ def test_the_shell_is_closed_and_lies_on_the_two_spheres():
         assert np.linalg.norm(rest[used] - centre, axis=1) == pytest.approx(radius, abs=1e-6)
     corners = rest[shell.triangles]
     volume = np.einsum("ki,ki->k", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    assert np.isfinite(volume).all()
+    assert volume.sum() / 6 == pytest.approx(np.pi * (22**3 - 20**3) / 3, rel=0.02)  # half a hollow hemisphere
     assert tuple(shell.parts) == PARTS
     assert sum(count for _, count in shell.parts.values()) == len(shell.triangles)
     edges = np.sort(np.concatenate([shell.nodes[shell.triangles][:, pair] for pair in ([0, 1], [1, 2], [2, 0])]))

@@ -1,5 +1,7 @@
 """Links and charts: data in, data out."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_up_presses import MESH, made_up_press, rows
@@ -32,9 +34,11 @@ def test_a_link_restores_the_view():
         cut=False,
         trails=False,
     )
-    query = dict(part.split("=") for part in write_link(view).split("&"))
+    query = dict(part.split("=") for part in write_link(view, first_view(GRID)).split("&"))
     query["where"] = "markers > 7"
     assert read_link(query, GRID) == (view, ())
+    assert write_link(first_view(GRID), first_view(GRID)) == ""
+    assert write_link(replace(first_view(GRID), design=0), first_view(GRID)) == "design=0"
 
 
 def test_the_first_view_is_the_best_design():

@@ -60,7 +60,7 @@ export default {
       const ground = make("rect", { x: -0.5, y: -0.5, width, height, fill: "#e9e6df" });
       const rest = make("g", { fill: "none", stroke: "#9a938a", "stroke-width": width / 500 });
       const trails = make("g", { fill: "none", stroke: "#d55e00", "stroke-width": width / 300, "stroke-linecap": "round" });
-      const dots = make("g", { fill: "#22262b" });
+      const dots = make("g", { class: "dots", fill: "#22262b" });
       this.marks = [];
       const points = shell.arrays.rest_px;
       for (let m = 0; m < points.length / 2; m++) {

@@ -194,7 +194,7 @@ function loadShell(three, shell) {
   three.cutFrom = triangles.subarray(3 * parts.cut[0]).reduce((least, vertex) => Math.min(least, vertex), Infinity);
   const skin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 18, specular: 0x222222 });
   const whole = new THREE.Mesh(share(geometry, 0, 3 * parts.cut[0]), skin);
-  const cutSkin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 0,
+  const cutSkin = new THREE.MeshPhongMaterial({ color: 0xd4d4d4, vertexColors: true, side: THREE.DoubleSide, shininess: 0,
     polygonOffset: true, polygonOffsetFactor: -1 });
   three.cut = new THREE.Mesh(share(geometry, 3 * parts.cut[0], 3 * parts.cut[1]), cutSkin);
   three.other = new THREE.Mesh(whole.geometry, skin);

@@ -1,0 +1,105 @@
+"""A tiny study, the viewer on its results as a process of its own, and a browser that looks at it."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+import cv2
+import pytest
+from viewer_process import ENTRY, ROOT, viewer
+
+from palpate.viewer.library import Library
+from palpate.viewer.results import read_results
+from palpate.viewer.source import touch_for_ever
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+PATIENCE_MS = 60_000
+
+STUDY = """
+name: tiny
+seed: 3
+designs:
+  heights: [20 mm]
+  thicknesses: [2 mm]
+  markers: [7, 19]
+mesh: {cells: 8}
+tilts_deg: [0, 3, 6]
+wall: {depth: 4 mm}
+dataset: {n_presses: 60, max_tilt_deg: 6}
+learning: {preset: quick}
+"""
+
+
+def pytest_collection_modifyitems(items):
+    if CHROMIUM is None:
+        here = Path(__file__).parent
+        for item in items:
+            if here in item.path.parents:
+                item.add_marker(pytest.mark.skip(reason="Chromium is not installed"))
+
+
+@pytest.fixture(scope="session")
+def results(tmp_path_factory) -> Path:
+    """Results of a real study, and a recording of virtual touches of its second design inside them."""
+    place = tmp_path_factory.mktemp("viewer")
+    study, out = place / "tiny.yaml", place / "results"
+    study.write_text(STUDY)
+    words = [sys.executable, "-c", ENTRY, "run", str(study), "--out", str(out), "--workers", "2"]
+    done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    library = Library(read_results(out))
+    design = library.design(1)
+    recording = out / "recording"
+    recording.mkdir()
+    for number, shot in enumerate(islice(touch_for_ever(design, library.specimen(design), seed=2), 30)):
+        cv2.imwrite(str(recording / f"{number:03d}.png"), shot.image)
+    return out
+
+
+@pytest.fixture(scope="session")
+def link(results) -> Iterator[str]:
+    with viewer(results) as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    api = pytest.importorskip("playwright.sync_api")
+    with api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(chromium):
+    """A page whose every fault fails the test, and which asks nobody but this machine."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    faults: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("console", lambda message: faults.append(message.text) if message.type == "error" else None)
+    page.on("request", lambda request: None if _is_ours(request.url) else faults.append(f"asked {request.url}"))
+    page.faults = faults
+    yield page
+    context.close()
+    assert faults == []
+
+
+def _is_ours(address: str) -> bool:
+    return address.startswith(("http://127.0.0.1:", "ws://127.0.0.1:", "data:", "blob:", "about:"))
+
+
+@pytest.fixture(scope="session")
+def pictures(tmp_path_factory) -> Path:
+    """Where screenshots are kept: the folder that PALPATE_SCREENSHOTS names, for people to look at."""
+    folder = os.environ.get("PALPATE_SCREENSHOTS")
+    path = Path(folder) if folder else tmp_path_factory.mktemp("screenshots")
+    path.mkdir(parents=True, exist_ok=True)
+    return path

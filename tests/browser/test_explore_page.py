@@ -1,0 +1,172 @@
+"""The explorer as a visitor uses it."""
+
+import csv
+import io
+import re
+import time
+from pathlib import Path
+
+import pytest
+from walk import choose, colours, dots, farthest, open_page, slide, wait_for_dots, wait_for_motion
+
+
+def test_a_dome_is_on_the_screen_with_everything_around_it(page, link):
+    start = time.monotonic()
+    open_page(page, link)
+    assert time.monotonic() - start < 30  # the figure is for a machine that does nothing else
+    assert colours(page) > 50
+    assert len(dots(page)) == 19
+    assert page.get_by_text("2 of 2 designs kept").is_visible()
+    assert page.locator(".heat svg").count() == 1
+
+
+def test_the_press_is_scrubbed_turned_and_tilted(page, link):
+    open_page(page, link)
+    rest = dots(page)
+    slide(page, "depth", 3.5)
+    pressed = dots(page)
+    assert farthest(rest, pressed) > 1
+    slide(page, "tilt", 6)
+    wait_for_motion(page, pressed, 10, 0.2)
+    tilted = dots(page)
+    slide(page, "azimuth", 90)
+    wait_for_motion(page, tilted, 10, 0.2)
+    assert page.locator(".pose-bar output").nth(2).inner_text() == "90 °"
+
+
+def test_triangles_are_sent_once(page, link):
+    asked = []
+    page.on("request", lambda request: asked.append(request.url))
+    open_page(page, link)
+    for depth in (1, 2, 3):
+        slide(page, "depth", depth)
+    slide(page, "tilt", 2)
+    page.wait_for_timeout(500)
+    assert sum("/data/shell/" in address for address in asked) == 1
+    assert sum("/data/motion/" in address for address in asked) == 2  # one a tilt, none a depth
+
+
+def test_a_clicked_cell_is_shown(page, link):
+    open_page(page, link)
+    box = page.locator(".heat svg").bounding_box()
+    page.mouse.click(box["x"] + box["width"] * 0.28, box["y"] + box["height"] * 0.35)  # the only cell of 7 markers
+    wait_for_dots(page, 7)
+    page.wait_for_url(re.compile("design=0"))
+
+
+def test_designs_are_filtered_and_a_wrong_question_is_answered_in_place(page, link):
+    open_page(page, link)
+    question = page.get_by_label("Keep designs where")
+    question.fill("markers > 7")
+    page.get_by_text("1 of 2 designs kept").wait_for()
+    question.fill("markers >")
+    page.get_by_text("is not understood").wait_for()
+    question.fill("marker > 7")
+    page.get_by_text("Did you mean 'markers'?").wait_for()
+    question.fill("")
+    page.get_by_text("2 of 2 designs kept").wait_for()
+    assert colours(page) > 50
+
+
+def test_metric_and_axes_change(page, link):
+    open_page(page, link)
+    choose(page, "Colour shows", "marker travel")
+    page.wait_for_url(re.compile("metric=travel_mm"))
+    choose(page, "Across", "height H")
+    page.wait_for_url(re.compile("across=height_mm"))
+
+
+@pytest.mark.parametrize("colour", ["stress", "contact"])
+def test_the_dome_is_coloured_by(page, link, colour):
+    open_page(page, link, "?depth=3")
+    before = page.locator(".dome-legend b").first.inner_text()
+    page.get_by_role("button", name=colour, exact=True).click()
+    page.wait_for_function(f"document.querySelector('.dome-legend b').textContent !== '{before}'")
+    page.wait_for_function("document.querySelector('.dome-note').textContent === ''")
+    assert colours(page) > 50
+
+
+def test_two_designs_are_compared(page, link):
+    open_page(page, link, "?depth=3&design=1")
+    choose(page, "Beside it", "H 20  T 2 mm, 7 markers")
+    page.wait_for_function("document.querySelectorAll('.camera-view')[1].querySelectorAll('circle').length > 0")
+    assert page.locator(".dome-view:visible").count() == 2
+    assert page.locator(".figures tr").first.inner_text().count("H 20") == 2
+
+
+def test_a_link_restores_the_view(page, link):
+    open_page(page, link, "?design=0&depth=2.5&tilt=4&azimuth=120&colour=contact&cut=0&where=markers+%3C+10")
+    page.get_by_text("1 of 2 designs kept").wait_for()
+    assert [text.strip() for text in page.locator(".pose-bar output").all_inner_texts()] == [
+        "2.50 mm",
+        "4.0 °",
+        "120 °",
+    ]
+    assert page.locator(".dome-legend b").first.inner_text() == "distance to the wall (mm)"
+    assert len(dots(page)) == 7
+    first = dots(page)
+    address = page.url
+    open_page(page, address)
+    assert farthest(first, dots(page)) < 0.01
+
+
+def test_a_wrong_link_is_said_in_place(page, link):
+    open_page(page, link, "?design=99&tilt=nan&colour=red&where=%3B")
+    said = page.get_by_role("alert").filter(has_text="left out").inner_text()
+    assert all(word in said for word in ("design", "tilt", "colour", "where"))
+    assert colours(page) > 50
+
+
+EXPORTS = (
+    ("3-D picture (PNG)", "dome.png", b"\x89PNG"),
+    ("Camera view (SVG)", "camera.svg", b"<svg"),
+    ("Heat maps (SVG)", "heat_maps.svg", b"<svg"),
+    ("Dome at this pose (glTF)", "dome.glb", b"glTF"),
+    ("Designs that are kept (CSV)", "grid.csv", b"height_mm"),
+    ("Markers at this tilt (CSV)", "markers.csv", b"rx_deg"),
+)
+
+
+def test_what_is_seen_is_exported(page, link):
+    open_page(page, link, "?depth=2")
+    for item, name, begins in EXPORTS:
+        page.get_by_role("button", name="Export what is seen").click()
+        with page.expect_download() as download:
+            page.get_by_text(item).click()
+        assert download.value.suggested_filename == name
+        content = Path(download.value.path()).read_bytes()
+        assert content.startswith(begins)
+    assert {row["marker"] for row in csv.DictReader(io.StringIO(content.decode()))} == {str(i) for i in range(19)}
+
+
+def test_the_view_turns_by_keys(page, link):
+    open_page(page, link, "?depth=2")
+    canvas = page.locator(".dome-view canvas").first
+    canvas.focus()
+    before = int(page.locator(".dome-view").first.get_attribute("data-drawn"))
+    for key in ("ArrowLeft", "ArrowUp", "+"):
+        page.keyboard.press(key)
+    assert int(page.locator(".dome-view").first.get_attribute("data-drawn")) >= before + 3
+    slider = page.locator(".pose-bar input[name=depth]")
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    assert page.locator(".pose-bar output").first.inner_text() == "2.02 mm"
+
+
+@pytest.mark.parametrize("path", ["", "design", "live"])
+def test_every_control_has_a_name_and_is_reached_by_keys(page, link, path):
+    page.goto(link + path)
+    page.locator(".explorer, .live").wait_for()
+    page.wait_for_timeout(800)
+    nameless = page.evaluate(
+        """() => [...document.querySelectorAll('button, input, a, canvas[tabindex], [role=slider], [role=checkbox]')]
+        .filter(e => e.offsetParent && !(e.getAttribute('aria-label') || e.getAttribute('aria-labelledby')
+            || e.labels?.length || e.textContent.trim() || e.closest('[aria-label]') || e.title))
+        .map(e => e.outerHTML.slice(0, 120))"""
+    )
+    assert nameless == []
+    reached = set()
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("document.activeElement?.tagName + ':' + (document.activeElement?.id || '')"))
+    assert len(reached) > 8

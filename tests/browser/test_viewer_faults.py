@@ -1,0 +1,93 @@
+"""What can go wrong around the viewer: it is said in place, and the page stays alive."""
+
+import shutil
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+
+import pytest
+from walk import DRAWN, colours, open_page
+
+from conftest import ENTRY, ROOT, viewer
+
+
+def test_a_folder_without_results_says_what_to_do(page, tmp_path):
+    with viewer(tmp_path) as link:
+        page.goto(link)
+        page.get_by_role("alert").filter(has_text="finished study").wait_for()
+        page.get_by_text("Design a dome and press it now").click()
+        page.wait_for_function(DRAWN)
+        page.goto(link + "live")
+        page.get_by_role("alert").wait_for()
+        page.goto("about:blank")
+
+
+def test_a_broken_press_is_named_and_the_rest_is_shown(page, results, tmp_path):
+    broken = tmp_path / "broken"
+    shutil.copytree(results, broken)
+    next((broken / "store" / "press").rglob("*.h5")).write_bytes(b"no longer a press")
+    with viewer(broken) as link:
+        page.goto(link)
+        page.get_by_role("alert").filter(has_text="cannot be read as a press").wait_for()
+        page.get_by_text("2 of 2 designs kept").wait_for()
+        page.get_by_label("Keep designs where").fill("markers > 7")
+        page.get_by_text("1 of 2 designs kept").wait_for()
+        page.goto("about:blank")
+    page.faults.clear()  # the browser itself notes the refused request
+
+
+def test_two_viewers_show_one_folder(page, link, results):
+    with viewer(results) as other:
+        assert other != link
+        for address in (other, link):
+            open_page(page, address)
+            assert colours(page) > 50
+
+
+def test_a_second_viewer_at_the_same_port_is_told(link, results):
+    port = link.rstrip("/").rpartition(":")[2]
+    words = [sys.executable, "-c", ENTRY, "view", str(results), "--port", port]
+    done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2
+    assert "Another viewer may be running" in done.stderr
+
+
+def status(address, **headers):
+    try:
+        with urllib.request.urlopen(urllib.request.Request(address, headers=headers)) as answer:
+            return answer.status
+    except urllib.error.HTTPError as error:
+        return error.code
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "data/shell/..%2f..%2fgrid.sqlite",
+        "data/shell/%2e%2e/%2e%2e/etc/passwd",
+        "../../etc/passwd",
+        "_nicegui/../../../etc/passwd",
+        "store/press",
+        "grid.sqlite",
+    ],
+)
+def test_nothing_outside_the_pages_is_served(link, path):
+    assert status(link + path) in (403, 404, 422)
+
+
+def test_other_pages_and_names_are_refused(link):
+    assert status(link) == 200
+    assert status(link, Origin="http://evil.example") == 403
+    assert status(link, Host="evil.example") == 403
+    assert status(link + "_nicegui_ws/socket.io/?EIO=4&transport=websocket", Origin="http://evil.example") == 403
+
+
+def test_a_token_opens_the_door_once_and_for_all(page, results):
+    with viewer(results, "--token", "0123456789abcdef42") as link:
+        bare = link.partition("?")[0]
+        assert status(bare) == 401
+        open_page(page, link)
+        assert "token" not in page.url
+        open_page(page, bare, "?depth=2")
+        page.goto("about:blank")

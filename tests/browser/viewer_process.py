@@ -1,0 +1,35 @@
+"""The viewer as a process of its own, as a person starts it."""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+ENTRY = "from palpate.cli import main; main()"
+
+
+@contextmanager
+def viewer(*words: str | Path) -> Iterator[str]:
+    """Run the viewer; yields its link."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", ENTRY, "view", *map(str, words), "--port", "0"],
+        cwd=ROOT / "src",
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout is not None
+    try:
+        link = process.stdout.readline().removeprefix("Open ").strip()
+        assert link.startswith("http://"), link + process.stdout.read()
+        yield link
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
