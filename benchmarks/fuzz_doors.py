@@ -3,8 +3,9 @@
     python benchmarks/fuzz_doors.py --count 1000 --seed 0 --out /tmp/fuzz
 
 Each door gets `count` inputs, made from good ones by damage that only the seed and the number decide. A door may take
-an input or refuse it by an error with a remedy; everything else is a finding, whose input is kept in the folder. A
-door runs in a process of its own, which is ended and started again after 10 s without an answer.
+an input or refuse it by an error with a remedy; everything else is a finding, kept in the folder: a traceback, and a
+file opened for writing, moved or removed outside the input's own folder. A door runs in a process of its own, which
+is ended and started again after 10 s without an answer.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import json
 import multiprocessing
 import os
 import resource
+import sys
 import tempfile
 import time
 import traceback
@@ -112,6 +114,66 @@ def _read_failures(path: Path) -> object:
 
     os.replace(path, path.with_name("failures.json"))
     return _read_failures(path.parent)
+
+
+def _find_dots(path: Path) -> object:
+    from palpate.camera import read_image
+    from palpate.markers import prepare_detector
+
+    image = read_image(path)
+    return prepare_detector(image).find(image)
+
+
+def _read_grid(path: Path) -> object:
+    from palpate.grid import read_grid
+
+    os.replace(path, path.with_name("grid.sqlite"))
+    return read_grid(path.parent)
+
+
+def _calibration_door(folder: Path) -> Door:
+    from palpate.camera import Calibration, read_calibration, write_calibration
+
+    lens = Calibration(
+        model="plumb_bob",
+        width_px=346,
+        height_px=260,
+        intrinsics_px=np.array([300.0, 300.0, 173.0, 130.0]),
+        distortion=np.array([-0.1, 0.01, 1e-4, 0.0, 0.0]),
+        rms_px=0.2,
+        covariance=np.eye(9) * 1e-4,
+        image_names=("a.png", "b.png"),
+        image_rms_px=np.array([0.2, 0.2]),
+        rejected=(("c.png", "no board"),),
+        coverage=np.ones((6, 8), int),
+        board=None,
+    )
+    write_calibration(folder / "lens.yaml", lens)
+    good = (folder / "lens.yaml").read_bytes()
+    return Door("calibration", ".yaml", (good,), lambda path: read_calibration(path).camera_spec())
+
+
+def _image_door(folder: Path) -> Door:
+    import cv2
+
+    from palpate.camera import RenderSpec, build_camera, dot_edges, render
+    from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+
+    dome = build_dome(DomeSpec())
+    layout = place_markers(dome, MarkerSpec(count=37))
+    normals = (layout.positions - [0, 0, dome.center_z]) / dome.radius
+    image = render(build_camera(), dot_edges(layout.positions, normals, layout.diameter), RenderSpec(noise=2.0))
+    kinds = (".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp")
+    return Door("image", ".png", tuple(cv2.imencode(kind, image)[1].tobytes() for kind in kinds), _find_dots)
+
+
+def _grid_door(folder: Path) -> Door:
+    from palpate.grid import SpecificationGrid
+    from palpate.grid.database import write_database
+
+    rows = tuple({"height_mm": 20.0, "markers": count, "rmse_deg": 0.1, "dome": "hemisphere"} for count in (7, 37))
+    write_database(folder / "grid.sqlite", SpecificationGrid(rows=rows, columns=tuple(rows[0])))
+    return Door("grid", ".sqlite", ((folder / "grid.sqlite").read_bytes(),), _read_grid)
 
 
 def _study_door(_: Path) -> Door:
@@ -227,6 +289,9 @@ MAKERS: dict[str, Callable[[Path], Door]] = {
     "predictor": _predictor_door,
     "manifest": lambda folder: Door("manifest", ".json", (_manifest(folder),), _read_manifest),
     "failures": lambda _: Door("failures", ".json", (b'[{"task": "press", "reason": "thin"}]',), _read_failures),
+    "calibration": _calibration_door,
+    "image": _image_door,
+    "grid": _grid_door,
     "words": lambda _: Door("words", ".json", (), _run_words),
 }
 """How the good inputs of each door are made; some are solved and trained, in seconds."""
@@ -240,6 +305,32 @@ def make_input(door: Door, seed: int, number: int) -> bytes:
     return damage(door.good[int(random.integers(0, len(door.good)))], random)
 
 
+class Fence:
+    """Notes what this process writes, moves or removes outside a folder; files of the system and caches excepted."""
+
+    EVENTS = frozenset(
+        {"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.symlink", "os.link", "shutil.move"}
+    )
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.crossed = os.path.realpath(folder), list[str]()
+        sys.addaudithook(self._look)
+
+    def _look(self, event: str, words: tuple[object, ...]) -> None:
+        if event not in self.EVENTS or (event == "open" and not self._writes(words)):
+            return
+        for word in words[:2]:
+            if isinstance(word, str | bytes) and not (event == "open" and word is not words[0]):
+                place = os.path.realpath(os.fsdecode(word))
+                if not place.startswith((self.folder, "/dev/", "/proc/")) and "cache" not in place.lower():
+                    self.crossed.append(f"{event} {place}")
+
+    @staticmethod
+    def _writes(words: tuple[object, ...]) -> bool:
+        flags = words[2] if len(words) > 2 and isinstance(words[2], int) else 0
+        return bool(flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
+
+
 def knock(name: str, seed: int, numbers: range, answers: Connection) -> None:
     """Give a door its inputs; tell after each its number, the finding, and the memory so far in MiB."""
     with tempfile.TemporaryDirectory() as text:
@@ -248,6 +339,7 @@ def knock(name: str, seed: int, numbers: range, answers: Connection) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         door = MAKERS[name](folder)
         answers.send(None)
+        fence = Fence(folder)
         for number in numbers:
             path = folder / "inside" / f"input{door.suffix}"
             path.parent.mkdir(exist_ok=True)
@@ -260,6 +352,9 @@ def knock(name: str, seed: int, numbers: range, answers: Connection) -> None:
                 how = "refused"
             except BaseException:
                 how, finding = "finding", traceback.format_exc(limit=-4)
+            if fence.crossed:
+                how, finding = "finding", "\n".join(["outside:", *fence.crossed])
+                fence.crossed.clear()
             memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
             answers.send((number, how, finding, time.perf_counter() - started, memory))
 

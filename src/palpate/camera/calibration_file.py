@@ -61,17 +61,19 @@ def read_calibration(path: Path) -> Calibration:
         lines = [
             "" if line.startswith("%YAML") else line.replace("!!opencv-matrix", "") for line in text.splitlines()
         ]
-        content = YAML(typ="safe").load("\n".join(lines))
-        matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
-        distortion = _numbers(content["distortion_coefficients"], None)
-        width, height = int(content["image_width"]), int(content["image_height"])
-    except (OSError, UnicodeDecodeError, YAMLError, KeyError, TypeError, ValueError) as error:
+        return _calibration(path.name, YAML(typ="safe").load("\n".join(lines)))
+    except (OSError, UnicodeDecodeError, YAMLError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise PalpateError(f"{path.name} is not a calibration: {error}.", "Calibrate again.") from error
+
+
+def _calibration(name: str, content: dict[str, Any]) -> Calibration:
+    matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
+    distortion = _numbers(content["distortion_coefficients"], None)
     named = content.get("distortion_model", PINHOLE if len(distortion) == 5 else None)
     model = _NAMES.get(str(named))
     if model is None or len(distortion) != _TERMS[model]:
         raise PalpateError(
-            f"{path.name} has {len(distortion)} coefficients for the lens model {named}.",
+            f"{name} has {len(distortion)} coefficients for the lens model {named}.",
             f"{PINHOLE} takes k1, k2, p1, p2, k3; {FISHEYE} takes k1 to k4: one is no stand-in for the other.",
         )
     size = 4 + _TERMS[model]
@@ -79,8 +81,8 @@ def read_calibration(path: Path) -> Calibration:
     coverage = _numbers(content["coverage"], 48).reshape(6, 8).astype(int) if "coverage" in content else None
     return Calibration(
         model=model,
-        width_px=width,
-        height_px=height,
+        width_px=int(content["image_width"]),
+        height_px=int(content["image_height"]),
         intrinsics_px=np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]),
         distortion=distortion,
         rms_px=float(content.get("rms_px", content.get("avg_reprojection_error", np.nan))),

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from palpate.camera import Calibration, read_calibration, write_calibration
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.core.store import find_fault
 from palpate.dataset import Dataset, DatasetSpec, read_dataset, sample_poses, write_dataset
@@ -145,6 +146,34 @@ def test_presses(tmp_path: Path, changes: list[tuple[int, int, bytes]]) -> None:
 def model(dataset: Dataset, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("model") / "good.onnx"
     write_estimator(path, calibrate(fit_ridge(dataset), dataset))
+    return path.read_bytes()
+
+
+@DAMAGED
+@given(changes=CHANGES)
+@example(changes=[(860, 4, b"x")])
+def test_lenses(tmp_path: Path, lens: bytes, changes: list[tuple[int, int, bytes]]) -> None:
+    take_or_refuse(read_calibration, tmp_path / "lens.yaml", damage(lens, changes))
+
+
+@pytest.fixture(scope="module")
+def lens(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    found = Calibration(
+        model="plumb_bob",
+        width_px=346,
+        height_px=260,
+        intrinsics_px=np.array([300.0, 300.0, 173.0, 130.0]),
+        distortion=np.array([-0.1, 0.01, 1e-4, 0.0, 0.0]),
+        rms_px=0.2,
+        covariance=np.eye(9) * 1e-4,
+        image_names=("a.png",),
+        image_rms_px=np.array([0.2]),
+        rejected=(),
+        coverage=np.ones((6, 8), int),
+        board=None,
+    )
+    path = tmp_path_factory.mktemp("lens") / "lens.yaml"
+    write_calibration(path, found)
     return path.read_bytes()
 
 
