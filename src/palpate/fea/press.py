@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from palpate.fea.arrays import FloatArray
 from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, locate_inner
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FEA_VERSION = "7"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
@@ -137,6 +141,31 @@ class Press:
         from palpate.fea.export import nodal_von_mises  # here, because an export knows presses
 
         return nodal_von_mises(self)
+
+    def plot(self) -> Figure:
+        """Draw the section as it is flattened, and the force over the depth."""
+        from palpate.fea.plot_press import plot_press  # here, because pictures know results, and matplotlib is slow
+
+        return plot_press(self)
+
+    def picture(self, image: int = -1) -> NDArray[np.uint8]:
+        """Picture (h, w, 3) of one image of the press in 3-D; needs the extra ``viz`` and OpenGL.
+
+        Raises
+        ------
+        MissingExtraError
+            If pyvista is not installed.
+        PalpateError
+            If this machine cannot draw in 3-D.
+        """
+        from palpate.fea.plot_press import picture_press
+
+        return picture_press(self, image)
+
+    def _repr_html_(self) -> str:
+        from palpate.fea.plot_press import tabulate_press
+
+        return tabulate_press(self)
 
 
 def azimuth_rotation(azimuth_deg: float) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import os
 import tempfile
 from collections.abc import Callable
@@ -72,6 +73,14 @@ def _write_markdown(path: Path, grid: SpecificationGrid) -> None:
     lines = [_line([_heading(name) for name in columns]), _line(["---:"] * len(columns))]
     lines += [_line([_text(row[name]) for name in columns]) for row in grid.rows]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def html_rows(grid: SpecificationGrid) -> str:
+    """The main columns as an HTML table, a row a design, its texts escaped."""
+    columns = [name for name in MAIN_COLUMNS if name in grid.columns]
+    head = "".join(f"<th>{html.escape(_heading(name))}</th>" for name in columns)
+    rows = ["".join(f"<td>{html.escape(_text(row[name]))}</td>" for name in columns) for row in grid.rows]
+    return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
 
 
 _WRITERS: dict[str, Callable[[Path, SpecificationGrid], None]] = {

@@ -5,6 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Cell = float | int | str | None
 """A figure, a word, or nothing where the chain broke or the figure does not apply."""
@@ -75,6 +79,24 @@ class SpecificationGrid:
         for row in self.rows:
             if tuple(row) != self.columns:
                 raise ValueError(f"row {dict(row)} does not have the columns {self.columns}")
+
+    def plot(self, metric: str = "rmse_deg", kind: str = "heat") -> Figure:
+        """Draw one metric, as `palpate.grid.plot_grid` does, without writing it.
+
+        Raises
+        ------
+        PalpateError
+            If there is no such kind or metric, or no design has the figure.
+        """
+        from palpate.grid.plot import draw_plot, refuse_unknown  # here, because pictures know results
+
+        refuse_unknown(self, kind, metric)
+        return draw_plot(self, kind, metric)
+
+    def _repr_html_(self) -> str:
+        from palpate.grid.export import html_rows
+
+        return html_rows(self)
 
 
 def depth_text(depth_mm: float) -> str:

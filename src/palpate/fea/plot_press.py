@@ -1,0 +1,158 @@
+"""A press as a picture and as a table: for notebooks and reports."""
+
+from __future__ import annotations
+
+import ctypes
+import html
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError, load_extra
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from palpate.fea.press import Press
+
+_GRAPHICS = "libEGL.so.1"
+_DRAWN = 4
+"""Outlines of the section that are drawn, from rest to the end."""
+
+
+def plot_press(press: Press) -> Figure:
+    """Draw a press: its section in the plane of the tilt as it is flattened, and the force over the depth."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.4, 3.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    section, curve = figure.subplots(1, 2)
+    chosen = np.unique(np.linspace(0, len(press.depth) - 1, _DRAWN).astype(int))
+    for image, shade in zip(chosen, np.linspace(0.75, 0.1, len(chosen)), strict=True):
+        _draw_section(section, press, int(image), str(shade))
+    section.set_aspect("equal")
+    section.set_xlabel("across, in the plane of the tilt (mm)")
+    section.set_ylabel("height (mm)")
+    force = np.linalg.norm(press.force, axis=1)
+    for branch, style in (("flat", "o-"), ("inverted", "s--")):
+        here = press.branch == branch
+        if here.any():
+            curve.plot(press.depth[here], force[here], style, label=branch, color="C0" if branch == "flat" else "C1")
+    curve.set_xlabel("depth (mm)")
+    curve.set_ylabel("force on the wall (N)")
+    curve.legend(frameon=False)
+    for axis in (section, curve):
+        axis.spines[["top", "right"]].set_visible(False)
+    dome, tilt = press.mesh.dome, press.wall.tilt_deg
+    title = f"H {dome.height:g}, T {dome.thickness:g} mm, wall tilted {tilt:g}°: {press.ended}"
+    figure.suptitle(title, fontsize=11)
+    return figure
+
+
+def tabulate_press(press: Press) -> str:
+    """A press as an HTML table, a row an image."""
+    heads = ("depth (mm)", "force (N)", "peak stress (MPa)", "contact (mm²)", "branch")
+    force = np.linalg.norm(press.force, axis=1)
+    figures = zip(press.depth, force, press.peak_stress, press.contact_area, strict=True)
+    rows = [
+        (f"{depth:.2f}", f"{newton:.4f}", f"{stress:.4f}", f"{area:.1f}", str(branch))
+        for (depth, newton, stress, area), branch in zip(figures, press.branch, strict=True)
+    ]
+    return html_table(f"Press, ended: {press.ended} at {press.ended_depth:.2f} mm", heads, rows)
+
+
+def html_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table with a title, its texts escaped."""
+    line = "".join(f"<th>{html.escape(head)}</th>" for head in heads)
+    body = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+    return f"<table><caption>{html.escape(title)}</caption><tr>{line}</tr>{body}</table>"
+
+
+def picture_press(press: Press, image: int = -1, path: Path | None = None) -> NDArray[np.uint8]:
+    """Picture of the pressed dome in 3-D, coloured by von Mises stress.
+
+    Parameters
+    ----------
+    press
+        The press.
+    image
+        Which of its images; the last by default.
+    path
+        PNG file to write as well.
+
+    Returns
+    -------
+    ndarray
+        (h, w, 3) colours.
+
+    Raises
+    ------
+    MissingExtraError
+        If pyvista is not installed.
+    PalpateError
+        If this machine has no OpenGL to draw with, or the file cannot be written.
+    """
+    check_graphics()
+    pyvista = load_extra("pyvista", "viz")
+    plotter = pyvista.Plotter(off_screen=True, window_size=(800, 600))
+    try:
+        plotter.add_mesh(_surface(pyvista, press, image), scalars="von Mises (MPa)", cmap="viridis", show_edges=False)
+        plotter.view_isometric()
+        drawn: NDArray[np.uint8] = np.asarray(
+            plotter.screenshot(None if path is None else str(path), return_img=True)
+        )
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error
+    finally:
+        plotter.close()
+    return drawn
+
+
+def check_graphics() -> None:
+    """Refuse to draw in 3-D where the library would end the whole program.
+
+    Raises
+    ------
+    PalpateError
+        If OpenGL's library is not there.
+    """
+    try:
+        ctypes.CDLL(_GRAPHICS)
+    except OSError:
+        raise PalpateError(
+            f"This machine has no {_GRAPHICS}: nothing can be drawn in 3-D.",
+            "On Debian: apt-get install libegl1. In 2-D, plot() needs none; `palpate view` draws in the browser.",
+        ) from None
+
+
+def _surface(pyvista: Any, press: Press, image: int) -> Any:
+    """Both halves of the deformed surfaces as one mesh of quadrilaterals."""
+    mesh = press.mesh
+    quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
+    faces = np.concatenate([mesh.outer_faces, mesh.inner_faces])[:, quads].reshape(-1, 4)
+    cells = np.column_stack([np.full(len(faces), 4), faces])
+    points = mesh.nodes + press.displacement[image]
+    stress = press.von_mises()[image]
+    halves = []
+    for side in (1.0,) if mesh.spec.whole else (1.0, -1.0):
+        half = pyvista.PolyData(points * [side, 1.0, 1.0], cells.ravel())
+        half["von Mises (MPa)"] = stress
+        halves.append(half)
+    return halves[0].merge(halves[1]) if len(halves) > 1 else halves[0]
+
+
+def _draw_section(axis: Any, press: Press, image: int, shade: str) -> None:
+    """Inner and outer outline of the deformed section x = 0."""
+    mesh = press.mesh
+    inside = np.flatnonzero(np.abs(mesh.nodes[:, 0]) < 1e-9)
+    moved = mesh.nodes + press.displacement[image]
+    for faces in (mesh.inner_faces, mesh.outer_faces):
+        line = np.intersect1d(inside, faces)
+        line = line[np.argsort(np.arctan2(mesh.nodes[line, 1], mesh.nodes[line, 2] - mesh.dome.center_z))]
+        label = f"{press.depth[image]:.1f} mm" if faces is mesh.inner_faces else None
+        axis.plot(moved[line, 1], moved[line, 2], color=shade, linewidth=1.4, label=label)
+    axis.legend(frameon=False, fontsize=8, loc="lower center", ncols=2)

@@ -1,0 +1,68 @@
+"""Presses and grids in a notebook: tables and pictures, and a message where nothing can be drawn."""
+
+import ctypes
+import importlib.util
+
+import numpy as np
+import pytest
+
+from palpate.core import MissingExtraError, PalpateError
+from palpate.design import DomeSpec, build_dome
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea.plot_press import check_graphics
+from palpate.grid import SpecificationGrid
+from palpate.material import get_material
+from palpate.mesh import MeshSpec, mesh_dome
+
+
+@pytest.fixture(scope="module")
+def press() -> Press:
+    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=2)), MeshSpec(cells=6))
+    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(tilt_deg=4, depth=1.6))
+
+
+def test_a_press_draws_its_section_and_force(press):
+    section, force = press.plot().axes
+    assert len(section.lines) == 2 * 3  # two surfaces, in each of three images
+    assert force.lines[0].get_ydata()[-1] == pytest.approx(np.linalg.norm(press.force[-1]))
+
+
+def test_a_press_is_a_table_in_a_notebook(press):
+    table = press._repr_html_()
+    assert table.count("<tr>") == 1 + len(press.depth)
+    assert "depth reached" in table
+
+
+def test_a_machine_without_graphics_is_told(press, monkeypatch):
+    def no_library(name):
+        raise OSError(name)
+
+    monkeypatch.setattr(ctypes, "CDLL", no_library)
+    with pytest.raises(PalpateError, match="libEGL"):
+        press.picture()
+
+
+def test_a_picture_shows_the_dome(press):
+    try:
+        check_graphics()
+    except PalpateError:
+        pytest.skip("no OpenGL here")
+    if importlib.util.find_spec("pyvista") is None:
+        with pytest.raises(MissingExtraError):
+            press.picture()
+        return
+    picture = press.picture()
+    assert picture.shape == (600, 800, 3)
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
+
+
+def test_a_grid_is_drawn_and_is_a_table_with_its_texts_escaped():
+    usual = {"thickness_mm": 2.0, "markers": 7, "travel_mm": "<b>"}
+    rows = tuple({"height_mm": height, "rmse_deg": 0.1 * height, **usual} for height in (10.0, 20.0))
+    grid = SpecificationGrid(rows, tuple(rows[0]))
+    assert grid.plot().axes
+    assert "&lt;b&gt;" in grid._repr_html_()
+    with pytest.raises(PalpateError, match="no column"):
+        grid.plot("rms")
+    with pytest.raises(PalpateError, match="no kind"):
+        grid.plot(kind="pie")
