@@ -30,7 +30,7 @@ suppress_warnings = ["ref.python", "myst.header", "myst.xref_missing"]
 
 STAGES = ("design", "material", "mesh", "fea", "camera", "dataset", "learn", "fabricate", "study", "grid", "verify")
 COMMANDS = (
-    "run press stability convergence deck design limit claims fit make specimens verify doctor".split()  # noqa: SIM905
+    "run view press stability convergence deck design limit claims fit make specimens verify doctor".split()  # noqa: SIM905
 )
 
 

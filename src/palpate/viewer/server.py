@@ -74,10 +74,10 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def link_of(door: Door) -> str:
-    """The link that opens a door."""
+def link_of(door: Door, page: str = "") -> str:
+    """The link that opens a door on a page."""
     host = f"[{door.host}]" if ":" in door.host else door.host
-    return f"http://{host}:{door.port}/" + (f"?token={door.token}" if door.token else "")
+    return f"http://{host}:{door.port}/{page}" + (f"?token={door.token}" if door.token else "")
 
 
 def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None]) -> None:
@@ -106,7 +106,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     door, listener = open_door(spec)
     try:
         guarded = Guard(build_app(folder), door)
-        announce(link_of(door))
+        announce(link_of(door, "" if folder else "design"))
         server = uvicorn.Server(
             uvicorn.Config(guarded, log_level="warning", server_header=False, ws_max_size=1_000_000, lifespan="on")
         )
