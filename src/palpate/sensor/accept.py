@@ -1,0 +1,182 @@
+"""Acceptance of a built unit: recorded presses with known poses, the paper's figures, and a tolerance for each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError, Spec, parameter, provenance
+from palpate.sensor.recording import Truth
+from palpate.sensor.score import COMPONENTS, Score, score_readings
+from palpate.sensor.touch import TouchZero, find_zero
+
+Array = NDArray[np.float64]
+PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, Table 3"
+
+
+_DOUBT = 0.05
+"""How far a zero that was found may be off, mm: an image at the least depth is not lost for it."""
+
+
+class AcceptSpec(Spec):
+    """What a unit must reach."""
+
+    rmse_deg: float = parameter(0.58, unit="deg", meaning="greatest RMSE of roll and of pitch", source=PAPER, gt=0)
+    max_deg: float = parameter(1.64, unit="deg", meaning="greatest error of roll and of pitch", source=PAPER, gt=0)
+    depth_rmse: float = parameter(0.2, unit="mm", meaning="greatest RMSE of the depth", gt=0)
+    least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)
+    without_pose: float = parameter(0.0, unit="1", meaning="greatest share of images without a pose", ge=0, le=1)
+    zero: bool = parameter(True, unit="", meaning="whether the depth's zero is found from the first press")
+    guard: bool = parameter(
+        False, unit="", meaning="whether the upper ends of the intervals must be within, not only the figures"
+    )
+    seed: int = parameter(0, unit="1", meaning="seed of the bootstrap", ge=0)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One figure against its tolerance.
+
+    Attributes
+    ----------
+    what, unit
+        Such as ``roll RMSE`` and ``deg``.
+    value, limit
+        The figure and its tolerance.
+    interval
+        Ends of its interval; `None` for a figure that has none.
+    passed
+        Whether it is within.
+    """
+
+    what: str
+    unit: str
+    value: float
+    limit: float
+    interval: tuple[float, float] | None
+    passed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Acceptance:
+    """What was found.
+
+    Attributes
+    ----------
+    spec
+        What was asked.
+    checks
+        Every figure against its tolerance.
+    scores
+        Roll, pitch and, where it is known, depth.
+    press, truth, estimates
+        (n,), (n, 3), (n, 3) of the images that count, depth on the robot's scale.
+    zero
+        The depth's zero, if it was looked for.
+    left_out
+        Images that are not as deep as those that count, or belong to the press that gave the zero's scale.
+    flagged
+        Images of those that count whose reading is flagged.
+    """
+
+    spec: AcceptSpec
+    checks: tuple[Check, ...]
+    scores: tuple[Score, ...]
+    press: NDArray[np.int64]
+    truth: Array
+    estimates: Array
+    zero: TouchZero | None
+    left_out: int
+    flagged: int
+
+    @property
+    def passed(self) -> bool:
+        """Whether every figure is within its tolerance."""
+        return all(check.passed for check in self.checks)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "passed": self.passed,
+            "spec": self.spec.model_dump(mode="json"),
+            "checks": [vars(check) for check in self.checks],
+            "scores": [score.as_dict() for score in self.scores],
+            "images": len(self.truth),
+            "presses": len(np.unique(self.press)),
+            "zero_mm": self.zero.offset if self.zero else None,
+            "left_out": self.left_out,
+            "flagged": self.flagged,
+            "made_by": provenance(),
+        }
+
+
+def accept_unit(
+    truth: Truth, estimates: Array, flagged: NDArray[np.bool_] | None = None, spec: AcceptSpec | None = None
+) -> Acceptance:
+    """Hold a unit's readings against the truth.
+
+    Where the depth's zero is looked for, the first press gives it and does not count.
+
+    Parameters
+    ----------
+    truth
+        Known poses.
+    estimates
+        (n, 3) rx, ry (degrees) and depth (mm) of the same images; NaN where there is no pose.
+    flagged
+        (n,) whether a reading is flagged.
+    spec
+        Tolerances.
+
+    Raises
+    ------
+    PalpateError
+        If no image counts, or the first press does not give the zero.
+    """
+    spec = spec or AcceptSpec()
+    flagged = np.zeros(len(estimates), bool) if flagged is None else flagged
+    known = bool(np.isfinite(truth.poses[:, 2]).all())
+    zero, counts = None, np.ones(len(estimates), bool)
+    if spec.zero and known:
+        first = truth.press == 0
+        zero = find_zero(estimates[first, 2], truth.poses[first, 2], spec.least_depth)
+        counts &= ~first
+    offset = zero.offset if zero else 0.0
+    # an image without a pose counts if the truth says that it is deep enough
+    depth = truth.poses[:, 2] - offset if known else estimates[:, 2]
+    counts &= ~(depth < spec.least_depth - (_DOUBT if zero else 1e-9))
+    if not counts.any():
+        raise PalpateError(
+            f"No image is deeper than {spec.least_depth:g} mm after the first press.",
+            "Record more presses, or press deeper.",
+        )
+    read = estimates[counts] + np.array([0.0, 0.0, offset])
+    wanted = truth.poses[counts] if known else np.column_stack([truth.poses[counts, :2], read[:, 2]])
+    scores = score_readings(wanted, read, truth.press[counts], spec.seed)[: 3 if known else 2]
+    return Acceptance(
+        spec=spec,
+        checks=tuple(_check(scores, spec, float((~np.isfinite(read).all(axis=1)).mean()))),
+        scores=scores,
+        press=truth.press[counts],
+        truth=wanted,
+        estimates=read,
+        zero=zero,
+        left_out=int((~counts).sum()),
+        flagged=int(flagged[counts].sum()),
+    )
+
+
+def _check(scores: tuple[Score, ...], spec: AcceptSpec, without: float) -> list[Check]:
+    limits = (spec.rmse_deg, spec.rmse_deg, spec.depth_rmse)
+    checks = []
+    for score, limit, (name, unit) in zip(scores, limits, COMPONENTS, strict=False):
+        judged = score.rmse_interval[1] if spec.guard else score.errors.rmse
+        checks.append(Check(f"{name} RMSE", unit, score.errors.rmse, limit, score.rmse_interval, judged <= limit))
+        if unit == "deg":
+            most = score.errors.max
+            checks.append(Check(f"{name} greatest error", unit, most, spec.max_deg, None, most <= spec.max_deg))
+    checks.append(Check("images without a pose", "1", without, spec.without_pose, None, without <= spec.without_pose))
+    return checks

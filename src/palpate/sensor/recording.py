@@ -1,0 +1,137 @@
+"""Recorded presses with known poses: a table of the truth, beside images or readings of them.
+
+    image,press,rx_deg,ry_deg,depth_mm
+    000.png,rest,,,
+    001.png,1,5.0,0.0,0.8
+
+`image` is a file's name, or the number that `palpate live` gave to the image; rows whose press is ``rest`` show the
+untouched dome. The depth may be on any scale (see `palpate.sensor.touch`), or left empty where nobody knows it.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+
+Array = NDArray[np.float64]
+REST = "rest"
+_TRUTH = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
+_ESTIMATE = ("rx_deg", "ry_deg", "depth_mm")
+_EXAMPLE = "Give a CSV with the columns image, press, rx_deg, ry_deg, depth_mm."
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """Known poses of recorded images.
+
+    Attributes
+    ----------
+    rest
+        Images of the untouched dome.
+    images
+        (n,) images of presses, in order.
+    press
+        (n,) number of the press, from 0 in the order in which they come.
+    poses
+        (n, 3) rx, ry (degrees) and depth (mm; NaN where it is not known).
+    """
+
+    rest: tuple[str, ...]
+    images: tuple[str, ...]
+    press: NDArray[np.int64]
+    poses: Array
+
+
+def read_truth(path: Path) -> Truth:
+    """Read the table of the truth.
+
+    Raises
+    ------
+    PalpateError
+        If it cannot be read, lacks a column, or a pose is not a number; the message names the line.
+    """
+    rows = list(_read_rows(path))
+    rest = tuple(row["image"] for _, row in rows if row["press"].strip() == REST)
+    pressed = [(line, row) for line, row in rows if row["press"].strip() != REST]
+    if not pressed:
+        raise PalpateError(f"{path.name} has no press.", _EXAMPLE)
+    poses = np.array([[_number(path, line, row, name) for name in _ESTIMATE] for line, row in pressed])
+    for (line, _), pose in zip(pressed, poses, strict=True):
+        if not np.isfinite(pose[:2]).all():
+            raise PalpateError(f"{path.name}, line {line}: an angle is missing.", "Only the depth may be unknown.")
+    names = list(dict.fromkeys(row["press"] for _, row in pressed))
+    press = np.array([names.index(row["press"]) for _, row in pressed])
+    return Truth(rest, tuple(row["image"] for _, row in pressed), press, poses)
+
+
+def read_readings(path: Path, truth: Truth) -> tuple[Array, NDArray[np.bool_]]:
+    """Read what `palpate live --out` wrote about the images of a truth.
+
+    Returns
+    -------
+    Array, ndarray of bool
+        (n, 3) poses, NaN where there is none, and (n,) whether the reading is flagged.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be read, or an image of the truth has no reading.
+    """
+    rows = {str(row["image"]): row for row in _read_any(path)}
+    missing = [name for name in truth.images if name not in rows]
+    if missing:
+        raise PalpateError(
+            f"{len(missing)} images of the truth have no reading in {path.name}, the first is {missing[0]}.",
+            "Number the images as palpate live does: from 1, images at rest not counted.",
+        )
+    chosen = [rows[name] for name in truth.images]
+    try:
+        poses = np.array([[_or_nan(row[name]) for name in _ESTIMATE] for row in chosen])
+    except (KeyError, ValueError, TypeError) as error:
+        raise PalpateError(
+            f"{path.name} holds no readings: {error}.", "Give what palpate live --out wrote."
+        ) from error
+    return poses, np.array([bool(row.get("flags")) for row in chosen])
+
+
+def _read_rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            table = csv.DictReader(file)
+            absent = [name for name in _TRUTH if name not in (table.fieldnames or ())]
+            if absent:
+                raise PalpateError(f"{path.name} has no column {', '.join(absent)}.", _EXAMPLE)
+            for row in table:
+                yield table.line_num, {name: row[name] or "" for name in _TRUTH}
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise PalpateError(f"{path} cannot be read: {error}.", _EXAMPLE) from error
+
+
+def _number(path: Path, line: int, row: dict[str, str], name: str) -> float:
+    try:
+        return _or_nan(row[name])
+    except ValueError:
+        raise PalpateError(f"{path.name}, line {line}: {name} is '{row[name]}'.", "Write a number.") from None
+
+
+def _or_nan(value: Any) -> float:
+    return float("nan") if value in ("", None) else float(value)
+
+
+def _read_any(path: Path) -> list[dict[str, Any]]:
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            if path.suffix == ".jsonl":
+                return [json.loads(line) for line in file if line.strip()]
+            return list(csv.DictReader(file))
+    except (OSError, ValueError, csv.Error) as error:
+        raise PalpateError(f"{path} cannot be read: {error}.", "Give what palpate live --out wrote.") from error

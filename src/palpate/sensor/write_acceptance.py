@@ -1,0 +1,131 @@
+"""An acceptance as a report to print and as data."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from palpate.core import PalpateError, provenance
+from palpate.sensor.accept import Acceptance, Check
+from palpate.sensor.score import LEVEL, PAPER_TABLE_3
+
+_A4 = (8.27, 11.69)
+
+
+def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
+    """Write ``accept.json``, ``accept.md`` and ``accept.pdf`` into a folder.
+
+    Raises
+    ------
+    PalpateError
+        If they cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        text = json.dumps({"unit": title, **found.as_dict()}, indent=2).replace("NaN", "null")
+        (folder / "accept.json").write_text(text + "\n", encoding="utf-8")
+        (folder / "accept.md").write_text(acceptance_page(found, title), encoding="utf-8")
+        draw_acceptance(found, title).savefig(folder / "accept.pdf")
+    except OSError as error:
+        raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Choose another folder.") from error
+
+
+def acceptance_page(found: Acceptance, title: str) -> str:
+    """The report as Markdown."""
+    checks: list[tuple[str, ...]] = [("figure", "value", f"{LEVEL:.0%} interval", "tolerance", "")]
+    checks += [("---",) * 5, *(_row(check) for check in found.checks)]
+    table: list[tuple[str, ...]] = [
+        ("", "RMSE", "MAE", "max", "SD", "bias", "the paper's RMSE / MAE / max / SD"),
+        ("---",) * 7,
+    ]
+    for score in found.scores:
+        errors, paper = score.errors, PAPER_TABLE_3[score.component]
+        figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
+        of_paper = " / ".join(f"{value:.2f}" for value in (paper.rmse, paper.mae, paper.max, paper.sd))
+        table.append((f"{score.component} {score.unit}", *(f"{value:.3f}" for value in figures), of_paper))
+    return "\n".join(
+        [
+            f"# Acceptance: {title}",
+            "",
+            f"**{verdict(found)}**",
+            "",
+            *(f"| {' | '.join(row)} |" for row in checks),
+            "",
+            *(f"| {' | '.join(row)} |" for row in table),
+            "",
+            *basis(found),
+            "",
+            "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + ".",
+            "",
+        ]
+    )
+
+
+def verdict(found: Acceptance) -> str:
+    """``passed``, or what did not."""
+    failed = [check.what for check in found.checks if not check.passed]
+    return f"failed: {', '.join(failed)}" if failed else "passed"
+
+
+def basis(found: Acceptance) -> list[str]:
+    """What the figures stand on, in sentences."""
+    lines = [
+        f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.least_depth:g} mm deep or "
+        f"more; {found.left_out} others left out, {found.flagged} flagged readings among them that count.",
+        "Intervals come from drawing whole presses with replacement; the greatest error has none."
+        + (" Their upper ends were judged." if found.spec.guard else ""),
+    ]
+    if found.zero:
+        lines.append(
+            f"The depth's zero is at {found.zero.offset:.3f} mm on the robot's scale, by {found.zero.images} images "
+            "of the first press, which does not count."
+        )
+    return lines
+
+
+def draw_acceptance(found: Acceptance, title: str) -> Figure:
+    """One sheet of A4: verdict, tolerances, and every error against its truth and its depth."""
+    figure = Figure(figsize=_A4, layout="constrained")
+    FigureCanvasAgg(figure)
+    rows = len(found.scores)
+    top, bottom = np.asarray(figure.subfigures(2, 1, height_ratios=[0.8, rows]))
+    axis = top.subplots()
+    axis.axis("off")
+    axis.set_title(f"{title}: {verdict(found)}", loc="left", fontsize=13, wrap=True)
+    cells = [list(_row(check)) for check in found.checks]
+    drawn = axis.table(
+        cellText=cells,
+        colLabels=["figure", "value", f"{LEVEL:.0%} interval", "tolerance", ""],
+        loc="center",
+        cellLoc="left",
+        edges="horizontal",
+    )
+    drawn.auto_set_font_size(False)
+    drawn.set_fontsize(9)
+    top.supxlabel("\n".join(basis(found)), fontsize=8, x=0.01, ha="left", wrap=True)
+    axes = np.atleast_2d(bottom.subplots(rows, 2, sharey="row"))
+    errors = found.estimates - found.truth
+    for column, (score, pair) in enumerate(zip(found.scores, axes, strict=True)):
+        _scatter(pair[0], found.truth[:, column], errors[:, column], f"{score.component} ({score.unit})")
+        _scatter(pair[1], found.truth[:, 2], errors[:, column], "depth (mm)")
+        pair[0].set_ylabel(f"error of {score.component} ({score.unit})")
+    return figure
+
+
+def _scatter(axis: Axes, truth: np.ndarray, error: np.ndarray, name: str) -> None:
+    axis.plot(truth, error, ".", markersize=4, alpha=0.6)
+    axis.axhline(0.0, color="0.6", linewidth=0.8)
+    axis.set_xlabel(name)
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+def _row(check: Check) -> tuple[str, str, str, str, str]:
+    unit = "" if check.unit == "1" else f" {check.unit}"
+    interval = f"{check.interval[0]:.3f} to {check.interval[1]:.3f}" if check.interval else ""
+    said = "within" if check.passed else "OUTSIDE"
+    return check.what, f"{check.value:.3f}{unit}", interval, f"{check.limit:g}{unit}", said

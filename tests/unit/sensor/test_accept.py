@@ -1,0 +1,176 @@
+"""Whether a unit passes, from recorded presses."""
+
+import csv
+import json
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from small_chain import small_bench, write_small_model
+
+from palpate.cli import main
+from palpate.core import PalpateError, generator
+from palpate.sensor import AcceptSpec, Deviation, Truth, accept_unit, read_readings, read_truth, write_acceptance
+from palpate.sensor.bench import presses_of
+from palpate.sensor.photograph import set_scene
+
+COLUMNS = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
+
+
+def recorded(presses=8, error=0.2, offset=0.7):
+    depth = np.arange(0.8, 8.1, 0.8)
+    rng = generator(0, "accept")
+    angles = rng.uniform(-8, 8, (presses, 2))
+    poses = np.array([[*angles[k], value + offset] for k in range(presses) for value in depth])
+    press = np.repeat(np.arange(presses), len(depth))
+    noise = np.column_stack([error * rng.normal(size=(len(poses), 2)), 0.02 * rng.normal(size=len(poses))])
+    estimates = poses - np.array([0.0, 0.0, offset]) + noise
+    truth = Truth(("r",), tuple(str(k + 1) for k in range(len(poses))), press, poses)
+    return truth, estimates
+
+
+def test_a_good_unit_passes_and_a_bad_one_says_what_failed():
+    truth, good = recorded()
+    found = accept_unit(truth, good)
+    assert found.passed
+    assert found.zero.offset == pytest.approx(0.7, abs=0.03)
+    assert len(found.truth) == 7 * 8
+    assert found.left_out == 10 + 7 * 2
+    bad = accept_unit(*recorded(error=0.9))
+    assert not bad.passed
+    assert next(check.what for check in bad.checks if not check.passed) == "roll RMSE"
+
+
+def test_where_doubt_must_not_pass_the_interval_is_judged():
+    truth, estimates = recorded(error=0.5)
+    limit = AcceptSpec(max_deg=5.0)
+    assert accept_unit(truth, estimates, None, limit).passed
+    assert not accept_unit(truth, estimates, None, limit.model_copy(update={"guard": True})).passed
+
+
+def test_without_a_zero_the_robots_touch_point_is_in_the_depth():
+    truth, estimates = recorded()
+    found = accept_unit(truth, estimates, None, AcceptSpec(zero=False))
+    assert found.scores[2].errors.bias == pytest.approx(-0.7, abs=0.02)
+    assert [check.what for check in found.checks if not check.passed] == ["depth RMSE"]
+
+
+def test_an_unknown_depth_is_not_judged():
+    truth, estimates = recorded()
+    poses = truth.poses.copy()
+    poses[:, 2] = np.nan
+    found = accept_unit(replace(truth, poses=poses), estimates)
+    assert [score.component for score in found.scores] == ["roll", "pitch"]
+    assert found.passed
+    assert found.zero is None
+
+
+def test_images_without_a_pose_count_against_the_unit():
+    truth, estimates = recorded()
+    estimates[25] = np.nan
+    found = accept_unit(truth, estimates)
+    assert [check.what for check in found.checks if not check.passed] == ["images without a pose"]
+    assert accept_unit(truth, estimates, None, AcceptSpec(without_pose=0.05)).passed
+
+
+def test_too_few_or_too_shallow_presses_are_refused():
+    truth, estimates = recorded(presses=1)
+    with pytest.raises(PalpateError, match="No image is deeper"):
+        accept_unit(truth, estimates)
+
+
+def test_the_report_can_be_printed(tmp_path):
+    write_acceptance(tmp_path / "a", accept_unit(*recorded()), "unit 7")
+    assert (tmp_path / "a" / "accept.pdf").read_bytes()[:5] == b"%PDF-"
+    page = (tmp_path / "a" / "accept.md").read_text()
+    assert "# Acceptance: unit 7" in page
+    assert "**passed**" in page
+    assert "0.58 / 0.49 / 1.62 / 0.54" in page
+    assert json.loads((tmp_path / "a" / "accept.json").read_text())["passed"] is True
+
+
+def write_truth(path, rows, columns=COLUMNS):
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows([columns, *rows])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "says"),
+    [
+        ([["a.png", "1", "x", "0", "1"]], COLUMNS, "line 2: rx_deg is 'x'"),
+        ([["a.png", "1", "", "0", "1"]], COLUMNS, "line 2: an angle is missing"),
+        ([["a.png", "1"]], COLUMNS[:2], "no column rx_deg, ry_deg, depth_mm"),
+        ([["a.png", "rest", "", "", ""]], COLUMNS, "has no press"),
+    ],
+)
+def test_a_table_that_is_no_truth_is_refused_with_its_line(tmp_path, rows, columns, says):
+    with pytest.raises(PalpateError, match=says):
+        read_truth(write_truth(tmp_path / "t.csv", rows, columns))
+
+
+def test_a_truth_that_is_not_there_or_no_text_is_refused(tmp_path):
+    with pytest.raises(PalpateError, match="cannot be read"):
+        read_truth(tmp_path / "none.csv")
+    (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00" * 40)
+    with pytest.raises(PalpateError, match="cannot be read"):
+        read_truth(tmp_path / "b.csv")
+
+
+def test_every_image_needs_a_reading(tmp_path):
+    truth = read_truth(write_truth(tmp_path / "t.csv", [["1", "1", 1, 2, 3], ["2", "1", 1, 2, ""]]))
+    (tmp_path / "r.jsonl").write_text('{"image": 1, "rx_deg": 1.0, "ry_deg": 2.0, "depth_mm": null, "flags": "x"}\n')
+    with pytest.raises(PalpateError, match="1 images of the truth have no reading"):
+        read_readings(tmp_path / "r.jsonl", truth)
+    only = read_truth(write_truth(tmp_path / "t.csv", [["1", "1", 1, 2, 3]]))
+    poses, flagged = read_readings(tmp_path / "r.jsonl", only)
+    assert poses[0, :2].tolist() == [1.0, 2.0]
+    assert np.isnan(poses[0, 2])
+    assert flagged.tolist() == [True]
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """Images of a small virtual unit with their truth, and its model."""
+    folder = tmp_path_factory.mktemp("recording")
+    bench = small_bench(folder / "bench", write_small_model(folder / "m.onnx"))
+    scene = set_scene(bench.nominal, bench.layout, Deviation(), bench.camera, bench.spec.render)
+    rows = [["rest.png", "rest", "", "", ""]]
+    cv2.imwrite(str(folder / "rest.png"), scene.at_rest())
+    for press in presses_of(bench, Deviation()):
+        for turn in (30.0, 200.0):
+            turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": turn}))
+            for depth, image in zip(press.depth, scene.through(turned), strict=True):
+                cv2.imwrite(str(folder / f"{len(rows)}.png"), image)
+                angle = np.radians(turn)
+                pose = press.wall.tilt_deg * np.array([np.cos(angle), np.sin(angle)])
+                rows.append([f"{len(rows)}.png", f"{press.wall.tilt_deg} {turn}", *pose, depth + 1.0])
+    write_truth(folder / "truth.csv", rows)
+    return folder
+
+
+def run(*words):
+    with pytest.raises(SystemExit) as left:
+        main([str(word) for word in words])
+    return left.value.code
+
+
+def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
+    words = ["accept", recording / "truth.csv", "--model", recording / "m.onnx", "--markers", "37"]
+    words += ["--least-depth", "2", "--depth-rmse", "0.3"]
+    assert run(*words, "--out", tmp_path / "r", "--name", "U1", "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["passed"]
+    assert said["zero_mm"] == pytest.approx(1.0, abs=0.2)
+    assert (tmp_path / "r" / "accept.pdf").exists()
+    assert run(*words, "--rmse", "0.01") == 1
+    assert "OUTSIDE" in capsys.readouterr().out
+
+
+def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, capsys):
+    assert run("accept", recording / "truth.csv") == 2
+    assert "--model or --readings" in capsys.readouterr().err
+    write_truth(tmp_path / "t.csv", [["1.png", "1", 1, 2, 3]])
+    assert run("accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2
+    assert "untouched dome" in capsys.readouterr().err
