@@ -1,6 +1,7 @@
 // What the camera sees: dots as circles where they are, rings where they rest, and the way between, as SVG.
 import { between, changed, listen, placeOf, save, stage } from "palpate-stage";
 
+const REST_MS = 150;
 const SVG = "http://www.w3.org/2000/svg";
 
 export default {
@@ -17,6 +18,7 @@ export default {
   },
   beforeUnmount() {
     this.stop();
+    clearTimeout(this.resting);
   },
   methods: {
     draw() {
@@ -33,24 +35,21 @@ export default {
       const at = { image: Math.min(place.image, images - 1), next: Math.min(place.next, images - 1), share: place.share };
       const now = between(pixels, 2 * count, at, new Float32Array(2 * count));
       const size = between(radius, count, at, new Float32Array(count));
-      for (let m = 0; m < count; m++) this.place(m, now, size, { pixels, seen, count, image: at.image });
-    },
-    place(m, now, size, { pixels, seen, count, image }) {
-      const { dot, trail } = this.marks[m];
-      const visible = seen[image * count + m];
-      dot.setAttribute("cx", now[2 * m].toFixed(2));
-      dot.setAttribute("cy", now[2 * m + 1].toFixed(2));
-      dot.setAttribute("r", Math.max(size[m], 0.5).toFixed(2));
-      dot.setAttribute("visibility", visible ? "visible" : "hidden");
-      let way = "";
-      if (stage.look.trails && visible) {
-        for (let k = 0; k <= image; k++) {
-          const i = 2 * (k * count + m);
-          way += `${k ? "L" : "M"}${pixels[i].toFixed(1)} ${pixels[i + 1].toFixed(1)}`;
-        }
-        way += `L${now[2 * m].toFixed(1)} ${now[2 * m + 1].toFixed(1)}`;
+      for (let m = 0; m < count; m++) {
+        const dot = this.marks[m];
+        dot.setAttribute("cx", now[2 * m].toFixed(2));
+        dot.setAttribute("cy", now[2 * m + 1].toFixed(2));
+        dot.setAttribute("r", Math.max(size[m], 0.5).toFixed(2));
+        dot.setAttribute("visibility", seen[at.image * count + m] ? "visible" : "hidden");
       }
-      trail.setAttribute("d", way);
+      this.hurry();
+      this.trails.setAttribute("d", stage.look.trails ? ways(pixels, seen, at.image, now) : "");
+    },
+    // Smooth edges cost more than all the rest without a graphics card: they wait until the picture rests.
+    hurry() {
+      this.trails.setAttribute("shape-rendering", "optimizeSpeed");
+      clearTimeout(this.resting);
+      this.resting = setTimeout(() => this.trails.removeAttribute("shape-rendering"), REST_MS);
     },
     load(shell) {
       this.shell = shell;
@@ -59,24 +58,37 @@ export default {
       svg.setAttribute("viewBox", `-0.5 -0.5 ${width} ${height}`);
       const ground = make("rect", { x: -0.5, y: -0.5, width, height, fill: "#e9e6df" });
       const rest = make("g", { fill: "none", stroke: "#9a938a", "stroke-width": width / 500 });
-      const trails = make("g", { fill: "none", stroke: "#d55e00", "stroke-width": width / 300, "stroke-linecap": "round" });
+      this.trails = make("path", { fill: "none", stroke: "#d55e00", "stroke-width": width / 320, "stroke-linejoin": "bevel" });
       const dots = make("g", { class: "dots", fill: "#22262b" });
       this.marks = [];
       const points = shell.arrays.rest_px;
       for (let m = 0; m < points.length / 2; m++) {
         rest.append(make("circle", { cx: points[2 * m], cy: points[2 * m + 1], r: width / 140 }));
-        const [dot, trail] = [make("circle", {}), make("path", {})];
-        dots.append(dot);
-        trails.append(trail);
-        this.marks.push({ dot, trail });
+        this.marks.push(make("circle", {}));
       }
-      svg.replaceChildren(ground, rest, dots, trails);
+      dots.append(...this.marks);
+      svg.replaceChildren(ground, rest, dots, this.trails);
     },
     saveDrawing(name) {
       save(name, new XMLSerializer().serializeToString(this.$refs.svg), "image/svg+xml");
     },
   },
 };
+
+// The way of every visible dot from rest as one path: a path each would take much longer to draw.
+function ways(pixels, seen, image, now) {
+  const count = pixels.shape[1];
+  let path = "";
+  for (let m = 0; m < count; m++) {
+    if (!seen[image * count + m]) continue;
+    for (let k = 0; k <= image; k++) {
+      const i = 2 * (k * count + m);
+      path += `${k ? "L" : "M"}${pixels[i].toFixed(1)} ${pixels[i + 1].toFixed(1)}`;
+    }
+    path += `L${now[2 * m].toFixed(1)} ${now[2 * m + 1].toFixed(1)}`;
+  }
+  return path;
+}
 
 function make(kind, attributes) {
   const element = document.createElementNS(SVG, kind);
