@@ -48,11 +48,15 @@ class Errand:
 
     def look(self) -> bool:
         """Take in what the process said meanwhile; whether it is done."""
-        while not self.done and self._pipe.poll():
+        while not self.done:
             try:
+                if not self._pipe.poll():
+                    break
                 kind, content = self._pipe.recv()
-            except EOFError:
-                self._end(f"The worker died with code {self._process.exitcode}.")
+            except (EOFError, OSError):
+                if not self.done:  # else it was called off while we looked
+                    self._process.join(_PATIENCE_S)
+                    self._end(f"The worker died with code {self._process.exitcode}.")
                 break
             if kind == "share":
                 self.share = float(content)

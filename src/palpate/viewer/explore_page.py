@@ -19,7 +19,6 @@ from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
-from palpate.viewer.shelf import Shelf
 from palpate.viewer.words import column_label
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
@@ -31,16 +30,14 @@ class ExplorePage:
 
     Parameters
     ----------
-    shelf
-        Designs to show.
     library
         The result folder.
     request
         Its query is the link to a view.
     """
 
-    def __init__(self, shelf: Shelf, library: Library, request: Request) -> None:
-        self._shelf, self._library, self._grid = shelf, library, library.results.grid
+    def __init__(self, library: Library, request: Request) -> None:
+        self._library, self._grid = library, library.results.grid
         self._view, self._complaints = read_link(request.query_params, self._grid)
         self._names = {i: self._name(i) for i in range(len(self._grid.rows))}
         self._head = Head(request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.rows)} designs")
@@ -202,25 +199,26 @@ class ExplorePage:
             element.set_visibility(self._view.other >= 0)
         self._bar.show(str(self._view.design))
         self._bar.show(str(self._view.other) if self._view.other >= 0 else None, "b")
-        self._panel.show([self._library.design(number) for number in self._numbers()])
         self._draw_curves()
 
     def _draw_curves(self) -> None:
+        designs: list[Design] = []
         shown: list[tuple[Design, Motion]] = []
         faults = []
         for number in self._numbers():
             try:
-                design, specimen = self._shelf.find(str(number))
-                tilts = specimen.pressed.tilts_deg
-                shown.append((design, specimen.pressed.at(min(max(self._view.tilt, tilts[0]), tilts[-1]))))
+                designs.append(self._library.design(number))
+                pressed = self._library.specimen(designs[-1]).pressed
+                tilt = min(max(self._view.tilt, pressed.tilts_deg[0]), pressed.tilts_deg[-1])
+                shown.append((designs[-1], pressed.at(tilt)))
             except PalpateError as error:
                 faults.append(str(error))
         complain(self._fault, " ".join(faults))
+        self._panel.show(designs)
         ink, here = self._head.ink, Curve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
-        axes = ("depth (mm)", "force (N)")
-        set_options(self._force, line_options(curves, axes, ink, [*marks, here]))
-        errors = error_curves([self._library.design(number) for number in self._numbers()])
+        set_options(self._force, line_options(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
+        errors = error_curves(designs)
         set_options(self._error, line_options(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
         self._force_note.text = " ".join(_say_end(design, motion) for design, motion in shown)
 

@@ -81,6 +81,7 @@ class Live:
         if isinstance(first.image, PalpateError):
             raise first.image
         unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
+        self.size_px = first.image.shape[:2]
         self.sensor: Sensor = open_sensor([first.image], unit, predictor)
         self.rest_px = self.sensor.naming.positions_px
         self.record: list[dict[str, Any]] | None = None

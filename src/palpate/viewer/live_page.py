@@ -20,9 +20,11 @@ from palpate.viewer.live import Live, Step, Verdict, judge, record_csv, tilt_int
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.png import write_png
 from palpate.viewer.results import model_path
-from palpate.viewer.source import Shot, find_recordings, inside, replay, touch_for_ever
+from palpate.viewer.source import Shot, capture, find_recordings, inside, replay, touch_for_ever
 
 _VIRTUAL = "virtual touches"
+_CAMERAS = {"camera 0": 0, "camera 1": 1}
+"""Cameras of the machine that the viewer runs on."""
 _PERIOD_S = 0.1
 
 
@@ -68,7 +70,7 @@ class LivePage:
         with ui.element("div").classes("card"):
             heading("Source")
             self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
-            self._source = ui.select([_VIRTUAL, *recordings], value=_VIRTUAL, label="Images")
+            self._source = ui.select([_VIRTUAL, *recordings, *_CAMERAS], value=_VIRTUAL, label="Images")
             for select in (self._design, self._source):
                 select.props("dense outlined options-dense").classes("wide")
             self._marked = ui.checkbox("The orientation mark is printed", value=True).props("dense")
@@ -76,7 +78,8 @@ class LivePage:
                 self._start_button = ui.button("Start", icon="play_arrow", on_click=self._start)
                 self._start_button.props("no-caps unelevated dense")
                 ui.button("Stop", icon="stop", on_click=self._stop).props("no-caps outline dense")
-            ui.label("Folders of images inside the result folder are listed; the first image shows the dome at rest.")
+            ui.label("Folders of images and videos inside the result folder are listed.").classes("faint")
+            ui.label("The first image shows the dome at rest.").classes("faint")
 
     def _build_record(self) -> None:
         with ui.element("div").classes("card"):
@@ -119,9 +122,8 @@ class LivePage:
             self._told.text = ""
             complain(self._fault, str(error))
             return
-        camera = self._live.sensor.unit.nominal
-        size = (camera.width_px, camera.height_px) if camera else (346, 260)
-        self._view.begin(*size, self._live.rest_px.round(2).tolist())
+        height, width = self._live.size_px
+        self._view.begin(width, height, self._live.rest_px.round(2).tolist())
         self._timer.activate()
 
     def _open(self) -> Live:
@@ -132,6 +134,8 @@ class LivePage:
         shots: Iterator[Shot]
         if self._source.value == _VIRTUAL:
             shots = touch_for_ever(design, self._library.specimen(design))
+        elif self._source.value in _CAMERAS:
+            shots = capture(_CAMERAS[self._source.value])
         else:
             shots = replay(inside(self._library.results.folder, str(self._source.value)))
         return Live(design, predictor, shots, marked=self._source.value == _VIRTUAL or bool(self._marked.value))

@@ -37,7 +37,7 @@ def build_app(folder: Path | None) -> FastAPI:
         if shelf.library is None:
             show_reason(request, "/", reason)
         else:
-            ExplorePage(shelf, shelf.library, request).build()
+            ExplorePage(shelf.library, request).build()
 
     @ui.page("/design", title=f"{TITLE}: design")
     def design(request: Request) -> None:

@@ -25,6 +25,8 @@ _KEY = re.compile(r"[0-9a-f]{32}")
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""
 _AGAIN = "Run the study again."
+_SIZES = ("height_mm", "base_radius_mm", "thickness_mm", "markers")
+"""Columns without which a row is no design."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +85,10 @@ def read_results(folder: Path) -> Results:
     grid = read_grid(folder)
     if not grid.rows:
         raise PalpateError(f"The grid of {folder.name} has no design.", "Give the folder of a finished study.")
+    for number, row in enumerate(grid.rows):
+        for column in _SIZES:
+            if not isinstance(row.get(column), int | float):
+                raise PalpateError(f"Design {number} of the grid of {folder.name} has no {column}.", _AGAIN)
     return Results(folder, grid)
 
 

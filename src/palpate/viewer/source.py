@@ -1,4 +1,4 @@
-"""Where images come from: a folder of them, or touches of a virtual unit of the design."""
+"""Where images come from: a folder of them, a video, a camera, or touches of a virtual unit of the design."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import RenderSpec, edge_offsets, list_images, read_image, render
-from palpate.core import PalpateError, generator
+from palpate.core import PalpateError, generator, load_extra
 from palpate.design import Dome, place_orientation_mark
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import follow_points
@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 LARGEST_MPX = 20.0
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
+VIDEOS = (".avi", ".mp4", ".mkv", ".mov", ".webm")
 _DEEPEST_SEARCH = 2
 """Folders below the result folder in which recordings are looked for."""
 _EDGE = 14
@@ -48,12 +49,14 @@ class Shot:
 
 
 def find_recordings(folder: Path) -> tuple[str, ...]:
-    """Names of the folders with images inside a result folder, relative to it; its store is left out."""
+    """Names of folders with images, and of videos, inside a result folder, relative to it; its store is left out."""
     found = []
     places = [(folder, 0)]
     while places:
         place, depth = places.pop()
         for path in sorted(place.iterdir()):
+            if path.suffix.lower() in VIDEOS and path.is_file() and not path.is_symlink():
+                found.append(str(path.relative_to(folder)))
             if path.is_symlink() or not path.is_dir() or path.name.startswith(".") or path == folder / "store":
                 continue
             if any(item.suffix.lower() in SUFFIXES for item in path.iterdir()):
@@ -64,7 +67,7 @@ def find_recordings(folder: Path) -> tuple[str, ...]:
 
 
 def inside(folder: Path, name: str) -> Path:
-    """A folder inside another one by its relative name.
+    """A folder or video inside a folder by its relative name.
 
     Raises
     ------
@@ -76,18 +79,47 @@ def inside(folder: Path, name: str) -> Path:
         path = (root / name).resolve()
     except (OSError, ValueError, RuntimeError):
         path = root.parent
-    if path == root or not path.is_relative_to(root) or not path.is_dir():
+    known = path.is_dir() or (path.is_file() and path.suffix.lower() in VIDEOS)
+    if path == root or not path.is_relative_to(root) or not known:
         raise PalpateError(f"There is no recording '{name[:60]}' in {folder.name}.", "Choose one from the list.")
     return path
 
 
-def replay(folder: Path) -> Iterator[Shot]:
-    """The images of a folder in order, each once; one that cannot be read is passed on as its error."""
-    for path in list_images(folder):
+def replay(recording: Path) -> Iterator[Shot]:
+    """The images of a folder or video in order, each once; one that cannot be read is passed on as its error."""
+    if recording.is_file():
+        yield from capture(recording)
+        return
+    for path in list_images(recording):
         try:
             yield Shot(read_image(path, LARGEST_MPX))
         except PalpateError as error:
             yield Shot(error)
+
+
+def capture(place: Path | int) -> Iterator[Shot]:
+    """Images of a video, or of the camera of a number, as they come.
+
+    Raises
+    ------
+    PalpateError
+        If it cannot be opened.
+    MissingExtraError
+        If OpenCV is not installed.
+    """
+    cv2 = load_extra("cv2", "vision", "OpenCV")
+    stream = cv2.VideoCapture(place if isinstance(place, int) else str(place))
+    try:
+        if not stream.isOpened():
+            name = f"Camera {place}" if isinstance(place, int) else place.name
+            raise PalpateError(f"{name} cannot be opened.", "Check that it is there and no other program uses it.")
+        while True:
+            taken, image = stream.read()
+            if not taken:
+                return
+            yield Shot(image)
+    finally:
+        stream.release()
 
 
 def touch_for_ever(design: Design, specimen: Specimen, seed: int = 0) -> Iterator[Shot]:

@@ -96,6 +96,30 @@ def test_a_recording_is_replayed_with_its_faults(specimen, tmp_path):
     assert "not an image" in steps[1].reading.reason
 
 
+def test_a_video_is_replayed(specimen, tmp_path):
+    shots = list(islice(touch_for_ever(DESIGN, specimen), 4))
+    height, width = shots[0].image.shape
+    video = cv2.VideoWriter(str(tmp_path / "touch.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 10, (width, height))
+    if not video.isOpened():
+        pytest.skip("this OpenCV writes no video")
+    for shot in shots:
+        video.write(cv2.cvtColor(shot.image, cv2.COLOR_GRAY2BGR))
+    video.release()
+    assert find_recordings(tmp_path) == ("touch.avi",)
+    live = Live(DESIGN, MadeUpPredictor(), replay(inside(tmp_path, "touch.avi")))
+    assert live.size_px == (height, width)
+    steps = [live.step() for _ in range(4)]
+    assert [step is None for step in steps] == [False, False, False, True]
+    assert steps[0].image.shape == (height, width)
+
+
+@pytest.mark.parametrize("name", ["broken.avi", "empty.mp4"])
+def test_a_video_that_cannot_be_opened_is_said(tmp_path, name):
+    (tmp_path / name).write_bytes(b"" if name.startswith("empty") else b"no video")
+    with pytest.raises(PalpateError, match="cannot be opened"):
+        next(replay(inside(tmp_path, name)))
+
+
 def test_a_source_without_an_image_is_refused():
     with pytest.raises(PalpateError, match="no image"):
         Live(DESIGN, MadeUpPredictor(), iter(()))

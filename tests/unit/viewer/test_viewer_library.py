@@ -71,6 +71,14 @@ def test_a_folder_without_results_says_what_to_give(tmp_path):
         read_results(tmp_path)
 
 
+def test_a_grid_without_sizes_is_refused(tmp_path):
+    folder = write_results(tmp_path)
+    text = (folder / "grid.json").read_text()
+    (folder / "grid.json").write_text(text.replace('"height_mm": 20.0', '"height_mm": null', 1))
+    with pytest.raises(PalpateError, match="has no height_mm"):
+        read_results(folder)
+
+
 def test_a_design_without_a_model_says_so(library):
     with pytest.raises(PalpateError, match="no trained model"):
         model_path(library.results, library.design(0))
