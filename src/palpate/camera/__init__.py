@@ -12,6 +12,7 @@ from palpate.camera.find_board import find_board
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import list_images, read_image, replay_images
 from palpate.camera.render import RenderSpec, centre_bias, dot_edges, edge_offsets, render
+from palpate.camera.source import Source, open_source
 from palpate.camera.spec import CameraSpec
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "CameraSpec",
     "Distortion",
     "RenderSpec",
+    "Source",
     "board_points",
     "board_size",
     "build_camera",
@@ -34,6 +36,7 @@ __all__ = [
     "find_board",
     "list_images",
     "list_presets",
+    "open_source",
     "preset",
     "read_board",
     "read_calibration",

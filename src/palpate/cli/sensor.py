@@ -5,12 +5,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain, islice
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from palpate.camera import list_images, read_calibration, read_image
+from palpate.camera import Source, list_images, open_source, read_calibration, read_image
+from palpate.cli.compiling import announce_compilation
 from palpate.cli.design import DesignFlags
 from palpate.cli.flag import JsonFlag, flag
 from palpate.cli.output import print_json, print_table
@@ -21,12 +24,18 @@ from palpate.markers import DetectSpec, prepare_detector
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from palpate.sensor import Unit
+
 _FOLDER = "Folder of images."
-_SOURCE = "Folder of images in order; the first ones show the untouched dome."
+_SOURCE = (
+    "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "
+    "images show the untouched dome."
+)
 _MODEL = "Model of this design, an ONNX file."
 _LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
-_OUT = "File for the readings, .csv or .jsonl."
+_OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
 _MARK = "Whether the orientation mark is printed."
+_COUNT = "Readings after which it ends; without it, when the source does."
 _REST = "Number of images at rest at the beginning, which are averaged."
 
 
@@ -67,51 +76,83 @@ class UnitFlags:
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
     mark: Annotated[bool, Parameter(help=_MARK)] = True
     rest_images: Annotated[int, Parameter(help=_REST)] = 1
+    count: Annotated[int | None, Parameter(help=_COUNT)] = None
 
 
 def live(
     *,
     model: Annotated[Path, Parameter(help=_MODEL)],
-    source: Annotated[Path, Parameter(help=_SOURCE)],
+    source: Annotated[str, Parameter(help=_SOURCE)],
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     design: DesignFlags | None = None,
     flags: UnitFlags | None = None,
     json: JsonFlag = False,
 ) -> int:
-    """Estimate the pose of the wall in every image of a recording, as if it came from the camera now."""
+    """Estimate the pose of the wall in every image of a camera or a recording, as it comes."""
     from palpate.learn import open_predictor
     from palpate.sensor import Unit, describe_reading, open_sensor, run_sensor, write_readings
 
     design, flags = design or DesignFlags(), flags or UnitFlags()
-    paths, rest = list_images(source), flags.rest_images
-    if not 1 <= rest < len(paths):
-        raise PalpateError(
-            f"{rest} images at rest of {len(paths)} leave nothing to read.", "Give at least one of each."
-        )
+    if flags.rest_images < 1:
+        raise PalpateError(f"{flags.rest_images} images at rest leave nothing to begin with.", "Give at least one.")
     dome = design.dome()
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else None
     unit = Unit(dome, place_markers(dome, design.marker_spec()), marked=flags.mark, lens=lens)
-    sensor = open_sensor([read_image(path) for path in paths[:rest]], unit, open_predictor(model))
-    where = sensor.registration
-    print(
-        f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px.", file=sys.stderr
-    )
-    readings = run_sensor(sensor, _replay(paths[rest:]))
-    rows = [describe_reading(reading) for reading in (write_readings(out, readings) if out else readings)]
-    if json:
-        print_json(rows)
-    else:
-        names = ["image", "rx_deg", "ry_deg", "depth_mm", "touching", "found", "latency_ms", "flags"]
-        print_table(str(source), names, [[_show(row[name]) for name in names] for row in rows])
+    predictor = open_predictor(model)
+    with _open(source, unit) as opened:
+        images = opened.images()
+        sensor = open_sensor(_at_rest(images, flags.rest_images), unit, predictor)
+        where = sensor.registration
+        print(
+            f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px.",
+            file=sys.stderr,
+        )
+        first = next(images, None)
+        if first is None:
+            raise PalpateError(f"{flags.rest_images} images at rest leave nothing to read.", "Record more.")
+        readings = run_sensor(sensor, islice(chain([first], images), flags.count))
+        rows = (describe_reading(reading) for reading in (write_readings(out, readings) if out else readings))
+        (_print_json if json else _print_lines)(rows)
     return 0
 
 
-def _replay(paths: tuple[Path, ...]) -> Iterator[NDArray[Any] | PalpateError]:
-    for path in paths:
-        try:
-            yield read_image(path)
-        except PalpateError as error:
-            yield error
+def _open(source: str, unit: Unit) -> Source:
+    if source != "synthetic":
+        return open_source(source)
+    from palpate.sensor import SimulatedSource
+    from palpate.study import MaterialSpec
+
+    announce_compilation()
+    return SimulatedSource(unit.dome, unit.layout, MaterialSpec().material())
+
+
+def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[NDArray[Any]]:
+    rest = []
+    for image in islice(images, count):
+        if isinstance(image, PalpateError):
+            raise image
+        rest.append(image)
+    if len(rest) < count:
+        raise PalpateError(f"{count} images at rest of {len(rest)} leave nothing to read.", "Record more.")
+    return rest
+
+
+def _print_json(rows: Iterator[dict[str, Any]]) -> None:
+    """Print a JSON list as its members come."""
+    print("[", end="")
+    for number, row in enumerate(rows):
+        print(("," if number else "") + "\n  " + dumps(row), end="", flush=True)
+    print("\n]")
+
+
+def _print_lines(rows: Iterator[dict[str, Any]]) -> None:
+    """Print a line a reading as they come; nothing is kept."""
+    names = ["image", "rx_deg", "ry_deg", "depth_mm", "touching", "found", "latency_ms", "flags"]
+    print(" ".join(f"{name:>10}" for name in names))
+    for row in rows:
+        text = [_show(row[name]) for name in names]
+        reason = f" ({row['reason']})" if row["reason"] else ""
+        print(" ".join(f"{cell:>10}" for cell in text).rstrip() + reason, flush=True)
 
 
 def _show(value: Any) -> str:

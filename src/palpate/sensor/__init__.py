@@ -6,6 +6,7 @@ from palpate.sensor.bench_result import describe_bench, run_bench, write_bench
 from palpate.sensor.bench_spec import ToleranceSpec, VirtualBenchSpec
 from palpate.sensor.budget import run_budget
 from palpate.sensor.deviation import Deviation
+from palpate.sensor.device import Device
 from palpate.sensor.draw_inspection import draw_inspection
 from palpate.sensor.inspect_unit import Inspection, InspectSpec, inspect_unit
 from palpate.sensor.reading import Flag, Reading
@@ -13,6 +14,7 @@ from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.score import score_readings
 from palpate.sensor.sensor import Rest, Sensor, Unit, open_sensor, read_rest, run_sensor
+from palpate.sensor.simulate import SimulatedSource
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.touch import find_zero
 from palpate.sensor.write_acceptance import acceptance_page, write_acceptance
@@ -23,6 +25,7 @@ __all__ = [
     "AcceptSpec",
     "Bench",
     "Deviation",
+    "Device",
     "Flag",
     "InspectSpec",
     "Inspection",
@@ -31,6 +34,7 @@ __all__ = [
     "Rest",
     "RigSpec",
     "Sensor",
+    "SimulatedSource",
     "ToleranceSpec",
     "Truth",
     "Unit",

@@ -1,4 +1,4 @@
-"""Readings as CSV or JSON lines."""
+"""Readings as CSV, JSON lines or a rosbag2."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from typing import Any
 
 from palpate.core import PalpateError
 from palpate.sensor.reading import Reading
+from palpate.sensor.write_bag import write_bag
+
+KINDS = (".csv", ".jsonl", ".rosbag2")
+"""Endings of what readings can be written to."""
 
 COLUMNS = (
     "image",
@@ -45,15 +49,23 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
 
 
 def write_readings(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]:
-    """Write readings as they come, to a .csv or .jsonl file, and hand them on.
+    """Write readings as they come, to a .csv or .jsonl file or a new .rosbag2 folder, and hand them on.
 
     Raises
     ------
     PalpateError
         If the file is of another kind or cannot be written.
+    MissingExtraError
+        If rosbags is not installed and a bag is asked for.
     """
-    if path.suffix not in (".csv", ".jsonl"):
-        raise PalpateError(f"{path.name} is neither .csv nor .jsonl.", "Choose one of the two.")
+    if path.suffix not in KINDS:
+        raise PalpateError(f"{path.name} is neither {', '.join(KINDS[:-1])} nor {KINDS[-1]}.", "Choose one of these.")
+    if path.suffix == ".rosbag2":
+        return write_bag(path, ((reading, describe_reading(reading)) for reading in readings))
+    return _write_text(path, readings)
+
+
+def _write_text(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]:
     try:
         with path.open("w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, COLUMNS)

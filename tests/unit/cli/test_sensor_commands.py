@@ -87,8 +87,8 @@ def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_
     ("words", "says"),
     [
         (("--markers", "91"), "reads 37 markers, the design has 91"),
-        (("--markers", "37", "--rest-images", "9"), "leave nothing to read"),
-        (("--markers", "37", "--out", "readings.txt"), "neither .csv nor .jsonl"),
+        (("--markers", "37", "--rest-images", "0"), "leave nothing to begin with"),
+        (("--markers", "37", "--out", "readings.txt"), "neither .csv, .jsonl nor .rosbag2"),
     ],
 )
 def test_live_refuses_what_does_not_fit(recording, model, words, says, capsys):
@@ -96,7 +96,45 @@ def test_live_refuses_what_does_not_fit(recording, model, words, says, capsys):
     assert says in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("count", ["3", "9"])
+def test_live_refuses_to_spend_every_image_on_rest(recording, model, count, capsys):
+    (recording / "3.png").unlink()
+    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--rest-images", count]
+    assert run(*words) == 2
+    assert "leave nothing to read" in capsys.readouterr().err
+
+
 def test_live_refuses_a_file_that_is_no_model(recording, capsys):
     (recording / "m.onnx").write_text("no model")
     assert run("live", "--model", str(recording / "m.onnx"), "--source", str(recording), "--markers", "37") == 2
     assert "is not an estimator" in capsys.readouterr().err
+
+
+def test_live_reads_a_video_that_is_cut_off_and_flags_the_end(recording, model, tmp_path, capsys):
+    path = tmp_path / "v.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10, (346, 260))
+    for name in ("0", "1", "2") + 30 * ("2",):
+        writer.write(cv2.imread(str(recording / f"{name}.png")))
+    writer.release()
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    words = ["live", "--model", str(model), "--source", str(path), "--markers", "37", "--json"]
+    assert run(*words) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said[0]["depth_mm"] == pytest.approx(1.0, abs=0.2)
+    assert said[-1]["flags"] == "the image could not be read"
+    assert "cut off" in said[-1]["reason"]
+    assert run(*words, "--count", "2") == 0
+    assert len(json.loads(capsys.readouterr().out)) == 2
+
+
+def test_live_plays_a_simulated_sensor_until_told_to_stop(model, capsys):
+    words = ["live", "--model", str(model), "--source", "synthetic", "--markers", "37"]
+    assert run(*words, "--rest-images", "3", "--count", "30", "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert not said[2]["touching"]
+    assert said[29]["touching"]
+
+
+def test_live_says_what_to_do_without_a_camera(model, capsys):
+    assert run("live", "--model", str(model), "--source", "987", "--markers", "37") == 2
+    assert "synthetic" in capsys.readouterr().err

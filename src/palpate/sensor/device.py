@@ -1,0 +1,70 @@
+"""A sensor as a device: connect, ask for images, disconnect, in the manner of the DIGIT sensor's interface.
+
+    with Device(open_source("0")) as device:
+        image = device.get_image()
+
+A simulated sensor (`palpate.sensor.SimulatedSource`) stands behind the same class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Self
+
+from numpy.typing import NDArray
+
+from palpate.camera import Source
+from palpate.core import PalpateError
+
+
+class Device:
+    """One sensor that is asked for its images.
+
+    Parameters
+    ----------
+    source
+        Camera, recording or simulation.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._images: Iterator[NDArray[Any] | PalpateError] | None = None
+
+    @property
+    def name(self) -> str:
+        """What a person reads."""
+        return self._source.name
+
+    def connect(self) -> None:
+        """Begin to take images; a device that is connected stays so."""
+        if self._images is None:
+            self._images = self._source.images()
+
+    def get_image(self) -> NDArray[Any]:
+        """The next image, (h, w) or (h, w, 3).
+
+        Raises
+        ------
+        PalpateError
+            If the device is not connected, has no more images, or this one cannot be read.
+        """
+        if self._images is None:
+            raise PalpateError(f"{self.name} is not connected.", "Call connect first.")
+        image = next(self._images, None)
+        if image is None:
+            raise PalpateError(f"{self.name} has no more images.", "Connect it again.")
+        if isinstance(image, PalpateError):
+            raise image
+        return image
+
+    def disconnect(self) -> None:
+        """Give the camera or file back."""
+        self._images = None
+        self._source.close()
+
+    def __enter__(self) -> Self:
+        self.connect()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.disconnect()

@@ -1,0 +1,67 @@
+"""A device that is asked for images, and readings as a bag."""
+
+import json
+
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.markers import prepare_detector
+from palpate.material import get_material
+from palpate.sensor import Device, Flag, Reading, SimulatedSource, write_readings
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    dome = build_dome(DomeSpec())
+    layout = place_markers(dome, MarkerSpec(count=37))
+    return SimulatedSource(dome, layout, get_material("zaid_2024_ecoflex_00_30"), presses=1)
+
+
+def test_a_simulated_sensor_stands_behind_the_device(simulated):
+    with Device(simulated) as device:
+        images = [device.get_image() for _ in range(50)]
+        assert device.name == "simulated sensor"
+    assert images[0].shape == (260, 346)
+    detector = prepare_detector(images[0])
+    assert len(detector.find(images[0])) == 38
+    moved = [np.abs(image.astype(float) - images[0]).mean() for image in images]
+    assert moved[45] > 2 * moved[5]
+
+
+def test_a_device_is_connected_before_it_is_asked_and_says_when_it_ends(simulated):
+    device = Device(simulated)
+    with pytest.raises(PalpateError, match="not connected"):
+        device.get_image()
+    device.connect()
+    for _ in range(10 + 2 * 40):
+        device.get_image()
+    with pytest.raises(PalpateError, match="no more images"):
+        device.get_image()
+    device.disconnect()
+
+
+def readings():
+    good = Reading(1, 3.0, -4.0, 5.0, (0.2, 0.2, 0.1), True, 37, (), 3.0)
+    nan = float("nan")
+    return [good, Reading(2, nan, nan, nan, (np.inf,) * 3, False, 0, (Flag.UNREADABLE,), 1.0, "cut off")]
+
+
+def test_readings_become_a_bag_that_ros_reads(tmp_path):
+    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    assert [reading.image for reading in write_readings(tmp_path / "run.rosbag2", readings())] == [1, 2]
+    with rosbag2.Reader(tmp_path / "run.rosbag2") as bag:
+        found = [(c.topic, store.deserialize_cdr(raw, c.msgtype)) for c, _, raw in bag.messages()]
+    assert [topic for topic, _ in found] == ["/palpate/pose", "/palpate/reading", "/palpate/reading"]
+    pose = found[0][1].pose
+    turn = pose.orientation
+    assert 2 * np.degrees(np.arccos(turn.w)) == pytest.approx(5.0)
+    assert turn.y / turn.x == pytest.approx(-4 / 3)
+    assert pose.position.z == pytest.approx(-0.005)
+    assert json.loads(found[2][1].data)["reason"] == "cut off"
+    with pytest.raises(PalpateError, match="there already"):
+        list(write_readings(tmp_path / "run.rosbag2", readings()))
