@@ -17,6 +17,8 @@ import json
 import multiprocessing
 import os
 import resource
+import socket
+import subprocess
 import sys
 import tempfile
 import time
@@ -26,6 +28,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 
@@ -176,6 +179,74 @@ def _grid_door(folder: Path) -> Door:
     return Door("grid", ".sqlite", ((folder / "grid.sqlite").read_bytes(),), _read_grid)
 
 
+TARGETS = (
+    "/?design=1&other=0&tilt=3&depth=1.5&metric=rmse_deg&where=markers%20%3E%203",
+    "/data/shell/0",
+    "/data/motion/0?tilt=2.5&stress=true",
+    "/data/markers/0?tilt=2&azimuth=30",
+    "/data/markers.csv?name=0&tilt=2",
+    "/data/dome.glb?name=0&depth=1&tilt=2&azimuth=40",
+    "/data/grid.csv?where=markers%20%3E%203",
+    "/design?height=20",
+    "/live",
+    "/_nicegui/../../../etc/passwd",
+)
+"""What is asked of the viewer; half of the inputs damage this alone, the others the whole request."""
+
+
+def _request_door(folder: Path) -> Door:
+    """A viewer at work on a small result folder; inputs are what comes in through its socket."""
+    import threading
+
+    from palpate.viewer.server import ServeSpec, serve
+
+    (folder / "small.yaml").write_text(
+        "name: small\ndesigns: {heights: [20 mm], thicknesses: [2 mm], markers: [7]}\nmesh: {cells: 6}\n"
+        "tilts_deg: [0, 4]\nwall: {depth: 2.4 mm}\ndataset: {n_presses: 20, max_tilt_deg: 4, dropped_images: 0}\n"
+    )
+    results = folder / "results"
+    words = ["run", str(folder / "small.yaml"), "--out", str(results), "--workers", "1"]
+    entry = "from palpate.cli import main; main()"
+    subprocess.run([sys.executable, "-c", entry, *words], check=True, capture_output=True)
+    link: list[str] = []
+    threading.Thread(target=serve, args=(results, ServeSpec(port=0), link.append), daemon=True).start()
+    while not link:
+        time.sleep(0.05)
+    port = int(link[0].rstrip("/").rpartition(":")[2])
+
+    def ask(target: bytes) -> bytes:
+        end = f" HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
+        return b"GET " + target + end.encode()
+
+    def knock_once(path: Path) -> bytes:
+        given = path.read_bytes()
+        return _send(port, ask(quote(given, safe="/?&=%+.:~,").encode()) if given.startswith(b"/") else given)
+
+    targets = tuple(target.encode() for target in TARGETS)
+    _send(port, ask(targets[0]), 60.0)
+    return Door("request", ".http", (*targets, *map(ask, targets)), knock_once)
+
+
+def _send(port: int, request: bytes, patience: float = 1.0) -> bytes:
+    """The answer; a request without an end waits for the rest, so after it a whole one must be answered."""
+    answer = b""
+    connection = socket.create_connection(("127.0.0.1", port), timeout=patience)
+    with connection, contextlib.suppress(ConnectionError, TimeoutError):
+        connection.sendall(request)
+        while part := connection.recv(65536):
+            answer += part
+    status = answer.split(b" ", 2)[1:2]
+    if status and status[0].startswith(b"5"):
+        raise RuntimeError(f"the viewer stumbled: {answer[:300]!r} over {request!r}")
+    if status and status[0].startswith(b"2"):
+        return answer
+    if patience < 0.8 * HANG_S:
+        whole = f"GET /data/grid.csv HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
+        if b"200 OK" not in _send(port, whole.encode(), 0.8 * HANG_S):
+            raise RuntimeError(f"the viewer answers nothing any more after {request!r}")
+    raise PalpateError(f"refused: {status}", "")
+
+
 def _study_door(_: Path) -> Door:
     from palpate.study import list_presets, read_study
 
@@ -292,6 +363,7 @@ MAKERS: dict[str, Callable[[Path], Door]] = {
     "calibration": _calibration_door,
     "image": _image_door,
     "grid": _grid_door,
+    "request": _request_door,
     "words": lambda _: Door("words", ".json", (), _run_words),
 }
 """How the good inputs of each door are made; some are solved and trained, in seconds."""
@@ -337,8 +409,12 @@ def knock(name: str, seed: int, numbers: range, answers: Connection) -> None:
         folder = Path(text)
         os.chdir(folder)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-        door = MAKERS[name](folder)
-        answers.send(None)
+        try:
+            door = MAKERS[name](folder)
+        except Exception:
+            answers.send(traceback.format_exc())
+            return
+        answers.send("")
         fence = Fence(folder)
         for number in numbers:
             path = folder / "inside" / f"input{door.suffix}"
@@ -377,8 +453,8 @@ def watch(name: str, count: int, seed: int, keep: Path) -> Tally:
         process = context.Process(target=knock, args=(name, seed, range(number, count), theirs), daemon=True)
         process.start()
         theirs.close()
-        if ours.poll(180):
-            ours.recv()
+        if ours.poll(180) and (fault := ours.recv()):
+            raise SystemExit(f"The good inputs of the door {name} cannot be made:\n{fault}")
         while number < count:
             try:
                 answer = ours.recv() if ours.poll(HANG_S) else None
