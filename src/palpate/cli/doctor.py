@@ -30,6 +30,8 @@ EXTRAS = {
     "trimesh": ("trimesh", "cad"),
     "ezdxf": ("ezdxf", "cad"),
     "meshio": ("meshio", "viz"),
+    "pyvista": ("pyvista", "viz"),
+    "nicegui": ("nicegui", "web"),
 }
 """Distribution → module, and the extra that brings it."""
 
