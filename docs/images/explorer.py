@@ -2,8 +2,8 @@
 
     python docs/images/explorer.py results/best
 
-starts the viewer on a result folder, looks at it with Chromium (`pip install playwright`, `apt-get install chromium`),
-and writes beside this file:
+starts the viewer on a result folder, looks at it with Chromium (`pip install playwright pillow`, `apt-get install
+chromium`), and writes beside this file:
 
 * press.gif: a press in 3-D beside what the camera sees;
 * explorer.png, design.png: the pages.
@@ -86,7 +86,9 @@ def beside(page: Page, depth: float) -> Image.Image:
         picture = Image.open(io.BytesIO(page.locator(place).first.screenshot())).convert("RGB")
         if place == ".dome-view":
             picture = picture.crop((0, int(picture.height * 0.16), picture.width, int(picture.height * 0.86)))
-        parts.append(picture.resize((round(picture.width * HEIGHT / picture.height), HEIGHT), Image.Resampling.LANCZOS))
+        parts.append(
+            picture.resize((round(picture.width * HEIGHT / picture.height), HEIGHT), Image.Resampling.LANCZOS)
+        )
     whole = Image.new("RGB", (sum(part.width for part in parts) + 8, HEIGHT), "white")
     whole.paste(parts[0], (0, 0))
     whole.paste(parts[1], (parts[0].width + 8, 0))

@@ -28,7 +28,7 @@ VIRIDIS = (
 FIRST, SECOND, LIMIT = "#0072b2", "#d55e00", "#999999"
 """Colours of the design shown, of the one beside it, and of limits (Okabe and Ito)."""
 
-Options = dict[str, Any]
+Chart = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,11 @@ class Curve:
     dashed: bool = False
 
 
-def heat_options(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink) -> Options:
+def heat_chart(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink) -> Chart:
     """Heat maps of a column, one a marker layout, heights over thicknesses; each cell's value ends in its row."""
     heights = sorted({_number(row["height_mm"]) for row in grid.rows})
     thicknesses = sorted({_number(row["thickness_mm"]) for row in grid.rows})
-    panels: dict[tuple[int, int], list[Options]] = {}
+    panels: dict[tuple[int, int], list[Chart]] = {}
     seen: Counter[tuple[Cell, ...]] = Counter()
     figures = [value for i, row in enumerate(grid.rows) if (value := _figure(row[metric])) is not None]
     low, high = min(figures, default=0.0), max(figures, default=1.0)
@@ -108,7 +108,7 @@ def heat_options(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink)
     }
 
 
-def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float], chosen: Chosen, ink: Ink) -> Options:
+def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float], chosen: Chosen, ink: Ink) -> Chart:
     (x, y), metric, bright = drawn
     value = _figure(row[metric])
     kept = number in chosen.kept and value is not None
@@ -137,7 +137,7 @@ def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float],
     }
 
 
-def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Ink) -> Options:
+def _panels(names: Sequence[str], axes: tuple[list[str], list[str]], ink: Ink) -> Chart:
     """Places, titles and axes of small panels, two abreast."""
     abreast = 1 if len(names) == 1 else 2
     rows = -(-len(names) // abreast)
@@ -181,7 +181,7 @@ def pareto_front(points: Sequence[tuple[int, float, float]]) -> list[int]:
     return front
 
 
-def scatter_options(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen, ink: Ink) -> Options:
+def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen, ink: Ink) -> Chart:
     """All designs by two columns, with the front that no other kept design beats in both."""
     points = [
         (i, x, y)
@@ -219,7 +219,7 @@ def scatter_options(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chos
 
 def _scatter_dot(
     point: tuple[int, float, float], row: Row, axes: tuple[str, str], how: tuple[Chosen, list[int], Ink]
-) -> Options:
+) -> Chart:
     number, x, y = point
     chosen, front, ink = how
     marked = {chosen.design: FIRST, chosen.other: SECOND}.get(number)
@@ -239,7 +239,7 @@ def _scatter_dot(
     }
 
 
-def line_options(curves: Sequence[Curve], axes: tuple[str, str], ink: Ink, marks: Sequence[Curve] = ()) -> Options:
+def line_chart(curves: Sequence[Curve], axes: tuple[str, str], ink: Ink, marks: Sequence[Curve] = ()) -> Chart:
     """Curves over one pair of axes; of each mark the first point becomes an upright line with its name."""
     uprights = [
         {
@@ -272,7 +272,7 @@ def line_options(curves: Sequence[Curve], axes: tuple[str, str], ink: Ink, marks
     }
 
 
-def _line(curve: Curve) -> Options:
+def _line(curve: Curve) -> Chart:
     return {
         "type": "line",
         "name": curve.name,
@@ -283,7 +283,7 @@ def _line(curve: Curve) -> Options:
     }
 
 
-def _axis(name: str, ink: Ink, gap: int) -> Options:
+def _axis(name: str, ink: Ink, gap: int) -> Chart:
     return {
         "type": "value",
         "scale": True,

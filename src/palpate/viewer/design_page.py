@@ -15,11 +15,11 @@ from palpate.core import PalpateError
 from palpate.design import DomeSpec, Finding, MarkerSpec
 from palpate.fea import Press, WallSpec
 from palpate.material import list_materials
-from palpate.viewer.charts import FIRST, Curve, line_options
+from palpate.viewer.charts import FIRST, Curve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.errand import Errand
-from palpate.viewer.explore_page import set_options
+from palpate.viewer.explore_page import set_chart
 from palpate.viewer.library import Specimen
 from palpate.viewer.number_field import NumberField
 from palpate.viewer.page_head import Head, complain, complaint, heading
@@ -197,7 +197,7 @@ class DesignPage:
 
     def _draw_force(self) -> None:
         curves = self._curves or [Curve("force", [], FIRST)]
-        set_options(self._force, line_options(curves, ("depth (mm)", "force (N)"), self._head.ink))
+        set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), self._head.ink))
 
     def _busy(self, busy: bool, what: str = "") -> None:
         self._press.set_enabled(not busy)

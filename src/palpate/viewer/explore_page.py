@@ -10,7 +10,7 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
-from palpate.viewer.charts import Chosen, Curve, heat_options, line_options, scatter_options
+from palpate.viewer.charts import Chosen, Curve, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
@@ -178,11 +178,11 @@ class ExplorePage:
         total = len(self._grid.rows)
         self._kept.text = message or f"{len(chosen.kept)} of {total} designs kept"
         self._kept.classes(add="complaint" if message else "faint", remove="faint" if message else "complaint")
-        set_options(self._heat, heat_options(self._grid, self._view.metric, chosen, self._head.ink))
+        set_chart(self._heat, heat_chart(self._grid, self._view.metric, chosen, self._head.ink))
 
     def _draw_scatter(self) -> None:
         axes = (self._view.across, self._view.up)
-        set_options(self._scatter, scatter_options(self._grid, axes, self._chosen()[0], self._head.ink))
+        set_chart(self._scatter, scatter_chart(self._grid, axes, self._chosen()[0], self._head.ink))
 
     def _chosen(self) -> tuple[Chosen, str]:
         """Rows that stand out, and what is wrong with the question."""
@@ -217,9 +217,9 @@ class ExplorePage:
         self._panel.show(designs)
         ink, here = self._head.ink, Curve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
-        set_options(self._force, line_options(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
+        set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
         errors = error_curves(designs)
-        set_options(self._error, line_options(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
+        set_chart(self._error, line_chart(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
         self._force_note.text = " ".join(_say_end(design, motion) for design, motion in shown)
 
     def _numbers(self) -> list[int]:
@@ -302,10 +302,10 @@ class ExplorePage:
         ui.download.from_url(f"/data/grid.csv?{urlencode({'where': self._view.where})}", "grid.csv")
 
 
-def set_options(chart: ui.echart, options: dict[str, Any]) -> None:
+def set_chart(chart: ui.echart, data: dict[str, Any]) -> None:
     """Give a chart other data."""
     chart.options.clear()
-    chart.options.update(options)
+    chart.options.update(data)
     chart.update()
 
 

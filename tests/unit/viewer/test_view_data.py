@@ -9,7 +9,7 @@ from made_up_presses import MESH, made_up_press, rows
 from palpate.camera import build_camera
 from palpate.design import MarkerSpec, place_markers
 from palpate.grid import SpecificationGrid
-from palpate.viewer.charts import LIGHT, Chosen, heat_options, line_options, pareto_front, scatter_options
+from palpate.viewer.charts import LIGHT, Chosen, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.link import Coloured, View, first_view, kept_rows, numeric_columns, read_link, write_link
 from palpate.viewer.pressed_dome import gather_presses
@@ -80,7 +80,7 @@ def test_an_empty_question_keeps_every_design():
 
 
 def test_every_design_has_a_cell_that_names_its_row():
-    options = heat_options(GRID, "rmse_deg", Chosen({0}, 1, 0), LIGHT)
+    options = heat_chart(GRID, "rmse_deg", Chosen({0}, 1, 0), LIGHT)
     cells = [cell for series in options["series"] for cell in series["data"]]
     assert [cell["value"][3] for cell in cells] == [0, 1, 2]
     assert [cell["visualMap"] for cell in cells] == [True, False, False]
@@ -94,7 +94,7 @@ def test_the_front_is_what_nothing_beats():
 
 
 def test_designs_without_a_figure_are_not_in_the_scatter():
-    options = scatter_options(GRID, ("force_n", "rmse_deg"), Chosen({0, 1, 2}, 0), LIGHT)
+    options = scatter_chart(GRID, ("force_n", "rmse_deg"), Chosen({0, 1, 2}, 0), LIGHT)
     assert [dot["value"][2] for dot in options["series"][1]["data"]] == [0, 1]
 
 
@@ -108,7 +108,7 @@ def test_curves_change_their_dash_with_the_branch():
     errors = error_curves([design])
     assert [curve.name for curve in errors] == ["network", "limit"]
     assert errors[1].points == [(0.8, 1.0), (1.6, 0.5)]
-    options = line_options(curves, ("depth (mm)", "force (N)"), LIGHT, marks)
+    options = line_chart(curves, ("depth (mm)", "force (N)"), LIGHT, marks)
     assert options["series"][0]["data"][1] == [pytest.approx(0.8), pytest.approx(0.08)]
 
 
