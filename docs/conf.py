@@ -28,9 +28,12 @@ napoleon_google_docstring = False
 nitpicky = False
 suppress_warnings = ["ref.python", "myst.header", "myst.xref_missing"]
 
-STAGES = ("design", "material", "mesh", "fea", "camera", "dataset", "learn", "fabricate", "study", "grid", "verify")
+STAGES = (
+    "design material mesh fea camera markers dataset learn fabricate sensor study grid verify".split()  # noqa: SIM905
+)
 COMMANDS = (
-    "run view press stability convergence deck design limit claims fit make specimens verify doctor".split()  # noqa: SIM905
+    "run status view press stability convergence deck design limit claims fit make specimens "  # noqa: SIM905
+    "calibrate find inspect live bench accept verify doctor".split()
 )
 
 
