@@ -127,18 +127,8 @@ def _change(nominal: Played, unit: Played) -> Array:
     return np.asarray(change[np.isfinite(change).all(axis=1)])
 
 
-_TRAINED = (
-    "thickness",
-    "stiffening",
-    "friction",
-    "dot",
-    "pad",
-    "camera_offset",
-    "camera_distance",
-    "focal",
-    "centre_px",
-)
-"""Imperfections that a training can be shown; the others look like another pose, or are taken out at rest."""
+_TRAINED = ("thickness", "friction", "dot", "camera_offset", "camera_distance", "camera_tilt_deg", "focal")
+"""Imperfections that `palpate.dataset.RandomiseSpec` varies; others look like another pose, or are gone after rest."""
 
 
 def recommend(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:
