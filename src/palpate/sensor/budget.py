@@ -128,7 +128,7 @@ def _change(nominal: Played, unit: Played) -> Array:
 
 
 _TRAINED = ("thickness", "friction", "dot", "camera_offset", "camera_distance", "camera_tilt_deg", "focal")
-"""Imperfections that `palpate.dataset.RandomiseSpec` varies; others look like another pose, or are gone after rest."""
+"""Imperfections that `palpate.dataset.RandomiseSpec` varies; others look like a pose, or are gone after rest."""
 
 
 def recommend(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:
