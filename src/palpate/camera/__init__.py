@@ -8,6 +8,7 @@ from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
 from palpate.camera.distortion import Distortion
 from palpate.camera.draw_board import board_size, draw_board, write_board
+from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.find_board import find_board
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import list_images, read_image, replay_images
@@ -23,6 +24,8 @@ __all__ = [
     "Camera",
     "CameraSpec",
     "Distortion",
+    "EventSpec",
+    "Events",
     "RenderSpec",
     "Source",
     "board_points",
@@ -43,6 +46,7 @@ __all__ = [
     "read_image",
     "render",
     "replay_images",
+    "stream_events",
     "write_board",
     "write_calibration",
 ]
