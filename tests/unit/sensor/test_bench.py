@@ -135,3 +135,14 @@ def test_a_model_that_is_not_there_is_refused(bench, tmp_path):
 def test_clean_images_are_another_bench(bench):
     clean = replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()}))
     assert not np.array_equal(play_unit(clean, Deviation()).estimates, play_unit(bench, Deviation()).estimates)
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_calculix_as_the_solver_gives_about_the_same_readings(bench):
+    quick = bench.spec.model_copy(update={"tilts": 1, "contact": "frictionless"})
+    units = [
+        play_unit(replace(bench, spec=quick.model_copy(update={"solver": solver})), Deviation())
+        for solver in ("palpate", "calculix")
+    ]
+    assert not units[1].failure
+    assert 0 < np.abs(change(*units)[:, :2]).max() < 0.6  # a coarse mesh of other elements
