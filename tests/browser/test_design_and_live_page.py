@@ -62,7 +62,7 @@ def test_a_press_is_solved_and_another_is_cancelled(page, link):
     page.get_by_role("button", name="Cancel").click()
     page.get_by_text("Cancelled.").wait_for()
     page.get_by_role("button", name="Press", exact=True).click()
-    page.get_by_text("Pressed in").wait_for(timeout=180_000)
+    page.get_by_text("Pressed in").wait_for(timeout=420_000)
     page.wait_for_function(
         "document.querySelector('.pose-bar input[name=depth]').valueAsNumber > 1.9", timeout=60_000
     )

@@ -1,5 +1,6 @@
 """The command line as a process of its own, as a person starts it."""
 
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -18,7 +19,13 @@ def start(words: Sequence[str | Path]) -> "subprocess.Popen[str]":
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=_listen_to_interrupts,
     )
+
+
+def _listen_to_interrupts() -> None:
+    """As in a terminal: what a shell starts in the background has them ignored, and hands that on."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def finish(words: Sequence[str | Path]) -> "subprocess.CompletedProcess[str]":
