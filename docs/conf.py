@@ -26,7 +26,7 @@ autodoc_member_order = "groupwise"
 autodoc_typehints = "none"
 napoleon_google_docstring = False
 nitpicky = False
-suppress_warnings = ["ref.python", "myst.header", "myst.xref_missing"]
+suppress_warnings = ["ref.python", "myst.header"]
 
 STAGES = (
     "design material mesh fea camera markers dataset learn fabricate sensor study grid verify".split()  # noqa: SIM905
@@ -59,6 +59,39 @@ def write_reference() -> None:
     _write(HERE / "reference" / "commands.md", "\n".join(lines))
 
 
+def write_examples() -> None:
+    """Run every example and show its program, what it printed and what it drew."""
+    place = HERE / "reference" / "examples"
+    place.mkdir(parents=True, exist_ok=True)
+    lines = ["# Examples", "", "Each was run when this page was made, and a test asserts its number.", ""]
+    for program in sorted((HERE.parent / "examples").glob("ex*.py")):
+        text = _run_example(program, place)
+        title = program.read_text(encoding="utf-8").split("\n", 1)[0].strip('"').rstrip(".")
+        lines += [
+            f"## {title}",
+            "",
+            f"```{{literalinclude}} ../../examples/{program.name}",
+            ":language: python",
+            "```",
+            "",
+        ]
+        lines += ["It prints", "", "```text", text.strip(), "```", ""]
+        if (place / f"{program.stem}.svg").is_file():
+            lines += [f"![{title}](examples/{program.stem}.svg)", ""]
+    _write(HERE / "reference" / "examples.md", "\n".join(lines))
+
+
+def _run_example(program: Path, place: Path) -> str:
+    """What an example prints; kept until a source changes."""
+    kept = place / f"{program.stem}.txt"
+    newest = max(path.stat().st_mtime for path in [program, *(HERE.parent / "src").rglob("*.py")])
+    if not kept.is_file() or kept.stat().st_mtime < newest:
+        call = [sys.executable, str(program)]
+        text = subprocess.run(call, capture_output=True, text=True, check=True, cwd=place, env=_plain()).stdout
+        kept.write_text(text, encoding="utf-8")
+    return kept.read_text(encoding="utf-8")
+
+
 def _table(spec: type[Spec]) -> list[str]:
     lines = [f"## {spec.__name__}", "", (spec.__doc__ or "").strip().splitlines()[0], ""]
     lines += ["| name | default | unit | meaning |", "|---|---|---|---|"]
@@ -69,7 +102,13 @@ def _table(spec: type[Spec]) -> list[str]:
 
 
 def _plain() -> dict[str, str]:
-    return {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "PYTHONPATH": str(HERE.parent / "src")}
+    return {
+        **os.environ,
+        "COLUMNS": "100",
+        "NO_COLOR": "1",
+        "MPLBACKEND": "agg",
+        "PYTHONPATH": str(HERE.parent / "src"),
+    }
 
 
 def _write(path: Path, text: str) -> None:
@@ -79,3 +118,4 @@ def _write(path: Path, text: str) -> None:
 
 
 write_reference()
+write_examples()

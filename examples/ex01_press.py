@@ -13,6 +13,7 @@ def main() -> float:
     for depth, force, branch in zip(press.depth, press.force, press.branch, strict=True):
         print(f"{depth:.1f} mm: {force[2]:.4f} N along the axis, {force[1]:+.4f} N sideways, {branch}")
     print(press.ended)
+    press.plot().savefig("ex01_press.svg")
     return float(press.force[-1, 2])
 
 

@@ -1,5 +1,6 @@
 """Follow markers through a press and see them in the camera."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 from palpate.camera import build_camera
@@ -19,6 +20,11 @@ def main() -> float:
     travel = np.linalg.norm(moved, axis=-1)
     for depth, length in zip(press.depth, travel, strict=True):
         print(f"{depth:.1f} mm: markers move {length.mean():.2f} px, at most {length.max():.2f} px")
+    figure, axis = plt.subplots(figsize=(5, 4), layout="constrained")
+    axis.plot(*(camera.project(layout).T), "o", color="#888888", ms=3)
+    axis.quiver(*camera.project(layout).T, *moved[-1].T, angles="xy", scale_units="xy", scale=0.2, color="#00538c")
+    axis.set(xlim=(0, camera.width_px), ylim=(camera.height_px, 0), aspect="equal", title="five times enlarged")
+    figure.savefig("ex02_markers.svg")
     return float(travel[-1].mean())
 
 

@@ -1,5 +1,7 @@
 """Find the depth from which a thin dome can rest in two ways."""
 
+import matplotlib.pyplot as plt
+
 from palpate.design import DomeSpec, build_dome
 from palpate.fea import WallSpec, find_stability
 from palpate.material import get_material
@@ -12,6 +14,12 @@ def main() -> float:
     print(found.message)
     for depth, flat, inverted in zip(found.depth, found.flat_energy, found.inverted_energy, strict=True):
         print(f"{depth:.2f} mm: flat {flat:.4f} mJ, inverted {inverted:.4f} mJ")
+    figure, axis = plt.subplots(figsize=(5, 3), layout="constrained")
+    axis.plot(found.depth, found.flat_energy, "o-", label="flat")
+    axis.plot(found.depth, found.inverted_energy, "s-", label="inverted")
+    axis.set(xlabel="depth, mm", ylabel="energy, mJ")
+    axis.legend()
+    figure.savefig("ex03_two_states.svg")
     return found.inverted_from
 
 

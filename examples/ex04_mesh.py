@@ -1,7 +1,7 @@
 """Is the mesh fine enough? Force and markers against the number of elements."""
 
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
-from palpate.fea import WallSpec, study_convergence
+from palpate.fea import WallSpec, plot_convergence, study_convergence
 from palpate.material import get_material
 from palpate.mesh import mesh_dome
 
@@ -13,6 +13,7 @@ def main() -> float:
     results = study_convergence(mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30"), wall, points, (6, 9, 13))
     for result in results:
         print(f"{result.elements} elements: {result.force:.4f} N, markers {100 * result.marker_error:.2f} % of depth")
+    plot_convergence(results).savefig("ex04_mesh.svg")
     return results[1].force_error
 
 

@@ -12,7 +12,13 @@ EXPECTED = {
     "ex03_two_states": pytest.approx(2.29, abs=0.1),
     "ex04_mesh": pytest.approx(-0.0122, abs=0.003),
     "ex05_mold": pytest.approx(9.17, rel=0.01),
+    "ex06_limit": pytest.approx(0.402, rel=0.02),
+    "ex07_material": pytest.approx(0.02803, rel=0.01),
+    "ex08_dots": pytest.approx(0.076, abs=0.05),
+    "ex09_friction": pytest.approx(3.0, rel=0.05),
+    "ex10_train": pytest.approx(0.82, rel=0.1),
 }
+NEEDS = {"ex05_mold": ["build123d"], "ex08_dots": ["cv2"], "ex10_train": ["torch"]}
 
 
 def test_every_example_is_expected() -> None:
@@ -20,9 +26,11 @@ def test_every_example_is_expected() -> None:
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_an_example_gives_its_number(name: str, capsys) -> None:
-    if name == "ex05_mold":
-        pytest.importorskip("build123d")
+def test_an_example_gives_its_number(name: str, capsys, tmp_path, monkeypatch) -> None:
+    for needed in NEEDS.get(name, ()):
+        pytest.importorskip(needed)
+    monkeypatch.chdir(tmp_path)  # where an example leaves its picture
+    monkeypatch.setenv("MPLBACKEND", "agg")
     value = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"]()
     assert value == EXPECTED[name]
     assert capsys.readouterr().out

@@ -1,0 +1,28 @@
+"""From presses to an estimator: dataset, training, its error on presses it never saw, and the limit."""
+
+from palpate.camera import build_camera
+from palpate.dataset import DatasetSpec, build_field, generate_dataset
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.fea import WallSpec, solve_press
+from palpate.learn import TrainSpec, evaluate, find_limits, pool_limits, train
+from palpate.material import get_material
+from palpate.mesh import MeshSpec, mesh_dome
+
+
+def main() -> float:
+    dome, silicone = build_dome(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
+    mesh, layout = mesh_dome(dome, MeshSpec(cells=9)), place_markers(dome, MarkerSpec(count=91))
+    walls = [WallSpec(tilt_deg=tilt, depth=4, contact="frictionless") for tilt in (0, 6, 12)]
+    presses = [solve_press(mesh, silicone, wall) for wall in walls]
+    camera, spec = build_camera(), DatasetSpec(n_presses=1500)
+    dataset = generate_dataset(presses, layout, camera, spec)
+    estimator = train(dataset, TrainSpec(epochs=80, repeats=1))
+    clean, jittered = evaluate(estimator, dataset), evaluate(estimator, dataset, jitter_seed=0)
+    limit = pool_limits(find_limits(build_field(presses, layout), camera, spec))
+    print(f"clean {clean.rmse_deg:.3f} deg, at most {clean.angle.max:.2f} deg on {clean.images} held-out images")
+    print(f"jittered {jittered.rmse_deg:.3f} deg, {jittered.rmse_deg / limit.least_squares_deg:.2f} of least squares")
+    return jittered.rmse_deg
+
+
+if __name__ == "__main__":
+    main()
