@@ -21,7 +21,7 @@ def print_json(content: Any) -> None:
 
 def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     """Print a table, numbers to the right, as wide as it must be where no terminal limits it."""
-    console = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH)
+    console = Console(width=None if sys.stdout.isatty() else PIPE_WIDTH, markup=False)  # an extra is written [so]
     table = Table(title=title, title_justify="left")
     for column in columns:
         table.add_column(column, justify="right" if _are_numbers(rows, columns.index(column)) else "left")

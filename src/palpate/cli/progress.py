@@ -58,7 +58,7 @@ class Bars(Observer):
         self._costs[0] += cost
         self._progress.advance(self._bar)
         if reason:
-            self._progress.console.print(f"{task}: {reason}", style="red")
+            self._progress.console.print(f"{task}: {reason}", style="red", markup=False)
         self._show()
 
     def _show(self) -> None:

@@ -112,6 +112,14 @@ def test_interruption_has_its_exit_code() -> None:
     assert guarded(interrupt) == 130
 
 
+def test_doctor_writes_the_command_that_mends_as_it_must_be_typed(capsys, monkeypatch):
+    from palpate.cli import doctor
+
+    monkeypatch.setattr(doctor, "EXTRAS", {"absent": ("palpate_has_no_such_module", "learn")})
+    assert call("doctor") == 0
+    assert 'pip install "palpate[learn]"' in capsys.readouterr().out
+
+
 def test_doctor_names_the_solver_in_use(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("doctor", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
