@@ -24,7 +24,7 @@ from palpate.markers import DetectSpec, prepare_detector
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.sensor import Unit
+    from palpate.sensor import KnownPress, Unit
 
 _FOLDER = "Folder of images."
 _SOURCE = (
@@ -35,6 +35,8 @@ _MODEL = "Model of this design, an ONNX file."
 _LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 _OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
 _MARK = "Whether the orientation mark is printed."
+_PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
+_PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
 _COUNT = "Readings after which it ends; without it, when the source does."
 _REST = "Number of images at rest at the beginning, which are averaged."
 
@@ -71,10 +73,12 @@ def find(
 @Parameter(name="*")
 @dataclass(frozen=True)
 class UnitFlags:
-    """What `palpate live` may be told about the unit: its lens, mark and images at rest."""
+    """What `palpate live` may be told about the unit: its lens, mark, images at rest and a known press."""
 
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
     mark: Annotated[bool, Parameter(help=_MARK)] = True
+    press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
+    press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
     rest_images: Annotated[int, Parameter(help=_REST)] = 1
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
 
@@ -101,7 +105,7 @@ def live(
     predictor = open_predictor(model)
     with _open(source, unit) as opened:
         images = opened.images()
-        sensor = open_sensor(_at_rest(images, flags.rest_images), unit, predictor)
+        sensor = open_sensor(_at_rest(images, flags.rest_images), unit, predictor, known=_known_press(flags, unit))
         where = sensor.registration
         print(
             f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px.",
@@ -124,6 +128,19 @@ def _open(source: str, unit: Unit) -> Source:
 
     announce_compilation()
     return SimulatedSource(unit.dome, unit.layout, MaterialSpec().material())
+
+
+def _known_press(flags: UnitFlags, unit: Unit) -> KnownPress | None:
+    if flags.press_image is None and flags.press_pose is None:
+        return None
+    if flags.press_image is None or flags.press_pose is None:
+        raise PalpateError("A known press is an image and its pose.", "Give --press-image and --press-pose.")
+    from palpate.sensor import KnownPress
+    from palpate.study import MaterialSpec
+
+    image = read_image(flags.press_image)
+    announce_compilation()
+    return KnownPress.simulate(image, flags.press_pose, unit, MaterialSpec().material())
 
 
 def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[NDArray[Any]]:

@@ -3,6 +3,7 @@
 from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector, prepare_detector
 from palpate.markers.motion import Motion, learn_motion
+from palpate.markers.name_by_press import PressFit, name_by_press
 from palpate.markers.name_markers import Naming, name_markers
 from palpate.markers.pattern import MarkerPattern, build_pattern
 from palpate.markers.spec import DetectSpec
@@ -16,12 +17,14 @@ __all__ = [
     "MarkerPattern",
     "Motion",
     "Naming",
+    "PressFit",
     "Sighting",
     "Tracker",
     "Tracks",
     "build_pattern",
     "find_markers",
     "learn_motion",
+    "name_by_press",
     "name_markers",
     "prepare_detector",
 ]

@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,17 +19,22 @@ from scipy.spatial import cKDTree
 
 from palpate.core import PalpateError
 from palpate.markers.pattern import MarkerPattern
+from palpate.markers.warp import Warp, fit_warp
 
 Array = NDArray[np.float64]
 _REACH = 0.45
 """How near a dot is, over the spacing of the markers."""
-_MARK_REACH = 0.15
-"""The same for the orientation mark: the narrower, the rarer is a false dot taken for it while it is hidden."""
+_PRINT_REACH = 0.15
+"""The same once the map has settled: no dot is printed farther from its place, and what lies farther is false."""
+_MARK_REACH = 4.0
+"""How far the orientation mark may lie from its place, over the standard deviation of a dot about the map there."""
+_LEAST_MARK_REACH_PX = 0.1
+_CHANCE = 1e-3
+"""Chance of a false dot in the mark's place, with the mark itself hidden, above which the mark is not believed."""
 _SHIFTS_PX, _SHIFT_STEP_PX, _ANGLE_STEP_DEG = 15.0, 3.0, 2.0
 _TRIES = 8
 _LEAST_SHARE = 0.5
 """Share of the markers that must be found for a naming to be believed."""
-_POWERS = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +52,7 @@ class Naming:
     turn_deg, mirrored
         How the pattern lies in the image against the nominal camera, turned in the sense from column to row.
     alternatives
-        (k, m) the same for other namings that fit as well; empty where there is one only.
+        Other namings that fit as well, without alternatives of their own; empty where there is one only.
     mark
         Number of the blob that is the orientation mark, -1 where none was seen.
     residual_px
@@ -59,7 +64,7 @@ class Naming:
     found: NDArray[np.bool_]
     turn_deg: float
     mirrored: bool
-    alternatives: NDArray[np.intp]
+    alternatives: tuple[Naming, ...]
     mark: int
     residual_px: float
 
@@ -67,19 +72,6 @@ class Naming:
     def ambiguous(self) -> bool:
         """Whether other namings fit as well."""
         return len(self.alternatives) > 0
-
-
-@dataclass(frozen=True, eq=False)
-class _Map:
-    """Polynomial from the pattern's plane to the image."""
-
-    middle: Array
-    size: float
-    weights: Array
-
-    def __call__(self, points: Array) -> Array:
-        moved: Array = _terms((points - self.middle) / self.size, len(self.weights)) @ self.weights
-        return moved
 
 
 def name_markers(blobs_px: Array, pattern: MarkerPattern) -> Naming:
@@ -98,7 +90,7 @@ def name_markers(blobs_px: Array, pattern: MarkerPattern) -> Naming:
         If fewer than half of the markers find a dot: another design, or an image that is not at rest.
     """
     blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
-    best: tuple[int, float, _Map, NDArray[np.intp], bool] | None = None
+    best: tuple[int, float, Warp, NDArray[np.intp], bool] | None = None
     if len(blobs_px) >= 3:
         tree = cKDTree(blobs_px)
         for mirror in (False,) if pattern.mirrored.any() else (False, True):
@@ -143,30 +135,22 @@ def _coarse(blobs: Array, template: Array, spacing: float) -> list[Array]:
 
 def _fit(
     template: Array, laid: Array, blobs: Array, tree: cKDTree, spacing: float
-) -> tuple[_Map, NDArray[np.intp], float]:
+) -> tuple[Warp, NDArray[np.intp], float]:
     """Neighbours and map in turn; the map gains freedom as it settles."""
-    middle, size = template.mean(axis=0), float(np.ptp(template, axis=0).max()) / 2.0
     freedom = [3, 3, 3, 6, 6, 6] + ([10, 10] if len(template) > 60 else [6])
-    warp = _Map(middle, size, np.zeros((3, 2)))
+    warp = fit_warp(template, laid, 3, template)
     blob = np.full(len(template), -1)
     for number, terms in enumerate(freedom):
-        reach = spacing * (_REACH if number < 4 else 0.33)
-        blob = _neighbours(laid, blobs, tree, reach)
+        blob = _neighbours(laid, blobs, tree, spacing * (_REACH if number < 4 else 0.33))
         have = blob >= 0
         if have.sum() < 2 * terms:
             break
-        design = _terms((template[have] - middle) / size, terms)
-        warp = _Map(middle, size, np.asarray(np.linalg.lstsq(design, blobs[blob[have]], rcond=None)[0], float))
+        warp = fit_warp(template[have], blobs[blob[have]], terms, template)
         laid = warp(template)
-    blob = _assign(laid, blobs, tree, 0.33 * spacing)
+    blob = _assign(laid, blobs, tree, _PRINT_REACH * spacing)
     have = blob >= 0
     miss = blobs[blob[have]] - laid[have]
     return warp, blob, float(np.sqrt(np.mean(miss**2))) if have.any() else np.inf
-
-
-def _terms(points: Array, count: int) -> Array:
-    x, y = points[:, 0], points[:, 1]
-    return np.stack([np.ones(len(points)), *(x**a * y**b for a, b in _POWERS[: count - 1])], axis=-1)
 
 
 def _neighbours(laid: Array, blobs: Array, tree: cKDTree, reach: float) -> NDArray[np.intp]:
@@ -190,42 +174,58 @@ def _assign(laid: Array, blobs: Array, tree: cKDTree, reach: float) -> NDArray[n
 
 
 def _resolve(
-    blobs: Array, pattern: MarkerPattern, warp: _Map, blob: NDArray[np.intp], seen: tuple[bool, float]
+    blobs: Array, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], seen: tuple[bool, float]
 ) -> Naming:
     """Choose among the turns and mirrors that fit as well: by the mark, else the smallest turn, and say so."""
     flip = np.array([1.0, -1.0 if seen[0] else 1.0])
     middle = pattern.expected_px.mean(axis=0)
     tip = warp(np.stack([middle, middle + np.array([1.0, 0.0])]) * flip)
     turn = float(np.degrees(np.arctan2(*(tip[1] - tip[0])[::-1])))
-    choices = np.arange(len(pattern.symmetries))
-    mark = -1
-    if pattern.marks_px is not None:
-        free = np.setdiff1d(np.arange(len(blobs)), blob[blob >= 0])
-        distance = np.linalg.norm(blobs[free][None] - warp(pattern.marks_px * flip)[:, None], axis=-1)
-        near = np.argwhere(distance < _MARK_REACH * pattern.spacing_px)
-        if len(near):
-            choices = np.unique(near[:, 0])
-        if len(choices) == 1:
-            mark = int(free[near[np.argmin(distance[near[:, 0], near[:, 1]]), 1]])
+    choices, mark = _find_mark(blobs, pattern, warp, blob, flip)
     # the pattern moved by a symmetry fits as well: the whole then is turned by as much less
     turns = (turn + pattern.turns_deg[choices] + 180.0) % 360.0 - 180.0
-    first = np.lexsort([np.abs(turns), pattern.mirrored[choices]])[0]
-    names = np.empty((len(choices), len(blob)), np.intp)
-    positions = np.empty((len(blob), 2))
-    expected = warp(pattern.expected_px * flip)
-    for row, choice in enumerate(choices):
+    expected = np.where(blob[:, None] >= 0, blobs[blob], warp(pattern.expected_px * flip))
+    namings = []
+    for rank in np.lexsort([np.abs(turns), pattern.mirrored[choices]]):
         # the dot at the place of marker i is marker order[i]
-        order = pattern.symmetries[choice]
-        names[row, order] = blob
-        if row == first:
-            positions[order] = np.where(blob[:, None] >= 0, blobs[blob], expected)
-    return Naming(
-        blob=names[first],
-        positions_px=positions,
-        found=names[first] >= 0,
-        turn_deg=float(turns[first]),
-        mirrored=bool(pattern.mirrored[choices[first]] != seen[0]),
-        alternatives=np.delete(names, first, axis=0),
-        mark=mark,
-        residual_px=seen[1],
-    )
+        order = np.argsort(pattern.symmetries[choices[rank]])
+        namings.append(
+            Naming(
+                blob=blob[order],
+                positions_px=expected[order],
+                found=blob[order] >= 0,
+                turn_deg=float(turns[rank]),
+                mirrored=bool(pattern.mirrored[choices[rank]] != seen[0]),
+                alternatives=(),
+                mark=mark,
+                residual_px=seen[1],
+            )
+        )
+    return replace(namings[0], alternatives=tuple(namings[1:]))
+
+
+def _find_mark(
+    blobs: Array, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], flip: Array
+) -> tuple[NDArray[np.intp], int]:
+    """Numbers of the symmetries that the orientation mark leaves, and its dot: -1 where it does not decide.
+
+    The mark is a dot that belongs to no marker and lies where the map expects it, as surely as the map knows. It is
+    not believed where so many false dots lie about that one of them could as well be there while the mark is hidden.
+    """
+    every = np.arange(len(pattern.symmetries))
+    free = np.setdiff1d(np.arange(len(blobs)), blob[blob >= 0])
+    if pattern.marks_px is None or not len(free):
+        return every, -1
+    places = pattern.marks_px * flip
+    reach = np.maximum(_MARK_REACH * warp.deviation_px(places), _LEAST_MARK_REACH_PX)
+    reach = np.minimum(reach, _PRINT_REACH * pattern.spacing_px)
+    distance = np.linalg.norm(blobs[free][None] - warp(places)[:, None], axis=-1)
+    near = np.argwhere(distance < reach[:, None])
+    choices = np.unique(near[:, 0])
+    if len(choices) != 1:
+        return (choices if len(choices) else every), -1
+    hidden = (1.0 + (blob < 0).sum()) / (2.0 + len(blob))
+    crowd = (len(free) - 1) / float(np.prod(np.ptp(blobs, axis=0)))
+    if hidden * crowd * np.pi * float((reach**2).sum()) > _CHANCE:
+        return every, -1
+    return choices, int(free[near[np.argmin(distance[near[:, 0], near[:, 1]]), 1]])

@@ -9,14 +9,16 @@ from palpate.sensor.deviation import Deviation
 from palpate.sensor.device import Device
 from palpate.sensor.draw_inspection import draw_inspection
 from palpate.sensor.inspect_unit import Inspection, InspectSpec, inspect_unit
+from palpate.sensor.known_press import KnownPress
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.score import score_readings
-from palpate.sensor.sensor import Rest, Sensor, Unit, open_sensor, read_rest, run_sensor
+from palpate.sensor.sensor import Rest, Sensor, open_sensor, read_rest, run_sensor
 from palpate.sensor.simulate import SimulatedSource
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.touch import find_zero
+from palpate.sensor.unit import Unit
 from palpate.sensor.write_acceptance import acceptance_page, write_acceptance
 from palpate.sensor.write_budget import describe_budget, write_budget
 from palpate.sensor.write_readings import describe_reading, write_readings
@@ -29,6 +31,7 @@ __all__ = [
     "Flag",
     "InspectSpec",
     "Inspection",
+    "KnownPress",
     "Reading",
     "Registration",
     "Rest",

@@ -43,8 +43,9 @@ from palpate.mesh import MeshSpec, mesh_dome
 from palpate.sensor.bench_spec import VirtualBenchSpec
 from palpate.sensor.deviation import Deviation
 from palpate.sensor.photograph import Scene, set_scene
-from palpate.sensor.sensor import Sensor, Unit, open_sensor
+from palpate.sensor.sensor import Sensor, open_sensor
 from palpate.sensor.touch import TouchZero, find_zero
+from palpate.sensor.unit import Unit
 
 Array = NDArray[np.float64]
 BENCH_VERSION = "1"

@@ -19,7 +19,8 @@ from palpate.core import Spec, parameter
 from palpate.design import PRINT_TOLERANCE, Dome
 from palpate.markers import DetectSpec
 from palpate.sensor.register import Registration
-from palpate.sensor.sensor import Unit, read_rest
+from palpate.sensor.sensor import read_rest
+from palpate.sensor.unit import Unit
 
 Array = NDArray[np.float64]
 

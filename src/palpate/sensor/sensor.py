@@ -11,15 +11,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError
-from palpate.design import Dome, MarkerLayout, place_orientation_mark
+from palpate.design import Dome, place_orientation_mark
 from palpate.learn import Predictor
 from palpate.markers import (
     Detector,
@@ -31,37 +31,16 @@ from palpate.markers import (
     name_markers,
     prepare_detector,
 )
+from palpate.sensor.known_press import KnownPress, ask_press
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.spec import RigSpec
+from palpate.sensor.unit import Unit
 
 Array = NDArray[np.float64]
 _NOWHERE = (float("inf"),) * 3
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
-
-
-@dataclass(frozen=True, eq=False)
-class Unit:
-    """One built sensor.
-
-    Attributes
-    ----------
-    dome, layout
-        Its design.
-    marked
-        Whether the orientation mark is printed.
-    nominal
-        The camera that the model was trained for.
-    lens
-        Its real lens, from a calibration, and about where it is; `None` for the nominal one.
-    """
-
-    dome: Dome
-    layout: MarkerLayout
-    marked: bool = True
-    nominal: CameraSpec | None = None
-    lens: CameraSpec | None = None
 
 
 @dataclass
@@ -155,7 +134,12 @@ class Rest:
     registration: Registration
 
 
-def read_rest(images: Iterable[NDArray[Any]], unit: Unit, detect: DetectSpec | None = None) -> Rest:
+def read_rest(
+    images: Iterable[NDArray[Any]],
+    unit: Unit,
+    detect: DetectSpec | None = None,
+    known: KnownPress | None = None,
+) -> Rest:
     """Find and name the dots of the untouched dome, and register the camera.
 
     Parameters
@@ -166,6 +150,8 @@ def read_rest(images: Iterable[NDArray[Any]], unit: Unit, detect: DetectSpec | N
         The sensor.
     detect
         How to find dots.
+    known
+        A press that tells the numbers where the mark does not.
 
     Raises
     ------
@@ -179,10 +165,17 @@ def read_rest(images: Iterable[NDArray[Any]], unit: Unit, detect: DetectSpec | N
     mark = place_orientation_mark(unit.dome, unit.layout) if unit.marked else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     naming = name_markers(detector.find(images[0]).positions_px, pattern)
-    if unit.marked and naming.ambiguous:
+    if naming.ambiguous and known is not None:
+        naming = ask_press(naming, detector.find(known.image).positions_px, known.positions, unit).naming
+        if naming.ambiguous:
+            raise PalpateError(
+                f"The known press leaves {1 + len(naming.alternatives)} ways to number the markers.",
+                "Press by a wall slanted by 5° or more, towards 15° from a row of markers.",
+            )
+    elif unit.marked and naming.ambiguous:
         raise PalpateError(
             f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
-            "Check that it is printed and lit, or say that the unit has none.",
+            "Check that it is printed and lit, give an image of a known press, or say that the unit has no mark.",
         )
     naming = _average(naming, detector, images)
     return Rest(detector, naming, register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal))
@@ -194,6 +187,7 @@ def open_sensor(
     predictor: Predictor,
     spec: RigSpec | None = None,
     detect: DetectSpec | None = None,
+    known: KnownPress | None = None,
 ) -> Sensor:
     """Begin with images of the untouched dome.
 
@@ -205,6 +199,8 @@ def open_sensor(
         The sensor and its model.
     spec, detect
         When to flag, and how to find dots.
+    known
+        A press that tells the numbers where the mark does not.
 
     Raises
     ------
@@ -216,7 +212,7 @@ def open_sensor(
             f"The model reads {predictor.markers} markers, the design has {len(unit.layout)}.",
             "Use the model of this design.",
         )
-    seen = read_rest(rest, unit, detect)
+    seen = read_rest(rest, unit, detect, known)
     return Sensor(unit, predictor, spec or RigSpec(), seen.detector, seen.naming, seen.registration)
 
 
@@ -233,16 +229,7 @@ def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> 
     seen = [tracker.step(detector.find(image).positions_px) for image in images]
     positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
     found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5
-    return Naming(
-        blob=naming.blob,
-        positions_px=positions,
-        found=found,
-        turn_deg=naming.turn_deg,
-        mirrored=naming.mirrored,
-        alternatives=naming.alternatives,
-        mark=naming.mark,
-        residual_px=naming.residual_px,
-    )
+    return replace(naming, positions_px=positions, found=found)
 
 
 def _wall(dome: Dome, pose: Array) -> tuple[Array, float]:

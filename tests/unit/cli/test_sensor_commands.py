@@ -4,11 +4,14 @@ import cv2
 import numpy as np
 import pytest
 
-from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.cli import main
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.fea import WallSpec, solve_press
 from palpate.learn import Estimator, write_estimator
+from palpate.material import get_material
+from palpate.mesh import MeshSpec, mesh_dome
 
 DOME = build_dome(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
@@ -89,6 +92,7 @@ def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_
         (("--markers", "91"), "reads 37 markers, the design has 91"),
         (("--markers", "37", "--rest-images", "0"), "leave nothing to begin with"),
         (("--markers", "37", "--out", "readings.txt"), "neither .csv, .jsonl nor .rosbag2"),
+        (("--markers", "37", "--press-pose", "6", "1.5", "4"), "A known press is an image and its pose"),
     ],
 )
 def test_live_refuses_what_does_not_fit(recording, model, words, says, capsys):
@@ -138,3 +142,23 @@ def test_live_plays_a_simulated_sensor_until_told_to_stop(model, capsys):
 def test_live_says_what_to_do_without_a_camera(model, capsys):
     assert run("live", "--model", str(model), "--source", "987", "--markers", "37") == 2
     assert "synthetic" in capsys.readouterr().err
+
+
+def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, capsys):
+    camera = build_camera(CameraSpec(roll_deg=65.0))
+    normals = (LAYOUT.positions - [0, 0, DOME.center_z]) / DOME.radius
+    wall = WallSpec(tilt_deg=8.0, azimuth_deg=15.0, depth=4.0, image_step=4.0)
+    press = solve_press(mesh_dome(DOME, MeshSpec(cells=6)), get_material("zaid_2024_ecoflex_00_30"), wall)
+    rest, pressed = press.positions(LAYOUT.positions)[[0, -1]]
+    for name, points in (("0", rest), ("1", rest - [0, 0, 1]), ("2", rest - [0, 0, 2]), ("press", pressed)):
+        image = render(camera, dot_edges(points, normals, LAYOUT.diameter), RenderSpec(noise=1.0, blur_px=0.6))
+        cv2.imwrite(str((recording if name != "press" else recording.parent) / f"{name}.png"), image)
+    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
+    assert run(*words) == 2
+    assert "mark was not seen" in capsys.readouterr().err
+    known = ["--press-image", str(recording.parent / "press.png"), "--press-pose", "7.7", "2.1", "4"]
+    assert run(*words, *known) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert [row["depth_mm"] for row in said[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
+    assert run(*words, *known[:3], "-7.7", "2.1", "0") == 2
+    assert "0 mm deep is none" in capsys.readouterr().err

@@ -27,7 +27,7 @@ def test_markers_of_any_pose_are_named_rightly_by_the_mark(count, height):
     for _ in range(8):
         dots, truth, mirror = posed_dots(np.vstack([positions, mark]), count, rng)
         naming = name_markers(dots, pattern)
-        assert any(right(names, truth) for names in (naming.blob, *naming.alternatives))
+        assert any(right(each.blob, truth) for each in (naming, *naming.alternatives))
         if not naming.ambiguous:
             resolved += 1
             assert right(naming.blob, truth)
@@ -44,7 +44,7 @@ def test_without_a_mark_every_naming_that_fits_is_reported(count):
     naming = name_markers(dots, pattern)
     assert naming.ambiguous
     assert len(naming.alternatives) == 11
-    assert sum(right(names, truth) for names in (naming.blob, *naming.alternatives)) == 1
+    assert sum(right(each.blob, truth) for each in (naming, *naming.alternatives)) == 1
 
 
 def test_a_hidden_mark_leaves_the_naming_ambiguous():
@@ -54,6 +54,62 @@ def test_a_hidden_mark_leaves_the_naming_ambiguous():
     assert naming.ambiguous
     assert naming.mark == -1
     assert naming.found.all()
+
+
+def test_a_false_dot_about_where_another_turn_has_the_mark_is_not_the_mark():
+    """With the mark hidden, a false dot misled before it had to lie as near as the map of the others knows."""
+    positions, mark = layout(91)
+    pattern = build_pattern(positions, project, mark)
+    rng = generator(4, "false mark")
+    for place in range(12):
+        dots = project(positions) + rng.normal(0, 0.1, (91, 2))
+        beside = pattern.marks_px[place] + 0.1 * pattern.spacing_px * np.array([np.cos(place), np.sin(place)])
+        naming = name_markers(np.vstack([dots, beside]), pattern)
+        assert naming.ambiguous
+        assert naming.mark == -1
+    assert not name_markers(np.vstack([dots, pattern.marks_px[3] + 0.1]), pattern).ambiguous
+
+
+def test_a_mark_among_many_false_dots_is_not_believed():
+    """What chance puts into one of twelve places does not tell a turn."""
+    positions, mark = layout(37)
+    pattern = build_pattern(positions, project, mark)
+    rng = generator(5, "crowd")
+    kept = rng.random(37) > 0.4
+    dots = project(positions[kept]) + rng.normal(0, 0.8, (kept.sum(), 2))
+    crowd = rng.uniform(0, 1, (200, 2)) * [346, 260]
+    crowd = crowd[np.linalg.norm(crowd[:, None] - project(positions)[None], axis=-1).min(axis=1) > 12]
+    crowd = crowd[np.linalg.norm(crowd[:, None] - pattern.marks_px[None], axis=-1).min(axis=1) > 6]
+    naming = name_markers(np.vstack([dots, crowd, project(mark)]), pattern)
+    assert naming.ambiguous
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [37, 91, 169])
+def test_of_a_thousand_random_poses_none_is_misnamed_without_a_word(count):
+    """The issue's row: any rotation, 20 px, 5°, 10 % missing, 5 % false; heights in turn."""
+    rng, wrong, ambiguous, lost, strayed = generator(11, "thousand", count), 0, 0, 0, 0
+    patterns = []
+    for height in (10.0, 20.0, 30.0):
+        positions, mark = layout(count, height)
+        patterns.append((np.vstack([positions, mark]), build_pattern(positions, project, mark)))
+    for number in range(334):
+        points, pattern = patterns[number % 3]
+        dots, truth, mirror = posed_dots(points, count, rng)
+        naming = name_markers(dots, pattern)
+        real = np.isin(np.arange(len(dots)), truth[truth >= 0])
+        for each in (naming,) if not naming.ambiguous else (naming, *naming.alternatives):
+            misnamed = (each.blob >= 0) & real[each.blob] & (each.blob != truth)
+            if not misnamed.any():
+                break
+        wrong += bool(misnamed.any()) or (not naming.ambiguous and naming.mirrored != mirror)
+        ambiguous += naming.ambiguous
+        lost += int(((truth >= 0) & (each.blob < 0)).sum())
+        strayed += int(((truth >= 0) & (each.blob >= 0) & (each.blob != truth)).sum())
+    assert wrong == 0
+    assert lost == 0
+    assert strayed <= 2  # a false dot nearer to the marker's place than its own dot, both within 0.3 px
+    assert ambiguous <= 55  # of which 33 or so have lost their mark
 
 
 def test_in_the_nominal_pose_turn_and_positions_are_those_of_the_camera():

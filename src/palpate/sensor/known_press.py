@@ -1,0 +1,106 @@
+"""A press whose pose is known: what tells the markers of a dome without an orientation mark."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import PalpateError
+from palpate.fea import WallSpec, solve_press
+from palpate.markers import Naming, PressFit, name_by_press
+from palpate.material import Material
+from palpate.mesh import MeshSpec, mesh_dome
+from palpate.sensor.register import register_dome
+from palpate.sensor.unit import Unit
+
+Array = NDArray[np.float64]
+_CELLS = 10
+"""A coarse mesh is solved in seconds; friction costs more than it does."""
+_IMAGE_STEP = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class KnownPress:
+    """An image of a press, and where its markers should be.
+
+    Attributes
+    ----------
+    image
+        (h, w) or (h, w, 3), by the camera of the rest image, unmoved.
+    positions
+        (m, 3) mm, the layout's markers in that press, by simulation.
+    """
+
+    image: NDArray[Any]
+    positions: Array
+
+    @classmethod
+    def simulate(cls, image: NDArray[Any], pose: tuple[float, float, float], unit: Unit, material: Material) -> Self:
+        """Simulate the press of an image.
+
+        Parameters
+        ----------
+        image
+            The image of the press.
+        pose
+            rx, ry (degrees) and depth (mm) of the wall, as a robot or a wedge gives them; 1 mm of depth does no harm.
+        unit, material
+            The design.
+
+        Raises
+        ------
+        PalpateError
+            If the depth is not positive, or the press ends before it is reached.
+        """
+        rx, ry, depth = pose
+        if not depth > 0.0:
+            raise PalpateError(f"A press {depth:g} mm deep is none.", "Give a positive depth, 4 mm say.")
+        wall = WallSpec(
+            tilt_deg=float(np.hypot(rx, ry)),
+            azimuth_deg=float(np.degrees(np.arctan2(ry, rx))) % 360.0,
+            depth=depth,
+            image_step=min(_IMAGE_STEP, depth),
+        )
+        press = solve_press(mesh_dome(unit.dome, MeshSpec(cells=_CELLS)), material, wall)
+        if press.depth[-1] < depth - 1e-6:
+            raise PalpateError(
+                f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",
+                "Press less deep.",
+            )
+        return cls(image, press.positions(unit.layout.positions)[-1])
+
+
+def ask_press(naming: Naming, pressed_px: Array, positions: Array, unit: Unit) -> PressFit:
+    """Choose among the numberings of a rest image by the dots (n, 2) of a known press.
+
+    Each numbering gives the camera another pose; the markers at `positions` (m, 3) are seen from there.
+
+    Raises
+    ------
+    PalpateError
+        If a numbering cannot be registered, or as of `palpate.markers.name_by_press`.
+    """
+    nominal = unit.lens or unit.nominal or CameraSpec()
+    choices = (naming, *naming.alternatives)
+    motions = np.stack([_motion(choice, positions, unit, nominal) for choice in choices])
+    rest = build_camera(nominal).project(unit.layout.positions)
+    spacing = float(cKDTree(rest).query(rest, 2)[0][:, 1].min())
+    return name_by_press(naming, motions, pressed_px, spacing)
+
+
+def _motion(choice: Naming, positions: Array, unit: Unit, nominal: CameraSpec) -> Array:
+    """(m, 2) motion of the markers in the image under one numbering; a mirrored image is flipped for it and back."""
+    flip = np.array([-1.0 if choice.mirrored else 1.0, 1.0])
+    if choice.mirrored:
+        width = nominal.width_px - 1.0
+        seen = choice.positions_px * flip + [width, 0.0]
+        choice = replace(choice, positions_px=seen, mirrored=False, turn_deg=180.0 - choice.turn_deg)
+        k1, k2, p1, p2, k3 = nominal.distortion
+        nominal = nominal.model_copy(update={"cx_px": width - nominal.cx_px, "distortion": (k1, k2, p1, -p2, k3)})
+    camera = register_dome(choice, unit.layout, unit.dome, nominal).camera
+    return np.asarray((camera.project(positions) - camera.project(unit.layout.positions)) * flip)

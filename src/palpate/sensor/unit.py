@@ -1,0 +1,31 @@
+"""One built sensor: its design, its camera, and the camera that its model was trained for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from palpate.camera import CameraSpec
+from palpate.design import Dome, MarkerLayout
+
+
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """One built sensor.
+
+    Attributes
+    ----------
+    dome, layout
+        Its design.
+    marked
+        Whether the orientation mark is printed.
+    nominal
+        The camera that the model was trained for.
+    lens
+        Its real lens, from a calibration, and about where it is; `None` for the nominal one.
+    """
+
+    dome: Dome
+    layout: MarkerLayout
+    marked: bool = True
+    nominal: CameraSpec | None = None
+    lens: CameraSpec | None = None

@@ -1,0 +1,129 @@
+"""Numbers told by a press of known pose, where the print has no mark."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_chain import DOME, MARKERS, MATERIAL, solve
+
+from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.core import PalpateError, generator
+from palpate.design import MarkerSpec, build_dome, place_markers
+from palpate.markers import build_pattern, name_by_press, name_markers
+from palpate.sensor import KnownPress, Unit, read_rest
+from palpate.sensor.known_press import ask_press
+
+BUILT = build_dome(DOME)
+
+
+@pytest.fixture(scope="module")
+def steep():
+    """Presses by a wall turned by 8°, without slip and on a slippery wall, 1 to 5 mm deep."""
+    return solve(8.0), solve(8.0, contact=0.8)
+
+
+def turned(press, azimuth_deg):
+    return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+
+
+def unit_of(count):
+    return Unit(BUILT, place_markers(BUILT, MarkerSpec(count=count)), marked=False)
+
+
+def mounted(rng):
+    return build_camera(
+        CameraSpec(
+            offset_x=rng.uniform(-2, 2),
+            offset_y=rng.uniform(-2, 2),
+            distance=rng.uniform(47, 49),
+            tilt_x_deg=rng.uniform(-4, 4),
+            tilt_y_deg=rng.uniform(-4, 4),
+            roll_deg=rng.uniform(-180, 180),
+        )
+    )
+
+
+def seen_dots(camera, points, rng, mirror=False, lost=0.05):
+    """Dots (n, 2) in random order, and the number of the dot of each point, -1 where it is lost."""
+    pixels = camera.project(points) + rng.normal(0, 0.05, (len(points), 2))
+    pixels = (pixels - [345.0, 0.0]) * [-1.0, 1.0] if mirror else pixels
+    there = rng.permutation(np.flatnonzero(rng.random(len(points)) >= lost))
+    truth = np.full(len(points), -1)
+    truth[there] = np.arange(len(there))
+    return pixels[there], truth
+
+
+def right(naming, truth):
+    return not np.any((truth >= 0) & (naming.blob != truth))
+
+
+def ask(unit, press, simulated, rng, mirror=False):
+    """The fit to the deepest image of a press but one, where another press is simulated, and the truth at rest."""
+    camera, points = mounted(rng), press.positions(unit.layout.positions)
+    rest, truth = seen_dots(camera, points[0], rng, mirror)
+    pressed, _ = seen_dots(camera, points[-2], rng, mirror)
+    naming = name_markers(rest, build_pattern(unit.layout.positions, build_camera().project))
+    assert naming.ambiguous
+    return ask_press(naming, pressed, simulated.positions(unit.layout.positions)[-1], unit), truth
+
+
+@pytest.mark.parametrize("count", [37, 91, 169])
+@pytest.mark.parametrize("draw", range(4))
+def test_a_slanted_press_tells_the_numbers_whatever_the_camera_friction_and_depth(steep, count, draw):
+    rng, mirror = generator(draw, "known press", count), bool(draw % 2)
+    azimuth = 60.0 * draw + 14.0
+    fit, truth = ask(unit_of(count), turned(steep[1], azimuth), turned(steep[0], azimuth), rng, mirror)
+    assert not fit.naming.ambiguous
+    assert right(fit.naming, truth)
+    assert fit.naming.mirrored == mirror
+    assert 0.55 < fit.gain < 0.85  # 4 mm were pressed, 5 mm were said
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 30.0])
+def test_a_press_towards_or_between_rows_leaves_the_mirror_open(steep, azimuth):
+    press = turned(steep[0], azimuth)
+    fit, truth = ask(unit_of(91), press, press, generator(3, "row"))
+    assert [fit.naming.mirrored, *(other.mirrored for other in fit.naming.alternatives)].count(True) == 1
+    assert any(right(naming, truth) for naming in (fit.naming, *fit.naming.alternatives))
+
+
+def test_a_straight_press_tells_nothing():
+    press = solve(0.0)
+    fit, _ = ask(unit_of(91), press, press, generator(0, "straight"))
+    assert len(fit.naming.alternatives) == 11
+
+
+def test_another_press_than_was_said_is_refused(steep):
+    unit, camera = unit_of(37), build_camera()
+    points = steep[0].positions(unit.layout.positions)
+    naming = name_markers(camera.project(points[0]), build_pattern(unit.layout.positions, camera.project))
+    for dots in (camera.project(points[0]), np.empty((0, 2))):
+        with pytest.raises(PalpateError, match="No numbering explains the press"):
+            ask_press(naming, dots, points[-1], unit)
+    with pytest.raises(PalpateError, match=r"moves the markers by 0\.00 px only"):
+        name_by_press(naming, np.zeros((12, 37, 2)), camera.project(points[-1]), 20.0)
+
+
+def test_an_image_of_a_known_press_opens_a_sensor_without_a_mark():
+    layout = place_markers(BUILT, MARKERS)
+    unit, camera = Unit(BUILT, layout), build_camera(CameraSpec(roll_deg=70.0, tilt_x_deg=1.0))
+
+    def photograph(points):
+        normals = (layout.positions - [0, 0, BUILT.center_z]) / BUILT.radius
+        return render(camera, dot_edges(points, normals, layout.diameter), RenderSpec(noise=2.0, blur_px=0.7))
+
+    rest, pressed = photograph(layout.positions), photograph(turned(solve(8.0), 15.0).positions(layout.positions)[-1])
+    with pytest.raises(PalpateError, match="mark was not seen; 12 ways"):
+        read_rest([rest], unit)
+    slanted = (8.0 * np.cos(np.radians(15.0)), 8.0 * np.sin(np.radians(15.0)), 5.0)
+    found = read_rest([rest], unit, known=KnownPress.simulate(pressed, slanted, unit, MATERIAL))
+    assert found.registration.camera.spec.roll_deg == pytest.approx(70.0, abs=0.2)
+    along = photograph(turned(solve(8.0), 0.0).positions(layout.positions)[-1])
+    known = KnownPress.simulate(along, (8.0, 0.0, 5.0), unit, MATERIAL)
+    with pytest.raises(PalpateError, match="leaves 2 ways"):
+        read_rest([rest], unit, known=known)
+
+
+def test_a_press_without_depth_is_refused():
+    with pytest.raises(PalpateError, match="0 mm deep is none"):
+        KnownPress.simulate(np.zeros((9, 9)), (5.0, 0.0, 0.0), unit_of(37), MATERIAL)
