@@ -16,6 +16,7 @@ from palpate.markers.grey import to_grey
 from palpate.markers.opencv import blur, fill_hull, grow, simple_blobs
 from palpate.markers.segment import Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
+from palpate.markers.split import split_merged
 
 Image = NDArray[np.float32]
 _ROUNDS = (1, 1)
@@ -94,6 +95,7 @@ class Detector:
         noise = measure_noise(grey)
         height, factor = heights(-raised, self.diameter_px)
         segments = segment(height, self.diameter_px, self.spec.threshold * noise * factor, self.spec.evenness)
+        segments = split_merged(segments, height)
         chosen = choose_dots(segments, self.diameter_px, self.spec)
         if self.mask is not None:
             chosen = chosen[inside(self.mask, segments.middle_px[chosen] + corner)]

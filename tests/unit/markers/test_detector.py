@@ -147,3 +147,55 @@ def test_an_image_of_another_size_than_the_first_is_refused():
     image, _ = drawn(6.0, 1.0, 100.0, 2.0)
     with pytest.raises(PalpateError, match="the detector was made for"):
         prepare_detector(image).find(image[:100])
+
+
+def pairs_and_single_dots(apart, diameter, edge, rng, blurred=False):
+    """A lattice of which every third dot is a pair, `apart` its diameter; overlapping ink does not add up."""
+    count, pitch = 6, 3 * diameter + 8
+    grid, shape = lattice(count, pitch, rng)
+    turn = rng.uniform(0, 2 * np.pi, len(grid))
+    half = apart * diameter / 2 * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    paired = np.arange(len(grid)) % 3 == 0
+    centres = np.vstack([grid[~paired], grid[paired] - half[paired], grid[paired] + half[paired]])
+    if blurred:
+        return draw_dots(centres, diameter, edge, 100.0, shape), centres, int((~paired).sum())
+    single = [draw_dots(centres[None, k], diameter, edge, 100.0, shape) for k in range(len(centres))]
+    return np.min(single, axis=0), centres, int((~paired).sum())
+
+
+@pytest.mark.parametrize("diameter", [6.0, 8.0, 12.0])
+@pytest.mark.parametrize("apart", [0.9, 1.0, 1.15])
+def test_dots_that_touch_or_overlap_are_parted_and_keep_their_centres(diameter, apart):
+    for edge in (0.6, 1.0, 1.5):
+        rng = generator(6, "pairs", diameter, apart, edge)
+        image, centres, alone = pairs_and_single_dots(apart, diameter, edge, rng)
+        found = prepare_detector(with_noise(image, 2.0, rng)).find(with_noise(image, 2.0, rng)).positions_px
+        errors, missed, extra = match(found, centres)
+        assert (missed, extra) == (0, 0)
+        of_pairs = np.linalg.norm(found[:, None] - centres[None], axis=-1).argmin(axis=1) >= alone
+        assert np.sqrt(np.mean(errors[of_pairs] ** 2)) < 0.05
+        assert np.sqrt(np.mean(errors[~of_pairs] ** 2)) < 0.025
+
+
+def test_dots_that_blur_into_each_other_are_parted():
+    rng = generator(6, "blurred pairs")
+    image, centres, _ = pairs_and_single_dots(1.1, 8.0, 2.0, rng, blurred=True)
+    errors, missed, extra = match(prepare_detector(image).find(with_noise(image, 2.0, rng)).positions_px, centres)
+    assert (missed, extra) == (0, 0)
+    assert np.sqrt(np.mean(errors**2)) < 0.2  # each holds some of the other's blur
+
+
+@pytest.mark.parametrize("elongation", [1.5, 2.0, 2.4])
+def test_long_single_dots_are_not_parted(elongation):
+    rng = generator(2, "long", elongation)
+    centres, shape = lattice(8, 34, rng)
+    y, x = np.mgrid[: shape[0], : shape[1]].astype(float)
+    image = np.full(shape, 200.0)
+    for number, (column, row) in enumerate(centres):
+        long, short = (elongation * 5.0, 5.0) if number % 3 == 0 else (5.0, 5.0)
+        a, b = 0.8 * (x - column) + 0.6 * (y - row), 0.8 * (y - row) - 0.6 * (x - column)
+        image -= 100.0 / (1.0 + np.exp((np.hypot(a / long, b / short) - 1.0) * 6.0))
+    errors, missed, extra = match(prepare_detector(image).find(with_noise(image, 2.0, rng)).positions_px, centres)
+    assert extra == 0
+    assert missed == 0
+    assert np.abs(errors).max() < 0.1
