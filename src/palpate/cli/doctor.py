@@ -87,15 +87,17 @@ def _check_python() -> Check:
 
 
 def _check_module(name: str, module: str, extra: str) -> Check:
+    wanted = f'"palpate[{extra}]"' if extra else name
     try:
         importlib.import_module(module)
-    except ImportError as error:
+    except Exception as error:  # an old package beside a new one fails as it likes
+        if isinstance(error, ModuleNotFoundError) and error.name == module:
+            return Check(name, False, "not installed", f"pip install {wanted}")
         missing = re.search(r"lib[\w.+-]+\.so[.\d]*", str(error))
         if missing is not None:
             package = SYSTEM_PACKAGES.get(missing[0], f"the system package with {missing[0]}")
             return Check(name, False, f"{missing[0]} is missing", f"apt-get install {package}")
-        wanted = f'"palpate[{extra}]"' if extra else name
-        return Check(name, False, "not installed", f"pip install {wanted}")
+        return Check(name, False, f"does not load: {error}"[:60], f"pip install --upgrade {wanted}")
     return Check(name, True, installed_version(name) or "")
 
 

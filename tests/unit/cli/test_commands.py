@@ -120,6 +120,18 @@ def test_doctor_writes_the_command_that_mends_as_it_must_be_typed(capsys, monkey
     assert 'pip install "palpate[learn]"' in capsys.readouterr().out
 
 
+def test_doctor_tells_of_a_package_that_does_not_load(capsys, monkeypatch, tmp_path):
+    from palpate.cli import doctor
+
+    (tmp_path / "fits_no_other.py").write_text("raise AttributeError('removed in 2.0')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(doctor, "EXTRAS", {"old": ("fits_no_other", "viz")})
+    assert call("doctor") == 0
+    told = capsys.readouterr().out
+    assert "does not load: removed in 2.0" in told
+    assert 'pip install --upgrade "palpate[viz]"' in told
+
+
 def test_doctor_names_the_solver_in_use(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("doctor", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
