@@ -24,7 +24,7 @@ from palpate.markers import DetectSpec, prepare_detector
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.sensor import KnownPress, Unit
+    from palpate.sensor import KnownPress, Sensor, Unit
 
 _FOLDER = "Folder of images."
 _SOURCE = (
@@ -37,6 +37,7 @@ _OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
 _MARK = "Whether the orientation mark is printed."
 _PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
 _PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
+_REFINE = "Refine focal length and centre by the rest image, where the lens is not calibrated well."
 _COUNT = "Readings after which it ends; without it, when the source does."
 _REST = "Number of images at rest at the beginning, which are averaged."
 
@@ -80,6 +81,7 @@ class UnitFlags:
     press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
     press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
     rest_images: Annotated[int, Parameter(help=_REST)] = 1
+    refine_lens: Annotated[bool, Parameter(negative="", help=_REFINE)] = False
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
 
 
@@ -94,7 +96,7 @@ def live(
 ) -> int:
     """Estimate the pose of the wall in every image of a camera or a recording, as it comes."""
     from palpate.learn import open_predictor
-    from palpate.sensor import Unit, describe_reading, open_sensor, run_sensor, write_readings
+    from palpate.sensor import RigSpec, Unit, describe_reading, open_sensor, run_sensor, write_readings
 
     design, flags = design or DesignFlags(), flags or UnitFlags()
     if flags.rest_images < 1:
@@ -105,12 +107,9 @@ def live(
     predictor = open_predictor(model)
     with _open(source, unit) as opened:
         images = opened.images()
-        sensor = open_sensor(_at_rest(images, flags.rest_images), unit, predictor, known=_known_press(flags, unit))
-        where = sensor.registration
-        print(
-            f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px.",
-            file=sys.stderr,
-        )
+        rest, spec = _at_rest(images, flags.rest_images), RigSpec(refine_lens=flags.refine_lens)
+        sensor = open_sensor(rest, unit, predictor, spec, known=_known_press(flags, unit))
+        print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:
             raise PalpateError(f"{flags.rest_images} images at rest leave nothing to read.", "Record more.")
@@ -128,6 +127,18 @@ def _open(source: str, unit: Unit) -> Source:
 
     announce_compilation()
     return SimulatedSource(unit.dome, unit.layout, MaterialSpec().material())
+
+
+def _describe_rest(sensor: Sensor) -> str:
+    where = sensor.registration
+    said = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
+    if not sensor.spec.refine_lens:
+        return said + "."
+    lens, (focal, column, row) = where.camera.spec, where.lens_sd
+    return (
+        f"{said}, with the lens as calibrated to {where.held_rms_px:.3f} px: focal length {lens.fx_px:.1f} px "
+        f"(± {focal:.1%}), centre {lens.cx_px:.1f}, {lens.cy_px:.1f} px (± {column:.1f}, {row:.1f})."
+    )
 
 
 def _known_press(flags: UnitFlags, unit: Unit) -> KnownPress | None:

@@ -3,6 +3,12 @@
 The six numbers of the camera's pose (offset, distance, two tilts, roll) are those for which the printed layout
 projects onto the dots, by least squares with a loss that forgives misprints; the traces' centres are corrected for
 the ellipse of a tilted disc. What is left over at each marker is its print error.
+
+If wished, focal length and centre are refined with the pose. One image of one dome tells them apart only by the
+dome's height: near dots are drawn larger than far ones (focal length against distance), and shift against them
+(centre against tilt and offset). So they are held near the calibration, within `FOCAL_SD` and `CENTRE_SD_PX`, the
+image moves them as far as it knows better, and their standard deviations say how far that is. The ratio of the two
+focal lengths and the distortion are left as calibrated.
 """
 
 from __future__ import annotations
@@ -22,6 +28,8 @@ from palpate.markers import Naming
 Array = NDArray[np.float64]
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
+FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
+"""What refining holds focal length (as a share) and centre to: how far the lens of another copy may be off."""
 _FORGIVEN_PX = 1.0
 """Distance beyond which a misprint no longer pulls with its square."""
 
@@ -40,16 +48,37 @@ class Registration:
         (m, 2) that distance for each marker; NaN where no dot was found.
     sd
         (6,) standard deviation of offset x, y (mm), distance (mm), tilts and roll (degrees).
+    held_rms_px
+        The same as `rms_px` with the lens as it was calibrated: what refining it gains.
+    lens_sd
+        (3,) standard deviation of the focal length (share) and of the centre (px); NaN where they were held.
     """
 
     camera: Camera
     rms_px: float
     print_error_px: Array
     sd: Array
+    held_rms_px: float
+    lens_sd: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    camera: Camera
+    left: Array
+    sd: Array
+
+    @property
+    def rms_px(self) -> float:
+        return float(np.sqrt(np.mean((self.left**2).sum(axis=1))))
 
 
 def register_dome(
-    naming: Naming, layout: MarkerLayout, dome: Dome, nominal: CameraSpec | None = None
+    naming: Naming,
+    layout: MarkerLayout,
+    dome: Dome,
+    nominal: CameraSpec | None = None,
+    refine_lens: bool = False,
 ) -> Registration:
     """Find the pose of the camera from named markers at rest.
 
@@ -61,6 +90,8 @@ def register_dome(
         What was printed, on what.
     nominal
         The lens, and about where the camera is.
+    refine_lens
+        Whether focal length and centre are fitted as well (the module says what an image at rest knows of them).
 
     Raises
     ------
@@ -79,34 +110,55 @@ def register_dome(
     points, seen = layout.positions[naming.found], naming.positions_px[naming.found]
     normals = (points - np.array([0.0, 0.0, dome.center_z])) / dome.radius
     edges = dot_edges(points, normals, layout.diameter)
-    start = np.array([getattr(nominal, name) for name in _POSE])
+    start = np.array([getattr(nominal, name) for name in _POSE] + [1.0, nominal.cx_px, nominal.cy_px])
     start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
-    bias = centre_bias(_posed(nominal, start), points, edges)
-
-    def miss(pose: Array) -> Array:
-        projected = _posed(nominal, pose).project(points) + bias
-        return np.nan_to_num(projected - seen, nan=1e3).reshape(-1)
-
-    low = np.array([-50.0, -50.0, 1.0, -44.0, -44.0, -np.inf])
-    high = np.array([50.0, 50.0, 999.0, 44.0, 44.0, np.inf])
-    fit = least_squares(
-        miss, start, bounds=(low, high), loss="soft_l1", f_scale=_FORGIVEN_PX, x_scale=[1, 1, 1, 1, 1, 5]
-    )
-    left = miss(fit.x).reshape(-1, 2)
-    rms = float(np.sqrt(np.mean((left**2).sum(axis=1))))
+    where = points, seen, centre_bias(_posed(nominal, start), points, edges)
+    held = fit = _fit(nominal, start, where)
+    if refine_lens:
+        fit = _fit(nominal, np.concatenate([_pose_of(held.camera), start[6:]]), where, held.rms_px / np.sqrt(2.0))
     spacing = float(np.median(cKDTree(seen).query(seen, 2)[0][:, 1]))
-    if rms > 0.05 * spacing:
+    if fit.rms_px > 0.05 * spacing:
         raise PalpateError(
-            f"The markers fit the design to {rms:.1f} px only.",
+            f"The markers fit the design to {fit.rms_px:.1f} px only.",
             "Check height, base radius and marker count, and the camera's focal length.",
         )
     errors = np.full((len(layout), 2), np.nan)
-    errors[naming.found] = -left
+    errors[naming.found] = -fit.left
+    lens_sd = fit.sd[6:] if refine_lens else np.full(3, np.nan)
+    return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd)
+
+
+def _fit(nominal: CameraSpec, start: Array, where: tuple[Array, Array, Array], dot_px: float = 0.0) -> _Fit:
+    """Fit the pose to dots, and the lens as well where it is said how far dots are off; it counts as three more."""
+    points, seen, bias = where
+    free = len(start) if dot_px else len(_POSE)
+    hold = dot_px / np.array([FOCAL_SD, CENTRE_SD_PX, CENTRE_SD_PX])
+
+    def miss(values: Array) -> Array:
+        every = np.concatenate([values, start[free:]])
+        projected = _posed(nominal, every).project(points) + bias
+        left = np.nan_to_num(projected - seen, nan=1e3).reshape(-1)
+        held = hold * (values[6:] - [1.0, nominal.cx_px, nominal.cy_px]) if free > len(_POSE) else np.empty(0)
+        return np.concatenate([left, held])
+
+    low = np.array([-50.0, -50.0, 1.0, -44.0, -44.0, -np.inf, 0.5, -np.inf, -np.inf])[:free]
+    high = np.array([50.0, 50.0, 999.0, 44.0, 44.0, np.inf, 2.0, np.inf, np.inf])[:free]
+    scale = [1.0, 1.0, 1.0, 1.0, 1.0, 5.0, 0.01, 5.0, 5.0][:free]
+    fit = least_squares(miss, start[:free], bounds=(low, high), loss="soft_l1", f_scale=_FORGIVEN_PX, x_scale=scale)
+    left = miss(fit.x)[: seen.size].reshape(-1, 2)
     spread = np.linalg.pinv(fit.jac.T @ fit.jac) * 2.0 * fit.cost / max(left.size - 6, 1)
-    return Registration(_posed(nominal, fit.x), rms, errors, np.sqrt(np.diag(spread)))
+    camera = _posed(nominal, np.concatenate([fit.x, start[free:]]))
+    return _Fit(camera, left, np.sqrt(np.diag(spread)))
 
 
-def _posed(nominal: CameraSpec, pose: Array) -> Camera:
-    values = dict(zip(_POSE, (float(value) for value in pose), strict=True))
-    values["roll_deg"] = (values["roll_deg"] + 180.0) % 360.0 - 180.0
-    return build_camera(nominal.model_copy(update=values))
+def _pose_of(camera: Camera) -> Array:
+    return np.array([getattr(camera.spec, name) for name in _POSE])
+
+
+def _posed(nominal: CameraSpec, values: Array) -> Camera:
+    """The camera of a pose, a factor on the focal lengths and a centre."""
+    chosen = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
+    chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0
+    focal, column, row = (float(value) for value in values[6:])
+    chosen |= {"fx_px": focal * nominal.fx_px, "fy_px": focal * nominal.fy_px, "cx_px": column, "cy_px": row}
+    return build_camera(nominal.model_copy(update=chosen))

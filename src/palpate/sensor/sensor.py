@@ -139,6 +139,7 @@ def read_rest(
     unit: Unit,
     detect: DetectSpec | None = None,
     known: KnownPress | None = None,
+    refine_lens: bool = False,
 ) -> Rest:
     """Find and name the dots of the untouched dome, and register the camera.
 
@@ -152,6 +153,8 @@ def read_rest(
         How to find dots.
     known
         A press that tells the numbers where the mark does not.
+    refine_lens
+        Whether focal length and centre are fitted as well (`palpate.sensor.register`).
 
     Raises
     ------
@@ -178,7 +181,8 @@ def read_rest(
             "Check that it is printed and lit, give an image of a known press, or say that the unit has no mark.",
         )
     naming = _average(naming, detector, images)
-    return Rest(detector, naming, register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal))
+    where = register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal, refine_lens)
+    return Rest(detector, naming, where)
 
 
 def open_sensor(
@@ -212,8 +216,9 @@ def open_sensor(
             f"The model reads {predictor.markers} markers, the design has {len(unit.layout)}.",
             "Use the model of this design.",
         )
-    seen = read_rest(rest, unit, detect, known)
-    return Sensor(unit, predictor, spec or RigSpec(), seen.detector, seen.naming, seen.registration)
+    spec = spec or RigSpec()
+    seen = read_rest(rest, unit, detect, known, spec.refine_lens)
+    return Sensor(unit, predictor, spec, seen.detector, seen.naming, seen.registration)
 
 
 def run_sensor(sensor: Sensor, images: Iterable[NDArray[Any] | PalpateError]) -> Iterator[Reading]:

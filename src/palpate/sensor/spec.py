@@ -15,3 +15,6 @@ class RigSpec(Spec):
         0.6, unit="1", meaning="share of the markers that must be found for a pose", gt=0, le=1
     )
     rest_images: int = parameter(1, unit="1", meaning="images at rest that are averaged", ge=1, le=1000)
+    refine_lens: bool = parameter(
+        False, unit="", meaning="whether the rest image refines focal length and centre of the lens"
+    )

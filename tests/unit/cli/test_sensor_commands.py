@@ -84,6 +84,8 @@ def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_
     assert len((tmp_path / "readings.csv").read_text().splitlines()) == 4
     assert run(*words) == 0
     assert "37 markers named" in capsys.readouterr().err
+    assert run(*words, "--refine-lens") == 0
+    assert "with the lens as calibrated to" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

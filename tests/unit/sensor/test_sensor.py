@@ -135,6 +135,42 @@ def test_register_dome_shows_a_misprinted_dot():
     assert np.median(errors) < 0.1
 
 
+@pytest.mark.parametrize(("printed", "known"), [(0.0, 0.002), (0.1, 0.01)])
+def test_the_lens_is_refined_as_far_as_an_image_at_rest_knows_it(printed, known):
+    """A lens 2 % and 4 px off comes back: with dots off by 0.1 mm less well, and its deviation says so."""
+    layout = place_markers(DOME, MarkerSpec(count=169))
+    rng, nominal = generator(3, "lens", printed), CameraSpec()
+    lens = {"fx_px": 1.02 * nominal.fx_px, "fy_px": 1.02 * nominal.fy_px, "cx_px": 179.0, "cy_px": 125.0}
+    points = np.vstack([layout.positions, place_orientation_mark(DOME, layout)])
+    projected = build_camera(MOVED.model_copy(update=lens)).project
+    pixels = projected(points + printed * np.pad(rng.uniform(-1, 1, (170, 2)), ((0, 0), (0, 1))))
+    naming = name_markers(
+        pixels + rng.normal(0, 0.05, (170, 2)),
+        build_pattern(layout.positions, build_camera().project, place_orientation_mark(DOME, layout)),
+    )
+    held, refined = (register_dome(naming, layout, DOME, refine_lens=refine) for refine in (False, True))
+    found, sd = refined.camera.spec, refined.lens_sd
+    assert abs(found.fx_px / lens["fx_px"] - 1) < 3 * sd[0]
+    assert np.all(np.abs([found.cx_px - 179.0, found.cy_px - 125.0]) < 3 * sd[1:])
+    assert sd[0] < known
+    assert found.fy_px / found.fx_px == pytest.approx(nominal.fy_px / nominal.fx_px)
+    assert refined.held_rms_px == held.rms_px == held.held_rms_px
+    assert refined.rms_px < held.rms_px
+    assert held.camera.spec.cx_px == nominal.cx_px
+    assert np.isnan(held.lens_sd).all()
+
+
+def test_a_lens_that_the_image_cannot_tell_stays_as_calibrated():
+    """Seven dots tell nine numbers from nothing: what the lens is held to decides."""
+    layout = place_markers(DOME, MarkerSpec(count=7))
+    mark = place_orientation_mark(DOME, layout)
+    pixels = build_camera().project(np.vstack([layout.positions, mark])) + generator(1, "few").normal(0, 0.3, (8, 2))
+    naming = name_markers(pixels, build_pattern(layout.positions, build_camera().project, mark))
+    found = register_dome(naming, layout, DOME, refine_lens=True).camera.spec
+    assert found.fx_px == pytest.approx(CameraSpec().fx_px, rel=0.02)
+    assert found.cx_px == pytest.approx(CameraSpec().cx_px, abs=5.0)
+
+
 def test_a_mirrored_image_and_another_height_are_refused(predictor):
     with pytest.raises(PalpateError, match="mirrored"):
         open_sensor([photograph((0, 0, 0))[:, ::-1].copy()], Unit(DOME, LAYOUT), predictor)
