@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 PRINT_TOLERANCE = 0.2
 """How far from its place a dot may be printed, mm; our choice, for instructions and inspection."""
@@ -42,7 +43,7 @@ class MarkerLayout:
         if len(index) < 2:
             return None
         points = self.positions[index]
-        distance = np.linalg.norm(points[:, None] - points[None, :], axis=-1)
-        np.fill_diagonal(distance, np.inf)
-        a, b = np.unravel_index(np.argmin(distance), distance.shape)
-        return int(index[a]), int(index[b]), float(distance[a, b])
+        distance, near = cKDTree(points).query(points, k=2)
+        a = int(np.argmin(distance[:, 1]))
+        b = near[a][near[a] != a][0]  # of two in one place, either may come first
+        return int(index[a]), int(index[b]), float(distance[a, 1])

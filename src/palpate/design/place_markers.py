@@ -50,8 +50,7 @@ def place_markers(dome: Dome, spec: MarkerSpec) -> MarkerLayout:
 
 
 def _rings(dome: Dome, diameters: Sequence[float]) -> NDArray[np.float64]:
-    rings = [dome.inner_point([0.0], [0.0])]
-    for k, diameter in enumerate(diameters, start=1):
-        azimuth = 2.0 * np.pi * np.arange(6 * k) / (6 * k)
-        rings.append(dome.inner_point(diameter / 2.0, azimuth))
-    return np.concatenate(rings)
+    counts = [1, *(6 * k for k in range(1, len(diameters) + 1))]
+    rho = np.repeat([0.0, *diameters], counts) / 2.0
+    azimuth = np.concatenate([2.0 * np.pi * np.arange(count) / count for count in counts])
+    return dome.inner_point(rho, azimuth)

@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from palpate.core import PalpateError
-from palpate.design import Dome, MarkerSpec, place_markers, ring_count, ring_diameters
+from palpate.design import Dome, MarkerLayout, MarkerSpec, place_markers, ring_count, ring_diameters
 
 DOME = Dome(20.0, 20.0, 2.0)
 
@@ -119,3 +119,17 @@ def test_count_and_file_must_agree(tmp_path: Path) -> None:
     spec = write(tmp_path, "x_mm,y_mm\n1,2\n")
     with pytest.raises(PalpateError, match="has 1 markers, but count is 7"):
         place_markers(DOME, MarkerSpec(file=spec.file, count=7))
+
+
+def test_the_closest_pair_is_that_of_all_distances() -> None:
+    positions = np.random.default_rng(0).normal(0, 9, (60, 3))
+    positions[7, 2] = np.nan  # not on the dome
+    first, second, distance = MarkerLayout(positions, 0.6).closest_pair()
+    every = np.linalg.norm(positions[:, None] - positions, axis=-1) + np.diag(np.full(60, np.inf))
+    assert distance == pytest.approx(np.nanmin(every))
+    assert every[first, second] == pytest.approx(distance)
+
+
+def test_two_markers_in_one_place_are_a_pair() -> None:
+    first, second, distance = MarkerLayout(np.array([[0.0, 0, 9], [5, 0, 9], [5, 0, 9]]), 0.6).closest_pair()
+    assert (sorted((first, second)), distance) == ([1, 2], 0.0)
