@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from palpate.core import PalpateError
 from palpate.markers.blobs import Blobs
 from palpate.markers.centre import fit_centres
+from palpate.markers.choose_field import choose_field
 from palpate.markers.grey import to_grey
-from palpate.markers.opencv import blur, fill_hull, grow, simple_blobs
+from palpate.markers.opencv import fill_hull, grow, simple_blobs
 from palpate.markers.segment import Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
 from palpate.markers.split import split_merged
@@ -21,7 +22,6 @@ from palpate.markers.split import split_merged
 Image = NDArray[np.float32]
 _ROUNDS = (1, 1)
 _ROUNDS_TO_MEASURE = (8, 0)
-_SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
 _EDGE_PX = 0.8
 """Blur of an edge to begin with: a pixel's own width and a lens in focus."""
 _CLEAR = 40.0
@@ -123,8 +123,7 @@ class Detector:
 def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Detector:
     """Choose polarity, size and mask from an image, where the spec leaves them open.
 
-    Every size and polarity is tried on the image (shrunk where the dots allow it); the one with the most dots that
-    agree in size and contrast, and the fewest things that do not, is taken.
+    `palpate.markers.choose_field` says how.
 
     Raises
     ------
@@ -133,19 +132,14 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Det
     """
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)
-    choices = [
-        (_score(grey, dark, size, spec), dark, size)
-        for dark in ([True, False] if spec.polarity == "auto" else [spec.polarity == "dark"])
-        for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
-        if size < min(grey.shape) / 3
-    ]
-    (score, measured), dark, _ = max(choices, key=lambda choice: choice[0][0], default=((0.0, 0.0), True, 0.0))
-    if score <= 0.0:
+    field = choose_field(grey, spec, choose_dots)
+    if field is None:
         raise PalpateError(
             f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
             "Check light and focus, or give polarity and diameter_px.",
         )
-    rough = Detector(spec, dark, spec.diameter_px or measured, None)
+    dark = field.dark
+    rough = Detector(spec, dark, spec.diameter_px or field.diameter_px, None)
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
     mask = _find_mask(blobs, grey.shape) if spec.mask == "auto" else None
     return Detector(spec, dark, rough.diameter_px, mask, edge)
@@ -203,25 +197,6 @@ def _calm(spread: NDArray[np.float64], clarity: NDArray[np.float64]) -> NDArray[
 
 def _determinant(spread: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(spread[:, 0] * spread[:, 2] - spread[:, 1] ** 2)
-
-
-def _score(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[float, float]:
-    """How well an image fits dots of a size, and the median diameter of what was found."""
-    step = int(max(1, size // 8))
-    if step > 1:
-        grey = blur(grey, 0.5 * step)[::step, ::step]
-    noise = measure_noise(grey)
-    height, factor = heights(grey if dark else -grey, size / step)
-    segments = segment(height, size / step, spec.threshold * noise * factor, spec.evenness)
-    chosen = choose_dots(segments, size / step, spec)
-    if len(chosen) < 3:
-        return 0.0, size
-    diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
-    typical = float(np.median(diameter))
-    alike = (np.abs(np.log(diameter / typical)) < 0.4) & (np.abs(np.log(contrast / np.median(contrast))) < 0.7)
-    area = float((diameter[alike] ** 2).sum()) / float((segments.diameter_px**2).sum())
-    fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
-    return float(alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))), typical * step
 
 
 def _find_mask(blobs: Blobs, shape: tuple[int, int]) -> NDArray[np.bool_] | None:

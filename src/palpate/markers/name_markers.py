@@ -28,7 +28,8 @@ _PRINT_REACH = 0.15
 """The same once the map has settled: no dot is printed farther from its place, and what lies farther is false."""
 _MARK_REACH = 4.0
 """How far the orientation mark may lie from its place, over the standard deviation of a dot about the map there."""
-_LEAST_MARK_REACH_PX = 0.1
+_LEAST_MARK_REACH_PX = 0.6
+"""The mark lies beyond the others: where all of the print is 0.2 mm off, the map misses it by up to 0.5 px."""
 _CHANCE = 1e-3
 """Chance of a false dot in the mark's place, with the mark itself hidden, above which the mark is not believed."""
 _SHIFTS_PX, _SHIFT_STEP_PX, _ANGLE_STEP_DEG = 15.0, 3.0, 2.0

@@ -5,6 +5,7 @@ from drawn_dots import bound, draw_dots, lattice, match, with_noise
 from palpate.core import PalpateError, generator
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.markers import Detector, DetectSpec, prepare_detector
+from palpate.markers.choose_field import lie_half_way
 
 SETTINGS = [(50.0, 5.0), (100.0, 3.0), (100.0, 1.0), (200.0, 2.0)]
 
@@ -199,3 +200,40 @@ def test_long_single_dots_are_not_parted(elongation):
     assert extra == 0
     assert missed == 0
     assert np.abs(errors).max() < 0.1
+
+
+def before_clutter(seed):
+    """A video's image: 7 × 5 black dots of 8 px before a room of large bright and dark things, and where they are."""
+    rng = generator(9, "room", seed)
+    grid = np.stack(np.meshgrid(np.arange(7), np.arange(5)), axis=-1).reshape(-1, 2)
+    centres = grid * [46.0, 50.0] + [22.0, 20.0] + rng.uniform(-1.5, 1.5, (35, 2))
+    y, x = np.mgrid[:240, :320]
+    image = np.full((240, 320), 150.0)
+    for _ in range(60):
+        column, row, size = rng.uniform(0, 320), rng.uniform(0, 240), rng.uniform(6, 40)
+        inside = np.hypot((x - column) / size, (y - row) / (size * rng.uniform(0.4, 1))) < 1
+        image[inside] = rng.uniform(60, 240)
+    dots = draw_dots(centres, 8.0, 0.8, 1.0, (240, 320), ground=1.0)  # 0 in a dot, 1 outside
+    return with_noise(20.0 + (image - 20.0) * dots, 1.5, rng), centres
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_dots_before_a_cluttered_room_are_told_by_their_order(seed):
+    image, centres = before_clutter(seed)
+    detector = prepare_detector(image)
+    assert detector.dark
+    assert detector.diameter_px == pytest.approx(8.0, rel=0.2)
+    _, missed, _ = match(detector.find(image).positions_px, centres)
+    assert missed <= 6  # those that lie on the edge of something dark
+
+
+def test_texture_without_dots_is_no_field():
+    rng = generator(2, "texture")
+    with pytest.raises(PalpateError, match="No field of dots"):
+        prepare_detector(rng.integers(120, 136, (240, 320), dtype=np.uint8))
+
+
+def test_which_dots_lie_half_way_between_two_others():
+    points = np.array([[0.0, 0], [10, 0], [20, 0.5], [30, 0], [50, 60], [70, 20]])
+    assert lie_half_way(points).tolist() == [False, True, True, False, False, False]
+    assert not lie_half_way(points[:2]).any()

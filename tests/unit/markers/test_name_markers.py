@@ -165,3 +165,16 @@ def test_another_design_is_refused():
     other, _ = layout(37)
     with pytest.raises(PalpateError, match="of 169 markers were found"):
         name_markers(project(other), build_pattern(positions, project, mark))
+
+
+@pytest.mark.parametrize("count", [37, 91, 169])
+@pytest.mark.parametrize("height", [10.0, 20.0, 30.0])
+def test_a_print_that_is_off_as_a_whole_keeps_its_mark(count, height):
+    """The map of the dots is fitted far from the mark: 0.25 mm of the whole print may not hide it."""
+    positions, mark = layout(count, height)
+    dome = build_dome(DomeSpec(height=height))
+    moved = np.vstack([positions, mark])[:, :2] + [0.2, 0.15]
+    printed = dome.inner_point(np.hypot(*moved.T), np.arctan2(moved[:, 1], moved[:, 0]))
+    naming = name_markers(project(printed), build_pattern(positions, project, mark))
+    assert not naming.ambiguous
+    assert naming.blob.tolist() == list(range(count))

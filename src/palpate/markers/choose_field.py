@@ -1,0 +1,144 @@
+"""Which dots an image has: polarity and size, from the image alone.
+
+Every size and polarity is tried (on the image shrunk where the dots allow it). A clean field is the one with the most
+dots that agree in size and contrast, and the fewest things that do not. Before a room in clutter no size is clean;
+there dots are told by their order: in a printed field most dots lie half way between two neighbours, which of dots
+strewn at random one in eleven does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from palpate.markers.opencv import blur
+from palpate.markers.segment import Segments, heights, measure_noise, segment
+from palpate.markers.spec import DetectSpec
+
+Image = NDArray[np.float32]
+Chooser = Callable[[Segments, float, DetectSpec], NDArray[np.intp]]
+_SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
+_CLEAN, _MANY, _LEAST = 0.45, 12, 6
+"""Share of all blobs' area in dots that agree, and their number, from which a field is believed; least number.
+
+The real fields of `docs/sensor.md` have 0.51 to 0.99, a dome with a bright rim and clutter about it 0.2 to 0.8; what
+a room in clutter offers instead of a field has 0.2 to 0.7, but no order."""
+_NEIGHBOURS, _HALF_WAY = 6, 0.15
+"""Neighbours looked at, and how far from half way a dot may be, over the distance of the two."""
+_AT_RANDOM = 0.092
+"""Share of dots strewn at random that lie half way between two of their neighbours (measured, 40 fields of 60)."""
+_ORDERED = 2.5
+"""Standard deviations by which dots must be more in order, than chance and than the cleanest field, to be preferred."""
+_ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
+"""What a dot must have to count for the order: ratio of axes, fullness, and the size that is tried, to e^±0.5."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """What an image shows at one polarity and size.
+
+    Attributes
+    ----------
+    dark
+        Polarity.
+    diameter_px
+        Median diameter of its dots.
+    dots
+        Number of dots that agree.
+    clean
+        Their share of the area of all blobs.
+    score
+        How well the image fits; 0 where it does not.
+    """
+
+    dark: bool
+    diameter_px: float
+    dots: int
+    clean: float
+    score: float
+
+
+def choose_field(grey: Image, spec: DetectSpec, choose: Chooser) -> Field | None:
+    """Polarity and size of the dots of an image, as far as the spec leaves them open; `None` without a field.
+
+    Parameters
+    ----------
+    grey
+        (h, w) grey levels.
+    spec
+        What is given.
+    choose
+        What picks dots among candidates, for a size.
+    """
+    tries = [
+        (dark, size)
+        for dark in ([True, False] if spec.polarity == "auto" else [spec.polarity == "dark"])
+        for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
+        if size < min(grey.shape) / 3
+    ]
+    fields = [_judge(grey, dark, size, spec, choose) for dark, size in tries]
+    best = max(fields, key=lambda field: field.score, default=None)
+    if best is not None and best.dots >= _MANY and best.clean >= _CLEAN:
+        return best
+    ordered = [_order(grey, dark, size, spec, choose) for dark, size in tries]
+    if ordered:
+        first = int(np.argmax([field.score for field in ordered]))
+        own = ordered[fields.index(best)].score if best is not None else 0.0
+        if ordered[first].score > max(own, 0.0) + _ORDERED:
+            return ordered[first]
+    known = spec.diameter_px is not None and spec.polarity != "auto"
+    return best if best is not None and best.score > 0.0 and (best.dots >= _LEAST or known) else None
+
+
+def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segments, int]:
+    """Candidates of a size, and by what the image was shrunk for it."""
+    step = int(max(1, size // 8))
+    if step > 1:
+        grey = blur(grey, 0.5 * step)[::step, ::step]
+    height, factor = heights(grey if dark else -grey, size / step)
+    return segment(height, size / step, spec.threshold * measure_noise(grey) * factor, spec.evenness), step
+
+
+def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec, choose: Chooser) -> Field:
+    """How clean the field of a size is."""
+    segments, step = _cut(grey, dark, size, spec)
+    chosen = choose(segments, size / step, spec)
+    if len(chosen) < 3:
+        return Field(dark, size, 0, 0.0, 0.0)
+    diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
+    typical = float(np.median(diameter))
+    alike = (np.abs(np.log(diameter / typical)) < 0.4) & (np.abs(np.log(contrast / np.median(contrast))) < 0.7)
+    area = float((diameter[alike] ** 2).sum()) / float((segments.diameter_px**2).sum())
+    fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
+    score = alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))
+    return Field(dark, typical * step, int(alike.sum()), area, float(score))
+
+
+def _order(grey: Image, dark: bool, size: float, spec: DetectSpec, choose: Chooser) -> Field:
+    """How far the dots of a size are in order: standard deviations above chance."""
+    segments, step = _cut(grey, dark, size, spec)
+    chosen = choose(segments, size / step, spec)
+    diameter = segments.diameter_px * step
+    good = (segments.roundness > _ROUND) & (segments.fullness > _FULL) & (np.abs(np.log(diameter / size)) < _ALIKE)
+    chosen = chosen[good[chosen]]
+    if len(chosen) < _LEAST:
+        return Field(dark, size, len(chosen), 0.0, 0.0)
+    between = lie_half_way(segments.middle_px[chosen])
+    above = between.sum() - _AT_RANDOM * len(chosen)
+    score = above / np.sqrt(len(chosen) * _AT_RANDOM * (1.0 - _AT_RANDOM))
+    typical = float(np.median(diameter[chosen][between])) if between.any() else size
+    return Field(dark, typical, len(chosen), float(between.mean()), float(score))
+
+
+def lie_half_way(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(n,) whether each of some points (n, 2) lies half way between two of its nearest neighbours."""
+    if len(points) < 3:
+        return np.zeros(len(points), bool)
+    distance, number = cKDTree(points).query(points, min(_NEIGHBOURS + 1, len(points)))
+    arms, length = points[number[:, 1:]] - points[:, None], distance[:, 1:]
+    miss = np.linalg.norm(arms[:, :, None] + arms[:, None], axis=-1)
+    return np.asarray((miss < _HALF_WAY * (length[:, :, None] + length[:, None]) / 2.0).any(axis=(1, 2)))
