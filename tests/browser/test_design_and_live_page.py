@@ -25,6 +25,23 @@ def test_a_slider_changes_the_camera_at_once(page, link):
     wait_for_dots(page, 19)
 
 
+def test_rings_may_be_given_by_their_diameters(page, link):
+    open_page(page, link, "design")
+    rings = page.get_by_label("Diameters of the rings, mm")
+    rings.fill("8, 20")
+    wait_for_dots(page, 19)
+    before = dots(page)
+    rings.fill("8, 30")
+    wait_for_motion(page, before, 18, 10)
+    rings.fill("8, wide")
+    page.get_by_role("alert").filter(has_text="valid number").wait_for()
+    rings.fill("20, 8")
+    page.get_by_role("alert").filter(has_text="do not grow").wait_for()
+    box(page, "Rings").fill("3")
+    wait_for_dots(page, 37)
+    assert rings.input_value() == ""
+
+
 WRONG = (
     ("Height H (mm)", "0", "From 2 to 60."),
     ("Height H (mm)", "1e9", "From 2 to 60."),

@@ -9,7 +9,7 @@ from palpate.design.module import Module, build_module, build_solid, follow_meri
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
-from palpate.design.rings import ring_count, ring_diameters
+from palpate.design.rings import markers_in_rings, ring_count, ring_diameters
 from palpate.design.solid import (
     Arc,
     Outline,
@@ -51,6 +51,7 @@ __all__ = [
     "extrude",
     "follow_meridian",
     "gather",
+    "markers_in_rings",
     "place_markers",
     "place_orientation_mark",
     "read_points",

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from palpate.camera import CameraSpec, list_presets, preset
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, Finding, MarkerSpec
+from palpate.design import DomeSpec, Finding, MarkerSpec, markers_in_rings
 from palpate.fea import Press, WallSpec
 from palpate.material import list_materials
 from palpate.viewer.charts import FIRST, Curve, line_chart
@@ -88,6 +88,12 @@ class DesignPage:
             heading("Markers")
             rings = NumberField.free("Rings", (0, _RINGS, 1), 7, self._set_rings)
             rings.note("a dot at the apex, 6 k on ring k")
+            self._own_rings = ui.input(
+                "Diameters of the rings, mm",
+                placeholder="even; or your own: 6, 14, 25",
+                on_change=lambda event: self._set_diameters(event.value),
+            ).props("dense outlined debounce=500 stack-label")
+            self._own_rings.classes("wide")
             NumberField(MarkerSpec, "diameter", "Dot", 0.1, self._setter("markers", "diameter"), (0.1, 4.0))
         with ui.element("div").classes("card"):
             heading("Camera")
@@ -157,7 +163,21 @@ class DesignPage:
         return lambda value: self._set(part, name, value)
 
     def _set_rings(self, rings: float) -> None:
-        self._set("markers", "count", 1 + 3 * int(rings) * (int(rings) + 1))
+        """As many even rings."""
+        self._chosen["markers"].pop("ring_diameters", None)
+        self._own_rings.set_value("")
+        self._set("markers", "count", markers_in_rings(int(rings)))
+
+    def _set_diameters(self, text: str | None) -> None:
+        """Rings of one's own, from the apex outward; an emptied field leaves as many even ones."""
+        markers, words = self._chosen["markers"], (text or "").replace(",", " ").split()
+        if not words and "ring_diameters" not in markers:
+            return
+        markers.pop("ring_diameters", None)
+        markers["count"] = markers_in_rings(len(words)) if words else self._sketch.markers.count
+        if words:
+            markers["ring_diameters"] = words
+        self._redraw()
 
     def _set_camera(self, event: events.ValueChangeEventArguments[Any]) -> None:
         distance = self._chosen["camera"].get("distance")
