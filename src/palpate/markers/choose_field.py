@@ -32,7 +32,7 @@ _NEIGHBOURS, _HALF_WAY = 6, 0.15
 _AT_RANDOM = 0.092
 """Share of dots strewn at random that lie half way between two of their neighbours (measured, 40 fields of 60)."""
 _ORDERED = 2.5
-"""Standard deviations by which dots must be more in order, than chance and than the cleanest field, to be preferred."""
+"""Standard deviations by which dots must be more in order than chance and the cleanest field to be preferred."""
 _ROUND, _FULL, _ALIKE = 0.65, 0.9, 0.5
 """What a dot must have to count for the order: ratio of axes, fullness, and the size that is tried, to e^±0.5."""
 

@@ -87,6 +87,9 @@ class Detector:
         rows, columns = np.flatnonzero(self.mask.any(axis=1)), np.flatnonzero(self.mask.any(axis=0))
         return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
+    def _within(self, points_px: NDArray[np.float64]) -> NDArray[np.bool_]:
+        return np.ones(len(points_px), bool) if self.mask is None else inside(self.mask, points_px)
+
     def _fit(self, grey: Image, rounds: tuple[int, int]) -> tuple[Blobs, float]:
         """Blobs, and the median blur of their edges."""
         corner = np.array([self._window[1].start or 0, self._window[0].start or 0])
@@ -95,10 +98,9 @@ class Detector:
         noise = measure_noise(grey)
         height, factor = heights(-raised, self.diameter_px)
         segments = segment(height, self.diameter_px, self.spec.threshold * noise * factor, self.spec.evenness)
-        segments = split_merged(segments, height)
+        segments = split_merged(segments, height, self._within(segments.middle_px + corner))
         chosen = choose_dots(segments, self.diameter_px, self.spec)
-        if self.mask is not None:
-            chosen = chosen[inside(self.mask, segments.middle_px[chosen] + corner)]
+        chosen = chosen[self._within(segments.middle_px[chosen] + corner)]
         blobs, edge = _refine(raised, segments, chosen, noise, (self.edge_px, rounds))
         if self.mask is None:
             return blobs, edge

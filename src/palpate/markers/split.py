@@ -26,7 +26,7 @@ _BETWEEN_PX = 1.0
 """Half width of the strip between the two that belongs to neither: there both blur into each other."""
 
 
-def split_merged(segments: Segments, height: Image) -> Segments:
+def split_merged(segments: Segments, height: Image, wanted: NDArray[np.bool_]) -> Segments:
     """The candidates with every blob of two dots parted.
 
     Parameters
@@ -35,6 +35,8 @@ def split_merged(segments: Segments, height: Image) -> Segments:
         Candidates of an image.
     height
         (h, w) the image of heights that they were cut from.
+    wanted
+        (n,) which candidates matter; the others are left as they are.
 
     Returns
     -------
@@ -44,7 +46,8 @@ def split_merged(segments: Segments, height: Image) -> Segments:
     """
     typical = float(np.median(segments.area_px)) if len(segments.area_px) else 0.0
     size = segments.area_px / max(typical, 1.0)
-    doubtful = (size > _LEAST_AREA) & (size < _LARGEST_AREA) & (segments.roundness < _ROUNDEST) & ~segments.at_border
+    doubtful = wanted & (size > _LEAST_AREA) & (size < _LARGEST_AREA) & ~segments.at_border
+    doubtful &= segments.roundness < _ROUNDEST
     pairs = [(int(blob), pair) for blob in np.flatnonzero(doubtful) if (pair := _part(segments, height, int(blob)))]
     if not pairs:
         return segments

@@ -1,4 +1,8 @@
 import json
+import struct
+import tracemalloc
+import zlib
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -164,3 +168,73 @@ def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, ca
     assert [row["depth_mm"] for row in said[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
     assert run(*words, *known[:3], "-7.7", "2.1", "0") == 2
     assert "0 mm deep is none" in capsys.readouterr().err
+
+
+def write_huge(path):
+    """A PNG whose head says 20 000 × 20 000 px: 400 MB as pixels, if its size were not looked at first."""
+    side = 20_000
+    rows = zlib.compress(bytes(side + 1))
+
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    head = struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
+
+
+def test_hostile_images_in_a_recording_are_flagged_and_fill_no_memory(recording, model, capsys):
+    write_huge(recording / "4.png")
+    cv2.imwrite(str(recording / "5.png"), np.zeros((1, 1), np.uint8))
+    cv2.imwrite(str(recording / "6.png"), np.zeros((260, 346), np.uint8))
+    (recording / "7.png").write_bytes((recording / "1.png").read_bytes())
+    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37", "--json"]
+    tracemalloc.start()  # knows the arrays of numpy; what Pillow decodes it would not, so the size is looked at first
+    try:
+        assert run(*words) == 0
+        assert tracemalloc.get_traced_memory()[1] < 200e6
+    finally:
+        tracemalloc.stop()
+    said = json.loads(capsys.readouterr().out)
+    assert [bool(row["flags"]) for row in said] == [False, False, True, True, True, True, False]
+    assert "20000 × 20000 px" in said[3]["reason"]
+    assert "1 × 1 px" in said[4]["reason"]
+    assert said[6]["depth_mm"] == pytest.approx(1.0, abs=0.1)
+    assert run("find", str(recording), "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [row["dots"] for row in found] == [38, 38, 38, None, None, None, None, 38]
+
+
+def test_a_recording_that_begins_all_black_is_refused(recording, model, capsys):
+    cv2.imwrite(str(recording / "0.png"), np.zeros((260, 346), np.uint8))
+    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
+    assert run(*words) == 2
+    assert "No field of dots" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("design", [("--height", "10"), ("--height", "30"), ("--base-radius", "26")])
+def test_a_recording_of_another_design_is_refused(recording, model, design, capsys):
+    words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
+    assert run(*words, *design) == 2
+    said = capsys.readouterr().err
+    assert "fit the design to" in said or "were found" in said or "mark was not seen" in said
+
+
+def test_a_camera_that_is_unplugged_mid_run_ends_with_a_flagged_reading(
+    recording, model, tmp_path, monkeypatch, capsys
+):
+    images = [cv2.imread(str(recording / f"{name}.png")) for name in "0122"]
+    released = []
+    camera = SimpleNamespace(
+        isOpened=lambda: True,
+        read=lambda: (True, images.pop(0)) if images else (False, None),
+        get=lambda what: 346.0 if what == cv2.CAP_PROP_FRAME_WIDTH else 260.0,
+        release=lambda: released.append(True),
+    )
+    monkeypatch.setattr(cv2, "VideoCapture", lambda _: camera)
+    words = ["live", "--model", str(model), "--source", "0", "--markers", "37", "--json"]
+    assert run(*words, "--out", str(tmp_path / "out.csv")) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert [row["depth_mm"] is None for row in said] == [False, False, False, True]
+    assert "unplugged" in said[-1]["reason"] or "gives no images any more" in said[-1]["reason"]
+    assert len((tmp_path / "out.csv").read_text().splitlines()) == 5
+    assert released
