@@ -15,7 +15,7 @@ from palpate.learn.interval import Interval, Prediction
 
 Array = NDArray[np.float64]
 
-LEARN_VERSION = "4"
+LEARN_VERSION = "5"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
 
 OUTPUTS = ("rx_deg", "ry_deg", "depth_mm")

@@ -7,7 +7,7 @@ of images, jitter and dropout, its own learning rate, and stops by itself. This 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 Array = NDArray[np.float64]
-Watch = Callable[[int, float], None]
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 """Adam's constants (Kingma & Ba 2015)."""
@@ -83,9 +82,7 @@ class TrainedNetwork:
     best_epoch: tuple[int, ...]
 
 
-def train_network(
-    data: TrainingData, spec: TrainSpec, seeds: Sequence[int], watch: Watch | None = None
-) -> TrainedNetwork:
+def train_network(data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> TrainedNetwork:
     """Train one perceptron a seed, all together, on one thread.
 
     Parameters
@@ -96,8 +93,6 @@ def train_network(
         Shape of the network and schedule.
     seeds
         One a repeat; a repeat's numbers do not depend on the others.
-    watch
-        Called after each epoch with its number and the mean validation error of the repeats that still train.
 
     Returns
     -------
@@ -112,7 +107,7 @@ def train_network(
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
-        return _Training(data, spec, seeds).run(watch)
+        return _Training(data, spec, seeds).run()
     finally:
         torch.set_num_threads(threads)
 
@@ -149,13 +144,11 @@ class _Training:
         self.steps = 0
         self.batches = math.ceil(len(self.inputs) / spec.batch)
 
-    def run(self, watch: Watch | None) -> TrainedNetwork:
-        """Train every repeat until it stops or the epochs are spent; `watch` is told the mean error of each epoch."""
+    def run(self) -> TrainedNetwork:
+        """Train every repeat until it stops or the epochs are spent."""
         for epoch in range(self.spec.epochs):
             self._train_epoch()
-            mean = self._judge(epoch)
-            if watch is not None:
-                watch(epoch, mean)
+            self._judge(epoch)
             if not self.active:
                 break
         for row, repeat in enumerate(self.active):
@@ -231,8 +224,8 @@ class _Training:
             parameter.sub_(rates * mean / size)
 
     @torch.no_grad()
-    def _judge(self, epoch: int) -> float:
-        """Measure the validation error of each repeat, return the mean; on a plateau drop rates and stop."""
+    def _judge(self, epoch: int) -> None:
+        """Measure the validation error of each repeat; on a plateau drop rates and stop."""
         inputs, targets = self.held
         outputs = self._forward(inputs.expand(len(self.active), *inputs.shape))
         errors = ((outputs - targets) ** 2).mean(dim=(1, 2)).sqrt().tolist()
@@ -248,7 +241,6 @@ class _Training:
                 going.append(row)
         if len(going) < len(self.active):
             self._keep(going)
-        return sum(errors) / len(errors)
 
     def _goes_on(self, repeat: _Repeat, row: int, error: float, epoch: int) -> bool:
         if error < repeat.best:

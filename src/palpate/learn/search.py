@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 SPACES = {"paper": PAPER_SPACE, "best": BEST_SPACE}
 
-FIRST_RUNG, REDUCTION = 10, 3
-"""Epochs before a trial may be pruned, and the share (one in …) of trials that goes on from each rung."""
+REDUCTION = 3
+"""One in so many trials goes on to the next rung."""
+STARTUP = 5
+"""Settings drawn at random before the others are proposed by what was found."""
 
 
 def search(dataset: Dataset, spec: SearchSpec, journal: Path) -> Estimator:
@@ -58,9 +60,9 @@ def _split_again(dataset: Dataset, seed: int) -> Dataset:
 
 
 def _best_setting(dataset: Dataset, space: SearchSpace, spec: SearchSpec, journal: Path) -> dict[str, Any]:
-    study = _open_study(journal, space)
+    study = _open_study(journal)
     trials = spec.trials or space.trials
-    while (done := _finished(study)) < trials:
+    while (done := len(_ended(study))) < trials:
         # the sampler's stream hangs on the number of trials done, so that a resumed search repeats the same ones
         study.sampler = _sampler(child_seed(spec.seed, "trial", done) % 2**32)
         study.optimize(lambda trial: _judge(dataset, space, trial, spec), n_trials=1)
@@ -68,18 +70,40 @@ def _best_setting(dataset: Dataset, space: SearchSpace, spec: SearchSpec, journa
 
 
 def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, spec: SearchSpec) -> float:
-    """Score of one setting, as mean over its trainings."""
-    setting = {name: trial.suggest_categorical(name, values) for name, values in space.choices.items()}
+    """Score of one setting; of trainings longer from rung to rung, unless one of them is hopeless."""
+    import optuna
 
-    def watch(epoch: int, error: float) -> None:
-        import optuna
-
-        trial.report(error, epoch)
-        if trial.should_prune():
+    training = space.trial({name: trial.suggest_categorical(name, values) for name, values in space.choices.items()})
+    rungs = space.rungs or (training.epochs,)
+    known = _tried_before(trial)
+    for epochs in rungs:
+        if epochs not in known:
+            known[epochs] = _score(dataset, space, training.model_copy(update={"epochs": epochs}), spec)
+        trial.report(score := known[epochs], epochs)
+        if epochs < rungs[-1] and _is_hopeless(score, epochs, trial):
             raise optuna.TrialPruned
+    return score
 
-    watcher = watch if space.prunes else None
-    estimator = train(dataset, space.trial(setting), spec.seed, watcher, find_device(spec.device))
+
+def _tried_before(trial: optuna.Trial) -> dict[int, float]:
+    """Scores by epochs of an ended trial of the same setting: it is not trained again."""
+    same = [other.intermediate_values for other in _ended(trial.study) if other.params == trial.params]
+    return {epochs: score for scores in same for epochs, score in scores.items()}
+
+
+def _is_hopeless(score: float, epochs: int, trial: optuna.Trial) -> bool:
+    """Whether a score is not in the best part of all trials after as many epochs (ASHA, Li et al. 2020).
+
+    Optuna's own pruner counts trials that were interrupted as well, so that a resumed search could end otherwise.
+    """
+    found = [other.intermediate_values for other in _ended(trial.study)]
+    scores = sorted([score, *(scores[epochs] for scores in found if epochs in scores)])
+    return score > scores[max(len(scores) // REDUCTION, 1) - 1]
+
+
+def _score(dataset: Dataset, space: SearchSpace, training: TrainSpec, spec: SearchSpec) -> float:
+    """What is made least, as mean over the trainings of one setting."""
+    estimator = train(dataset, training, spec.seed, device=find_device(spec.device))
     single = [estimator.keep_members([row]) for row in range(estimator.members)]
     scores = [
         space.score(evaluate(one, dataset).rmse_deg, evaluate(one, dataset, spec.seed).rmse_deg) for one in single
@@ -87,7 +111,7 @@ def _judge(dataset: Dataset, space: SearchSpace, trial: optuna.Trial, spec: Sear
     return sum(scores) / len(scores)
 
 
-def _open_study(journal: Path, space: SearchSpace) -> optuna.Study:
+def _open_study(journal: Path) -> optuna.Study:
     try:
         import optuna
         from optuna.storages import JournalStorage
@@ -96,14 +120,11 @@ def _open_study(journal: Path, space: SearchSpace) -> optuna.Study:
         raise MissingExtraError("optuna", "learn") from error
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    pruner: optuna.pruners.BasePruner = optuna.pruners.NopPruner()
-    if space.prunes:
-        pruner = optuna.pruners.SuccessiveHalvingPruner(min_resource=FIRST_RUNG, reduction_factor=REDUCTION)
     return optuna.create_study(
         storage=JournalStorage(JournalFileBackend(str(journal))),
         study_name="search",
         direction="minimize",
-        pruner=pruner,
+        pruner=optuna.pruners.NopPruner(),
         load_if_exists=True,
     )
 
@@ -111,12 +132,12 @@ def _open_study(journal: Path, space: SearchSpace) -> optuna.Study:
 def _sampler(seed: int) -> optuna.samplers.BaseSampler:
     import optuna
 
-    return optuna.samplers.TPESampler(seed=seed)
+    return optuna.samplers.TPESampler(seed=seed, n_startup_trials=STARTUP)
 
 
-def _finished(study: optuna.Study) -> int:
-    """Number of trials that came to an end, pruned ones too."""
+def _ended(study: optuna.Study) -> list[optuna.trial.FrozenTrial]:
+    """Trials that came to an end, hopeless ones too, in their order; an interrupted one is none."""
     import optuna
 
     states = (optuna.trial.TrialState.COMPLETE, optuna.trial.TrialState.PRUNED)
-    return len(study.get_trials(deepcopy=False, states=states))
+    return study.get_trials(deepcopy=False, states=states)

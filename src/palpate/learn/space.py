@@ -21,8 +21,9 @@ class SearchSpace:
         The values of each setting.
     trials
         Settings tried where the user does not say.
-    prunes
-        Whether a hopeless trial is stopped early.
+    rungs
+        Epochs of the trainings by which a trial is judged, one after the other, each complete with its own schedule;
+        a hopeless trial ends before the last. Empty: one training as long as the protocol says.
     inner_split
         Whether trials are judged on presses taken from those for training, so that the held-out presses choose
         nothing and stay an honest measure.
@@ -34,7 +35,7 @@ class SearchSpace:
 
     choices: Mapping[str, tuple[Any, ...]]
     trials: int
-    prunes: bool
+    rungs: tuple[int, ...]
     inner_split: bool
     trial: Callable[[Setting], TrainSpec]
     final: Callable[[Setting], TrainSpec]
@@ -44,7 +45,7 @@ class SearchSpace:
 PAPER_SPACE = SearchSpace(
     choices={"layers": (2, 3, 4, 5, 6, 7), "width": (32, 64, 128, 256, 512, 1024), "dropout": (0.0, 0.5)},
     trials=30,
-    prunes=False,
+    rungs=(),
     inner_split=False,
     trial=lambda setting: paper_training(**setting).model_copy(update={"members": "all"}),
     final=lambda setting: paper_training(**setting),
@@ -53,12 +54,12 @@ PAPER_SPACE = SearchSpace(
 """Table 1 of Zaid et al. 2024 by its protocol: no pruning, the validation RMSE chooses and is reported."""
 
 BEST_SPACE = SearchSpace(
-    choices={"layers": (2, 3, 4), "width": (128, 256), "components": (24, 48, 96), "clean_share": (0.25, 0.5)},
+    choices={"layers": (3, 4), "width": (128, 256), "components": (24, 48, 96), "clean_share": (0.25, 0.5, 0.75)},
     trials=9,
-    prunes=True,
+    rungs=(15, 45),
     inner_split=True,
-    trial=lambda setting: TrainSpec(epochs=60, repeats=1, **setting),
-    final=lambda setting: TrainSpec(epochs=400, repeats=3, **setting),
+    trial=lambda setting: TrainSpec(repeats=1, **setting),
+    final=lambda setting: TrainSpec(epochs=135, repeats=3, **setting),
     score=lambda clean_deg, jittered_deg: (clean_deg * jittered_deg) ** 0.5,
 )
-"""Our choice: short single trainings, pruned, choose what is then trained long and three times over."""
+"""Our choice: short single trainings, halved, choose what is then trained longer and three times over."""

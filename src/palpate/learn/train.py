@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,14 +15,12 @@ from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainSpec
 
 Array = NDArray[np.float64]
-Watch = Callable[[int, float], None]
 
 
 def train(
     dataset: Dataset,
     spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
-    watch: Watch | None = None,
     device: str = "cpu",
 ) -> Estimator:
     """Train perceptrons on the images that are not held out.
@@ -38,9 +35,6 @@ def train(
         Shape of the network and how it is trained.
     seed
         Seed of weights, order of images, jitter and dropout.
-    watch
-        Called after each epoch with its number and the jittered validation error (standardised, mean over the
-        repeats that still train); what it raises ends the training.
     device
         ``"cpu"`` or ``"cuda"``.
 
@@ -54,12 +48,10 @@ def train(
     MissingExtraError
         If torch is not installed.
     """
-    return train_on(dataset.part(validation=False), dataset.part(validation=True), spec, seed, watch, device)
+    return train_on(dataset.part(validation=False), dataset.part(validation=True), spec, seed, device)
 
 
-def train_on(
-    kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, watch: Watch | None = None, device: str = "cpu"
-) -> Estimator:
+def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, device: str = "cpu") -> Estimator:
     """Train on the images of `kept` and judge epochs and repeats by those of `held`; the rest as of `train`.
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
@@ -81,7 +73,7 @@ def train_on(
         held_targets=(held.poses - mean) / sd,
         device=device,
     )
-    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)], watch)
+    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
     first, first_bias = components.fold(trained.weights[0], trained.biases[0])
     estimator = Estimator(
         normalisation=kept.normalisation,

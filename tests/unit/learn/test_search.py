@@ -86,6 +86,7 @@ def shrink(monkeypatch, preset, epochs, **choices):
     small = replace(
         space,
         choices={name: choices.get(name, values[:1]) for name, values in space.choices.items()},
+        rungs=tuple(epochs * (number + 1) for number, _ in enumerate(space.rungs)),
         trial=lambda setting: space.trial(setting).model_copy(update={"epochs": epochs}),
         final=lambda setting: space.final(setting).model_copy(update={"epochs": epochs}),
     )
@@ -101,20 +102,81 @@ def test_paper_search_on_real_training_gives_one_network(tmp_path, monkeypatch):
     assert all(0 < error < 20 for error in errors)
 
 
-def test_best_search_prunes_and_the_paper_does_not(tmp_path, monkeypatch):
+def trials_of(journal):
     import optuna
     from optuna.storages import JournalStorage
     from optuna.storages.journal import JournalFileBackend
 
+    study = optuna.load_study(study_name="search", storage=JournalStorage(JournalFileBackend(str(journal))))
+    return study.get_trials()
+
+
+def test_best_search_prunes_and_the_paper_does_not(tmp_path, monkeypatch):
+    import optuna
+
     states = {}
     for preset, name, values in (("best", "clean_share", (0.25, 1.0)), ("paper", "width", (32, 64))):
-        shrink(monkeypatch, preset, 40, **{name: values})
-        journal = tmp_path / preset
-        search(make_dataset(presses=20, markers=4), SearchSpec(preset=preset, trials=6), journal)
-        study = optuna.load_study(study_name="search", storage=JournalStorage(JournalFileBackend(str(journal))))
-        states[preset] = {trial.state for trial in study.get_trials()}
+        shrink(monkeypatch, preset, 20, **{name: values})
+        search(make_dataset(presses=20, markers=4), SearchSpec(preset=preset, trials=6), tmp_path / preset)
+        states[preset] = {trial.state for trial in trials_of(tmp_path / preset)}
     assert optuna.trial.TrialState.PRUNED in states["best"]
     assert states["paper"] == {optuna.trial.TrialState.COMPLETE}
+
+
+@pytest.fixture
+def scored(monkeypatch):
+    """Best search whose scores are a table: wider and cleaner is better, and more epochs help."""
+    module, asked = sys.modules["palpate.learn.search"], []
+
+    def score(dataset, space, training, spec):
+        asked.append((training.layers, training.width, training.components, training.clean_share, training.epochs))
+        return 128 / training.width + abs(training.clean_share - 0.75) + 10 / training.epochs
+
+    monkeypatch.setattr(module, "_score", score)
+    monkeypatch.setattr(module, "_split_again", lambda dataset, seed: dataset)
+    monkeypatch.setattr(module, "train", lambda dataset, setting, seed, device: setting)
+    monkeypatch.setattr(module, "calibrate", lambda setting, dataset, seed: setting)
+    return asked
+
+
+def test_a_later_trial_beats_the_first_where_it_is_better(scored, tmp_path):
+    found = search(None, SearchSpec(preset="best", trials=25), tmp_path / "journal")
+    assert (found.width, found.clean_share) == (256, 0.75)
+    first = trials_of(tmp_path / "journal")[0].params
+    assert (first["width"], first["clean_share"]) != (256, 0.75)
+
+
+def test_no_setting_is_trained_twice_and_hopeless_ones_are_not_trained_long(scored, tmp_path):
+    search(None, SearchSpec(preset="best", trials=25), tmp_path / "journal")
+    assert len(set(scored)) == len(scored)
+    short, long = (sum(epochs == rung for *_, epochs in scored) for rung in (15, 45))
+    assert 0 < long < short < 25
+
+
+def test_a_best_search_that_was_interrupted_anywhere_ends_alike(scored, tmp_path, monkeypatch):
+    module = sys.modules["palpate.learn.search"]
+    spec, score = SearchSpec(preset="best", trials=8), sys.modules["palpate.learn.search"]._score
+    search(None, spec, tmp_path / "whole")
+    calls = []
+
+    def interrupted(*words):
+        calls.append(words)
+        if len(calls) % 3 == 0:
+            raise KeyboardInterrupt
+        return score(*words)
+
+    monkeypatch.setattr(module, "_score", interrupted)
+    for _ in range(20):
+        try:
+            search(None, spec, tmp_path / "broken")
+            break
+        except KeyboardInterrupt:
+            continue
+    ended = [
+        [(t.params, t.state, t.intermediate_values) for t in trials_of(tmp_path / name) if t.state.is_finished()]
+        for name in ("broken", "whole")
+    ]
+    assert [e for e in ended[0] if e[1].name != "FAIL"] == ended[1]
 
 
 def test_best_search_chooses_without_the_held_out_presses(tmp_path, monkeypatch):

@@ -164,18 +164,3 @@ def test_training_that_stops_being_a_number_is_reported(dataset):
     overflowing = replace(dataset, images_px=dataset.images_px * 1e36)
     with pytest.raises(PalpateError, match="Training diverged in epoch 1"):
         train(overflowing, FAST)
-
-
-def test_what_the_watcher_raises_ends_the_training(dataset):
-    seen = []
-
-    def watch(epoch, error):
-        seen.append((epoch, error))
-        if epoch == 2:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        train(dataset, FAST, watch=watch)
-    assert [epoch for epoch, _ in seen] == [0, 1, 2]
-    history = train(dataset, FAST.model_copy(update={"epochs": 3})).history
-    assert seen[0][1] == pytest.approx(np.mean([errors[0] for errors in history]), rel=0.2)
