@@ -111,7 +111,8 @@ def _turn(press: Press) -> FloatArray:
 
 
 def _solid(press: Press) -> Solid:
-    return Solid(press.mesh.nodes, press.mesh.cells, press.material, np.zeros_like(press.mesh.nodes, bool))
+    """The press's body with every node held: nothing is solved, so no pattern of a matrix is made."""
+    return Solid(press.mesh.nodes, press.mesh.cells, press.material, np.ones_like(press.mesh.nodes, bool))
 
 
 def _stress_fields(solid: Solid, u: FloatArray, turn: FloatArray) -> dict[str, FloatArray]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from palpate.fea.convergence import MeshResult
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _PAPER_LIMIT = 5.0
 """Percent below which the paper calls its maximum stress converged."""
@@ -22,6 +23,9 @@ def plot_convergence(results: Sequence[MeshResult]) -> Figure:
     results
         From the coarsest to the finest mesh, at least two.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # here, because matplotlib is slow to load
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     FigureCanvasAgg(figure)
     stress, errors = figure.subplots(1, 2)

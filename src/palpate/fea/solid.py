@@ -113,8 +113,10 @@ class Solid:
 
 def _find_pattern(cells: IntArray, equation: IntArray, size: int) -> tuple[Pattern, IntArray]:
     """Sparse upper triangle of all cells, and the place in it of every entry of a cell's upper triangle."""
-    dofs = equation[(3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), DOFS)]
     i, j = np.triu_indices(DOFS)
+    if not size:
+        return Pattern(np.zeros(1, np.int64), np.zeros(0, np.int64)), np.full((len(cells), len(i)), -1, np.int32)
+    dofs = equation[(3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), DOFS)]
     row, column = np.minimum(dofs[:, i], dofs[:, j]), np.maximum(dofs[:, i], dofs[:, j])
     key = np.where(row >= 0, row * size + column, -1)
     unique, inverse = np.unique(key, return_inverse=True)
