@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import kernel
 from palpate.markers.opencv import blur, box, close, components, local_maxima
 
 Image = NDArray[np.float32]
@@ -134,30 +135,40 @@ def _ridge(height: Image, peak: NDArray[np.bool_], size: int) -> Image:
 
 
 def _describe(labels: NDArray[np.int32], height: Image, level: float) -> Segments:
-    rows, columns = np.nonzero(labels)
-    own = labels[rows, columns]
-    count = int(labels.max(initial=0)) + 1
-    area = np.bincount(own, minlength=count).astype(float)
-    top = np.zeros(count)
-    np.maximum.at(top, own, height[rows, columns].astype(float))
-    good = np.flatnonzero(top > level)
-    rename = np.zeros(count, np.int32)
+    sums = _add_up(labels, height, int(labels.max(initial=0)) + 1)
+    good = np.flatnonzero(sums[:, 6] > level)
+    rename = np.zeros(len(sums), np.int32)
     rename[good] = np.arange(1, len(good) + 1)
-
-    def mean(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray((np.bincount(own, values, minlength=count) / np.maximum(area, 1.0))[good])
-
-    x, y = mean(columns.astype(float)), mean(rows.astype(float))
-    xx = mean(columns.astype(float) ** 2) - x * x + 1.0 / 12.0
-    yy = mean(rows.astype(float) ** 2) - y * y + 1.0 / 12.0
-    xy = mean(columns.astype(float) * rows) - x * y
-    edge = (rows == 0) | (columns == 0) | (rows == labels.shape[0] - 1) | (columns == labels.shape[1] - 1)
-    cut = np.bincount(own[edge], minlength=count)[good] > 0
+    area = sums[good, 0]
+    x, y, xx, xy, yy = sums[good, 1:6].T / area
     return Segments(
         labels=rename[labels],
-        area_px=area[good],
+        area_px=area,
         middle_px=np.stack([x, y], axis=-1),
-        spread=np.stack([xx, xy, yy], axis=-1),
-        contrast=top[good],
-        at_border=cut,
+        spread=np.stack([xx - x * x + 1.0 / 12.0, xy - x * y, yy - y * y + 1.0 / 12.0], axis=-1),
+        contrast=sums[good, 6],
+        at_border=sums[good, 7] > 0.0,
     )
+
+
+@kernel
+def _add_up(labels: NDArray[np.int32], height: Image, count: int) -> NDArray[np.float64]:
+    """(count, 8) of every label: pixels, sums of x, y, x², xy, y², greatest height, pixels at the border."""
+    sums = np.zeros((count, 8))
+    rows, columns = labels.shape
+    for y in range(rows):
+        for x in range(columns):
+            own = labels[y, x]
+            if own == 0:
+                continue
+            total = sums[own]
+            total[0] += 1.0
+            total[1] += x
+            total[2] += y
+            total[3] += x * x
+            total[4] += x * y
+            total[5] += y * y
+            total[6] = max(total[6], height[y, x])
+            if x == 0 or y == 0 or x == columns - 1 or y == rows - 1:
+                total[7] += 1.0
+    return sums

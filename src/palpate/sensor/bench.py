@@ -48,7 +48,7 @@ from palpate.sensor.touch import TouchZero, find_zero
 from palpate.sensor.unit import Unit
 
 Array = NDArray[np.float64]
-BENCH_VERSION = "1"
+BENCH_VERSION = "2"
 """Version of the code that decides what a played unit says; part of its key."""
 _FINER = 9.0 / 8.0
 
