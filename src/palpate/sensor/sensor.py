@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera import Camera, build_camera
+from palpate.camera import build_camera
 from palpate.core import PalpateError
 from palpate.design import Dome, place_orientation_mark
 from palpate.learn import Predictor
@@ -65,7 +65,7 @@ class Sensor:
     def __post_init__(self) -> None:
         self._nominal = build_camera(self.unit.nominal)
         self._rest_model = self._nominal.project(self.unit.layout.positions)
-        self._rest = self._carry(self.naming.positions_px)
+        self._rest = self._carry(self._look(self.naming.positions_px))
         self._tracker = Tracker(Motion(self.naming.positions_px))
         self._count = 0
         here, there = self.registration.camera, self._nominal
@@ -86,10 +86,11 @@ class Sensor:
         if found < self.spec.least_found * len(self.unit.layout):
             self._tracker = Tracker(Motion(self.naming.positions_px))  # what follows is looked for from rest again
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
-        moved = self._carry(sighting.positions_px) - self._rest
+        rays = self._look(sighting.positions_px)
+        moved = self._carry(rays) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
         if not self._same:  # now that the wall is about known, so is how far the markers sank
-            moved = self._carry(sighting.positions_px, prediction.poses[0]) - self._rest
+            moved = self._carry(rays, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         touching = bool(np.sqrt(np.mean(moved**2)) > self.spec.touch_px)
         flags = [Flag.JUMPED] if sighting.jumped else []
@@ -114,10 +115,13 @@ class Sensor:
         latency = (time.perf_counter() - start) * 1e3
         return Reading(self._count, nan, nan, nan, _NOWHERE, False, found, flags, latency, reason)
 
-    def _carry(self, pixels: Array, pose: Array | None = None) -> Array:
-        """Pixels of the real camera as the nominal camera would show them, for a wall of about this pose."""
+    def _look(self, pixels: Array) -> Array:
+        """(m, 3) directions in which the real camera looks at its pixels, in the dome's frame."""
+        return self.registration.camera.back_project(pixels)
+
+    def _carry(self, rays: Array, pose: Array | None = None) -> Array:
+        """Dots on rays of the real camera as the nominal camera would show them, for a wall of about this pose."""
         camera = self.registration.camera
-        rays = _look(camera, pixels)
         reach = (self.unit.layout.positions[:, 2] - camera.origin[2]) / rays[:, 2]
         if pose is not None:
             normal, limit = _wall(self.unit.dome, pose)
@@ -244,8 +248,3 @@ def _wall(dome: Dome, pose: Array) -> tuple[Array, float]:
     normal = np.array([scale * pose[1], -scale * pose[0], np.cos(theta)])
     limit = normal[2] * dome.center_z + dome.radius - max(float(pose[2]), 0.0) * normal[2]
     return normal, float(limit)
-
-
-def _look(camera: Camera, pixels: Array) -> Array:
-    """(m, 3) directions of pixels in the dome's frame."""
-    return camera.back_project(pixels)
