@@ -39,7 +39,7 @@ export default {
       const { clientWidth: width, clientHeight: height } = this.$refs.box;
       if (!width || !height) return;
       const { renderer, camera } = this.three;
-      renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      renderer.setPixelRatio(this.three.soft ? 0.7 : Math.min(window.devicePixelRatio, 2));
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
@@ -145,8 +145,8 @@ export default {
 };
 
 function buildScene(canvas) {
-  const antialias = !drawnBySoftware();
-  const renderer = new THREE.WebGLRenderer({ canvas, antialias, alpha: true, preserveDrawingBuffer: true });
+  const soft = drawnBySoftware();
+  const renderer = new THREE.WebGLRenderer({ canvas, antialias: !soft, alpha: true, preserveDrawingBuffer: true });
   const scene = new THREE.Scene();
   const camera = new THREE.PerspectiveCamera(32, 1, 1, 2000);
   camera.up.set(0, 0, 1);
@@ -158,10 +158,10 @@ function buildScene(canvas) {
   camera.add(sun);
   const pivot = new THREE.Group();
   scene.add(pivot);
-  return { renderer, scene, camera, controls, pivot, fixed: addGroup(scene) };
+  return { soft, renderer, scene, camera, controls, pivot, fixed: addGroup(scene) };
 }
 
-// Without a graphics card smooth edges cost more than they are worth.
+// Without a graphics card smooth edges and fine pixels cost more than they are worth.
 function drawnBySoftware() {
   const gl = document.createElement("canvas").getContext("webgl");
   const told = gl?.getExtension("WEBGL_debug_renderer_info");
@@ -239,8 +239,9 @@ function buildBase(meta) {
 
 function buildMarkers(three, shell) {
   const count = shell.arrays.rest_px.length / 2;
-  const ball = new THREE.SphereGeometry(shell.meta.marker_diameter_mm * 0.4, 12, 8);
-  three.balls = new THREE.InstancedMesh(ball, new THREE.MeshPhongMaterial({ color: 0x14181d, shininess: 40 }), count);
+  const ball = new THREE.SphereGeometry(shell.meta.marker_diameter_mm * 0.4, ...(three.soft ? [6, 4] : [12, 8]));
+  three.balls = new THREE.InstancedMesh(ball, three.soft
+    ? new THREE.MeshBasicMaterial({ color: 0x14181d }) : new THREE.MeshPhongMaterial({ color: 0x14181d, shininess: 40 }), count);
   three.balls.frustumCulled = false;
   three.trails = new THREE.LineSegments(
     new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xd55e00 }));
@@ -275,16 +276,30 @@ function placeMarkers(three, slot, place) {
     three.balls.setMatrixAt(m, matrix.makeTranslation(now[3 * m], now[3 * m + 1], now[3 * m + 2]));
   }
   three.balls.instanceMatrix.needsUpdate = true;
-  const points = [];
+  const points = roomFor(three.trails.geometry, images * count * 6);
+  let used = 0;
   for (let m = 0; m < count; m++) {
     if (away(m)) continue;
-    for (let k = 0; k < image; k++) {
-      points.push(...triple(positions, k * count + m), ...triple(positions, (k + 1) * count + m));
+    for (let k = 0; k <= image; k++) {
+      points.set(positions.subarray(3 * (k * count + m), 3 * (k * count + m) + 3), used);
+      points.set(k < image ? positions.subarray(3 * ((k + 1) * count + m), 3 * ((k + 1) * count + m) + 3)
+        : now.subarray(3 * m, 3 * m + 3), used + 3);
+      used += 6;
     }
-    points.push(...triple(positions, image * count + m), now[3 * m], now[3 * m + 1], now[3 * m + 2]);
   }
-  three.trails.geometry.dispose();
-  three.trails.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
+  three.trails.geometry.setDrawRange(0, used / 3);
+}
+
+// The coordinates of a line that is drawn anew in every picture: one buffer, made again only to be larger.
+function roomFor(geometry, size) {
+  let place = geometry.getAttribute("position");
+  if (!place || place.array.length < size) {
+    geometry.dispose();
+    place = new THREE.BufferAttribute(new Float32Array(size), 3).setUsage(THREE.DynamicDrawUsage);
+    geometry.setAttribute("position", place);
+  }
+  place.needsUpdate = true;
+  return place.array;
 }
 
 // Whether a marker sits on the half that is cut away: on the far side of the mirror plane at rest.
@@ -293,10 +308,6 @@ function cutAway(positions, count) {
   const angle = (stage.pose.azimuth * Math.PI) / 180;
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
   return (m) => m < count && positions[3 * m] * cos + positions[3 * m + 1] * sin < -0.1;
-}
-
-function triple(values, i) {
-  return [values[3 * i], values[3 * i + 1], values[3 * i + 2]];
 }
 
 function greatest(slot) {
