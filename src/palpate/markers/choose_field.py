@@ -8,7 +8,6 @@ strewn at random one in eleven does.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,13 +19,14 @@ from palpate.markers.segment import Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
 
 Image = NDArray[np.float32]
-Chooser = Callable[[Segments, float, DetectSpec], NDArray[np.intp]]
 _SIZES_PX = tuple(4.0 * 1.35**k for k in range(12))
 _CLEAN, _MANY, _LEAST = 0.45, 12, 6
 """Share of all blobs' area in dots that agree, and their number, from which a field is believed; least number.
 
 The real fields of `docs/sensor.md` have 0.51 to 0.99, a dome with a bright rim and clutter about it 0.2 to 0.8; what
 a room in clutter offers instead of a field has 0.2 to 0.7, but no order."""
+_HALF = 0.8
+"""Least fullness of a dot: a disc has 1, two that touch 0.9, a ring 0.7."""
 _NEIGHBOURS, _HALF_WAY = 6, 0.15
 """Neighbours looked at, and how far from half way a dot may be, over the distance of the two."""
 _AT_RANDOM = 0.092
@@ -62,7 +62,7 @@ class Field:
     score: float
 
 
-def choose_field(grey: Image, spec: DetectSpec, choose: Chooser) -> Field | None:
+def choose_field(grey: Image, spec: DetectSpec) -> Field | None:
     """Polarity and size of the dots of an image, as far as the spec leaves them open; `None` without a field.
 
     Parameters
@@ -71,8 +71,6 @@ def choose_field(grey: Image, spec: DetectSpec, choose: Chooser) -> Field | None
         (h, w) grey levels.
     spec
         What is given.
-    choose
-        What picks dots among candidates, for a size.
     """
     tries = [
         (dark, size)
@@ -80,11 +78,11 @@ def choose_field(grey: Image, spec: DetectSpec, choose: Chooser) -> Field | None
         for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
         if size < min(grey.shape) / 3
     ]
-    fields = [_judge(grey, dark, size, spec, choose) for dark, size in tries]
+    fields = [_judge(grey, dark, size, spec) for dark, size in tries]
     best = max(fields, key=lambda field: field.score, default=None)
     if best is not None and best.dots >= _MANY and best.clean >= _CLEAN:
         return best
-    ordered = [_order(grey, dark, size, spec, choose) for dark, size in tries]
+    ordered = [_order(grey, dark, size, spec) for dark, size in tries]
     if ordered:
         first = int(np.argmax([field.score for field in ordered]))
         own = ordered[fields.index(best)].score if best is not None else 0.0
@@ -92,6 +90,17 @@ def choose_field(grey: Image, spec: DetectSpec, choose: Chooser) -> Field | None
             return ordered[first]
     known = spec.diameter_px is not None and spec.polarity != "auto"
     return best if best is not None and best.score > 0.0 and (best.dots >= _LEAST or known) else None
+
+
+def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDArray[np.intp]:
+    """Numbers of the candidates that look like dots, by size, roundness, fullness and contrast."""
+    size = segments.diameter_px / diameter_px
+    good = (size > 0.4) & (size < 2.2) & (segments.roundness > spec.roundness) & (segments.fullness > _HALF)
+    good &= (segments.area_px >= 4) | segments.at_border
+    for values in (segments.contrast, segments.diameter_px):
+        if good.any():
+            good &= values > spec.evenness * float(np.median(values[good]))
+    return np.flatnonzero(good)
 
 
 def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segments, int]:
@@ -103,10 +112,10 @@ def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segmen
     return segment(height, size / step, spec.threshold * measure_noise(grey) * factor, spec.evenness), step
 
 
-def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec, choose: Chooser) -> Field:
+def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     """How clean the field of a size is."""
     segments, step = _cut(grey, dark, size, spec)
-    chosen = choose(segments, size / step, spec)
+    chosen = choose_dots(segments, size / step, spec)
     if len(chosen) < 3:
         return Field(dark, size, 0, 0.0, 0.0)
     diameter, contrast = segments.diameter_px[chosen], segments.contrast[chosen]
@@ -118,10 +127,10 @@ def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec, choose: Choos
     return Field(dark, typical * step, int(alike.sum()), area, float(score))
 
 
-def _order(grey: Image, dark: bool, size: float, spec: DetectSpec, choose: Chooser) -> Field:
+def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     """How far the dots of a size are in order: standard deviations above chance."""
     segments, step = _cut(grey, dark, size, spec)
-    chosen = choose(segments, size / step, spec)
+    chosen = choose_dots(segments, size / step, spec)
     diameter = segments.diameter_px * step
     good = (segments.roundness > _ROUND) & (segments.fullness > _FULL) & (np.abs(np.log(diameter / size)) < _ALIKE)
     chosen = chosen[good[chosen]]

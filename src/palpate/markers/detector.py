@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate.core import PalpateError
 from palpate.markers.blobs import Blobs
 from palpate.markers.centre import fit_centres
-from palpate.markers.choose_field import choose_field
+from palpate.markers.choose_field import choose_dots, choose_field
 from palpate.markers.grey import to_grey
 from palpate.markers.opencv import fill_hull, grow, simple_blobs
 from palpate.markers.segment import Segments, heights, measure_noise, segment
@@ -26,8 +26,6 @@ _EDGE_PX = 0.8
 """Blur of an edge to begin with: a pixel's own width and a lens in focus."""
 _CLEAR = 40.0
 """Contrast of a blob's sum over its noise at which half of its elongation is believed."""
-_HALF = 0.8
-"""Least fullness of a dot: a disc has 1, two that touch 0.9, a ring 0.7."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +132,7 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Det
     """
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)
-    field = choose_field(grey, spec, choose_dots)
+    field = choose_field(grey, spec)
     if field is None:
         raise PalpateError(
             f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
@@ -145,17 +143,6 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Det
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
     mask = _find_mask(blobs, grey.shape) if spec.mask == "auto" else None
     return Detector(spec, dark, rough.diameter_px, mask, edge)
-
-
-def choose_dots(segments: Segments, diameter_px: float, spec: DetectSpec) -> NDArray[np.intp]:
-    """Numbers of the candidates that look like dots, by size, roundness, fullness and contrast."""
-    size = segments.diameter_px / diameter_px
-    good = (size > 0.4) & (size < 2.2) & (segments.roundness > spec.roundness) & (segments.fullness > _HALF)
-    good &= (segments.area_px >= 4) | segments.at_border
-    for values in (segments.contrast, segments.diameter_px):
-        if good.any():
-            good &= values > spec.evenness * float(np.median(values[good]))
-    return np.flatnonzero(good)
 
 
 def inside(mask: NDArray[np.bool_], points_px: NDArray[np.float64]) -> NDArray[np.bool_]:
