@@ -52,6 +52,7 @@ class DesignPage:
         self._shelf = shelf
         self._chosen: dict[str, dict[str, Any]] = {part: {} for part in Sketch.model_fields}
         self._sketch = Sketch()
+        self._rings = 7
         self._drawn = draw_sketch(self._sketch)
         self._ordered = (self._sketch, self._drawn)
         self._errand: Errand | None = None
@@ -86,7 +87,7 @@ class DesignPage:
             ).props("dense outlined options-dense").classes("wide material")
         with ui.element("div").classes("card"):
             heading("Markers")
-            rings = NumberField.free("Rings", (0, _RINGS, 1), 7, self._set_rings)
+            rings = NumberField.free("Rings", (0, _RINGS, 1), self._rings, self._set_rings)
             rings.note("a dot at the apex, 6 k on ring k")
             self._own_rings = ui.input(
                 "Diameters of the rings, mm",
@@ -164,20 +165,15 @@ class DesignPage:
 
     def _set_rings(self, rings: float) -> None:
         """As many even rings."""
-        self._chosen["markers"].pop("ring_diameters", None)
+        self._rings = int(rings)
         self._own_rings.set_value("")
-        self._set("markers", "count", markers_in_rings(int(rings)))
+        self._set_diameters("")
 
     def _set_diameters(self, text: str | None) -> None:
-        """Rings of one's own, from the apex outward; an emptied field leaves as many even ones."""
-        markers, words = self._chosen["markers"], (text or "").replace(",", " ").split()
-        if not words and "ring_diameters" not in markers:
-            return
-        markers.pop("ring_diameters", None)
-        markers["count"] = markers_in_rings(len(words)) if words else self._sketch.markers.count
-        if words:
-            markers["ring_diameters"] = words
-        self._redraw()
+        """Rings of one's own, from the apex outward; an emptied field gives the slider's again."""
+        words = (text or "").replace(",", " ").split()
+        self._chosen["markers"]["ring_diameters"] = words or None
+        self._set("markers", "count", markers_in_rings(len(words) or self._rings))
 
     def _set_camera(self, event: events.ValueChangeEventArguments[Any]) -> None:
         distance = self._chosen["camera"].get("distance")
