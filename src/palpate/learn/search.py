@@ -124,7 +124,6 @@ def _open_study(journal: Path) -> optuna.Study:
         storage=JournalStorage(JournalFileBackend(str(journal))),
         study_name="search",
         direction="minimize",
-        pruner=optuna.pruners.NopPruner(),
         load_if_exists=True,
     )
 

@@ -13,13 +13,17 @@ from palpate.learn import search as search_function
 pytest.importorskip("optuna")
 
 
-def settings_tried(journal):
+def trials_of(journal):
     import optuna
     from optuna.storages import JournalStorage
     from optuna.storages.journal import JournalFileBackend
 
     study = optuna.load_study(study_name="search", storage=JournalStorage(JournalFileBackend(str(journal))))
-    complete = study.get_trials(states=(optuna.trial.TrialState.COMPLETE,))
+    return study.get_trials()
+
+
+def settings_tried(journal):
+    complete = [trial for trial in trials_of(journal) if trial.state.name == "COMPLETE"]
     return [trial.params for trial in complete], [trial.value for trial in complete]
 
 
@@ -100,15 +104,6 @@ def test_paper_search_on_real_training_gives_one_network(tmp_path, monkeypatch):
     _, errors = settings_tried(tmp_path / "journal")
     assert len(errors) == 2
     assert all(0 < error < 20 for error in errors)
-
-
-def trials_of(journal):
-    import optuna
-    from optuna.storages import JournalStorage
-    from optuna.storages.journal import JournalFileBackend
-
-    study = optuna.load_study(study_name="search", storage=JournalStorage(JournalFileBackend(str(journal))))
-    return study.get_trials()
 
 
 def test_best_search_prunes_and_the_paper_does_not(tmp_path, monkeypatch):
