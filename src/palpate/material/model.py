@@ -158,10 +158,15 @@ class OgdenModel(Model):
         return np.asarray((first**shapes * np.log(first) - third**shapes * np.log(third)) / first)
 
     def starts(self, principal: FloatArray, largest_exponent: float) -> list[tuple[FloatArray, FloatArray]]:
-        """One box for each choice of signs, and in each a start from small exponents to large ones."""
+        """One box for each choice of signs, and in each a start from small exponents to large ones.
+
+        Planar tension cannot tell a term from that with both constants negated. The positive exponent is taken: at
+        the same I1 it asks for far less stress in the other modes.
+        """
         ladders = (1.3, 2.0, 4.0, 8.0, 0.4 * largest_exponent)
         found = []
-        for negative in range(self.count + 1):
+        planar = np.allclose(principal[:, 1], 1.0)
+        for negative in range(1 if planar else self.count + 1):
             sign = np.where(np.arange(self.count) < self.count - negative, 1.0, -1.0)
             box = np.sort(np.stack([0.05 * sign, largest_exponent * sign]), axis=0)
             for steps in product(range(len(ladders)), repeat=self.count):

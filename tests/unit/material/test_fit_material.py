@@ -366,7 +366,7 @@ def test_a_model_with_more_constants_than_rows_is_ranked_last_with_the_reason() 
 
 
 def test_predicted_errors_of_unseen_modes_are_of_the_right_size_on_treloar() -> None:
-    """Fits to one mode: within a factor of 6, most within 4; those that are absurd elsewhere are all known."""
+    """Fits to one mode, to the stretch they speak of: within 6, nearly all within 4; the absurd are all known."""
     every = {mode: treloar("B", mode)[0] for mode in ("uniaxial", "equibiaxial", "planar")}
     ratios = []
     for seen in every:
@@ -375,9 +375,10 @@ def test_predicted_errors_of_unseen_modes_are_of_the_right_size_on_treloar() -> 
             assert item.fit is not None
             for unseen in predict_unseen(item.fit, ranked, [every[seen]]):
                 sample = every[str(unseen.mode)]
+                reached = sample.stretch <= unseen.high
                 with np.errstate(over="ignore"):
-                    error = item.fit.nominal_of(sample) - sample.nominal
-                    true = float(np.sqrt(np.mean(error**2)) / sample.nominal.max())
+                    error = (item.fit.nominal_of(sample) - sample.nominal)[reached]
+                true = float(np.sqrt(np.mean(error**2)) / sample.nominal[reached].max())
                 if np.isnan(unseen.relative):
                     assert item.fit.condition > 1e8
                 elif true > 5:
@@ -386,7 +387,17 @@ def test_predicted_errors_of_unseen_modes_are_of_the_right_size_on_treloar() -> 
                     ratios.append(unseen.relative / true)
     assert len(ratios) > 30
     assert 1 / 6 < min(ratios) < max(ratios) < 6
-    assert np.mean((np.array(ratios) > 1 / 4) & (np.array(ratios) < 4)) > 0.8
+    assert np.mean((np.array(ratios) > 1 / 4) & (np.array(ratios) < 4)) > 0.95
+
+
+def test_planar_tension_alone_gives_positive_exponents() -> None:
+    """It fits (mu, alpha) and (-mu, -alpha) alike; round-off must not choose."""
+    for name in ("ogden-1", "ogden-2", "ogden-3"):
+        fit = fit_material(treloar("B", "planar"), FitSpec(model=name, stable=False))
+        assert np.all(fit.shapes > 0), name
+        mirrored = replace(fit, linear=-fit.linear, shapes=-fit.shapes)
+        stretch = np.array([0.5, 2.0, 4.0])
+        assert mirrored.nominal(Mode.PLANAR, stretch) == pytest.approx(fit.nominal(Mode.PLANAR, stretch))
 
 
 def test_no_mode_is_called_unseen_that_was_measured() -> None:
