@@ -3,7 +3,10 @@
     python benchmarks/scale_kills.py studies/first.yaml --kills 100 --out /tmp/kills
 
 One undisturbed run gives the grid. Then the study is started, ended by SIGKILL with all of its workers, and started
-again until it ends; a new folder is begun until there were enough kills. After each kill every artefact is verified.
+again until it ends; a new folder is begun until there were enough kills, and the last one may end in peace. After
+each kill every artefact is verified. The instants are even in the logarithm of time, so that many hit the start and
+some leave time for a training of half a minute, which a kill sends back to its beginning. The same command goes on
+where it was ended.
 """
 
 from __future__ import annotations
@@ -39,13 +42,13 @@ def _has_artefact(manifest: Path) -> bool:
     return any((manifest.parent / f"{key}{suffix}").exists() for suffix in (".h5", ".json", ".onnx"))
 
 
-def kill_until_done(study: Path, out: Path, chosen: argparse.Namespace, draw: random.Random) -> int:
-    """Run one folder to its end over kills; the number of kills."""
+def kill_until_done(study: Path, out: Path, chosen: argparse.Namespace, draw: random.Random, most: int) -> int:
+    """Run one folder to its end over so many kills at most; the number of kills."""
     kills, before = 0, dict[str, int]()
     while True:
         process = start(study, out, chosen.workers)
         try:
-            process.wait(timeout=draw.uniform(0, chosen.longest))
+            process.wait(timeout=chosen.longest ** draw.random() - 1.0 if kills < most else None)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
@@ -65,10 +68,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", type=Path)
     parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--longest", type=float, default=30.0, help="longest time before a kill, s")
+    parser.add_argument("--longest", type=float, default=90.0, help="longest time before a kill, s")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--out", type=Path, required=True, help="new folder")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the runs")
     chosen = parser.parse_args()
     draw = random.Random(chosen.seed)
     study = chosen.study.resolve()
@@ -78,7 +81,7 @@ def main() -> None:
     kills = folders = 0
     while kills < chosen.kills:
         out = chosen.out / f"killed-{folders}"
-        kills += kill_until_done(study, out, chosen, draw)
+        kills += kill_until_done(study, out, chosen, draw, chosen.kills - kills)
         folders += 1
         assert (out / "grid.csv").read_bytes() == grid, "the grid differs from the undisturbed one"
         left = clean_store(out / "store", [path.name[:32] for path in (out / "store").rglob("*.manifest.json")])
