@@ -104,7 +104,8 @@ class PressTask(Task):
 
     @property
     def cost(self) -> float:
-        return (40.0 if self.branch is Branch.INVERTED else 10.0) * self.wall.depth / 8.0
+        # an inverted state takes 65 s in the mean and up to 200: one that begins last keeps everybody waiting
+        return (100.0 if self.branch is Branch.INVERTED else 20.0) * self.wall.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_dome(build_dome(self.dome), self.mesh)
@@ -216,7 +217,7 @@ class EstimatorTask(Task):
 
     @property
     def cost(self) -> float:
-        return 100.0
+        return {"quick": 40.0, "best": 90.0, "paper": 60.0 * (self.spec.trials or 30)}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import search, write_estimator  # here, so that a study already learned needs no torch

@@ -5,6 +5,8 @@ import pytest
 from palpate.core import PalpateError
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
+from palpate.study.schedule import Schedule
+from palpate.study.worker import Outcome
 
 AFTER_PRESS = {"dataset", "limit", "estimator", "learning"}
 
@@ -94,3 +96,14 @@ def test_units_that_differ_are_pressed_for_the_dataset_alone() -> None:
     assert {"press H20 T2 tilt 2° friction 0.7", "press H20 T1.95 tilt 0°"} <= presses
     assert kinds_changed(dataset={"randomise": {"thickness": 0.05}}) == AFTER_PRESS
     assert kinds_changed(dataset={"randomise": None}) == set()
+
+
+@pytest.mark.parametrize("preset", ["quick", "best"])
+def test_inverted_states_do_not_wait_for_the_trainings(preset: str) -> None:
+    """One may take as long as five trainings: begun last, it would keep the whole study waiting."""
+    study = Study.model_validate({"name": "a", "learning": {"preset": preset}})
+    schedule, kinds = Schedule(plan_study(study).tasks(), []), []
+    while (task := schedule.take()) is not None:
+        kinds.append(task.recipe.kind)
+        list(schedule.close(task, Outcome("", "", 0.0)))
+    assert kinds.index("estimator") > max(at for at, kind in enumerate(kinds) if kind == "inverted")
