@@ -11,12 +11,14 @@ from palpate.learn.limit import LIMIT_VERSION, DepthLimit, find_limits
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
 from palpate.learn.search import search
+from palpate.learn.space import PAPER_SPACE
 from palpate.learn.spec import SearchSpec, TrainSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
 
 __all__ = [
     "LEARN_VERSION",
     "LIMIT_VERSION",
+    "PAPER_SPACE",
     "Coverage",
     "DepthErrors",
     "DepthLimit",

@@ -22,7 +22,7 @@ from palpate.dataset import (
 )
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.fea import FEA_VERSION, Branch, SolverSpec, WallSpec, read_press, solve_press, write_press
-from palpate.learn import LEARN_VERSION, LIMIT_VERSION, DepthLimit, SearchSpec
+from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_dome
 
@@ -217,7 +217,9 @@ class EstimatorTask(Task):
 
     @property
     def cost(self) -> float:
-        return {"quick": 40.0, "best": 90.0, "paper": 60.0 * (self.spec.trials or 30)}[self.spec.preset]
+        return {"quick": 40.0, "best": 90.0, "paper": 60.0 * (self.spec.trials or PAPER_SPACE.trials)}[
+            self.spec.preset
+        ]
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import search, write_estimator  # here, so that a study already learned needs no torch
