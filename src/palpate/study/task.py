@@ -217,9 +217,8 @@ class EstimatorTask(Task):
 
     @property
     def cost(self) -> float:
-        return {"quick": 40.0, "best": 90.0, "paper": 60.0 * (self.spec.trials or PAPER_SPACE.trials)}[
-            self.spec.preset
-        ]
+        trials = self.spec.trials or PAPER_SPACE.trials
+        return {"quick": 40.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
         from palpate.learn import search, write_estimator  # here, so that a study already learned needs no torch
