@@ -95,10 +95,12 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Raises
     ------
     PalpateError
-        As `open_door`.
+        If there is no such folder; and as `open_door`.
     MissingExtraError
         If NiceGUI is not installed.
     """
+    if folder is not None and not folder.is_dir():
+        raise PalpateError(f"{folder} is no folder.", "Give the result folder of a study, or none to design a dome.")
     load_extra("nicegui", "web", "NiceGUI")
     uvicorn: Any = load_extra("uvicorn", "web")
     from palpate.viewer.pages import build_app

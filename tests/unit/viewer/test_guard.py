@@ -10,7 +10,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from palpate.core import PalpateError
 from palpate.viewer.guard import LARGEST_BODY, Door, Guard
-from palpate.viewer.server import ServeSpec, is_loopback, link_of, open_door
+from palpate.viewer.server import ServeSpec, is_loopback, link_of, open_door, serve
 
 TOKEN = "0123456789abcdef0123"
 
@@ -147,3 +147,8 @@ def test_a_port_that_is_none_is_refused(port):
 )
 def test_only_loopback_is_this_machine_alone(host, own):
     assert is_loopback(host) is own
+
+
+def test_a_folder_that_is_not_there_is_said_before_a_port_is_taken(tmp_path):
+    with pytest.raises(PalpateError, match="nowhere is no folder"):
+        serve(tmp_path / "nowhere", ServeSpec(), pytest.fail)
