@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.cli.press import PressFlags
-from palpate.fea import DeckElement, DeckSpec, Dialect, write_deck
+from palpate.deck import DeckElement, DeckSpec, Dialect, write_deck
 
 _ELEMENT = "Bricks through the wall, or shells on the mid surface as in the paper (abaqus only)."
 

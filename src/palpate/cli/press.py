@@ -15,17 +15,9 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, default, flag
 from palpate.cli.output import print_json, print_table
 from palpate.core import PalpateError
+from palpate.deck import solve_press_calculix
 from palpate.design import Dome, DomeSpec, build_dome, read_points
-from palpate.fea import (
-    Branch,
-    Press,
-    WallSpec,
-    check_export,
-    export_press,
-    read_contact,
-    solve_press,
-    solve_press_calculix,
-)
+from palpate.fea import Branch, Press, WallSpec, check_export, export_press, read_contact, solve_press
 from palpate.material import Material
 from palpate.mesh import Mesh, MeshSpec, Rim, mesh_dome
 from palpate.study import MaterialSpec

@@ -16,7 +16,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from palpate.core import FloatArray
 
 
 class DomeShape(StrEnum):
@@ -78,7 +80,7 @@ class Dome:
         """Radius of the outer surface's rim in the base plane, mm."""
         return float(np.sqrt(self.outer_radius**2 - self.center_z**2))
 
-    def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> NDArray[np.float64]:
+    def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
         """Points of the base plane carried along the axis to the inner surface.
 
         z = (H - r) + √(r² - ρ²): the upper of the two crossings, where a dome bulges over its base.
@@ -100,7 +102,7 @@ class Dome:
         drop = np.sqrt(np.where(inside, np.maximum(self.radius**2 - rho**2, 0.0), np.nan))
         return np.stack([rho * np.cos(azimuth), rho * np.sin(azimuth), self.center_z + drop], axis=-1)
 
-    def distance_to_inner(self, points: ArrayLike) -> NDArray[np.float64]:
+    def distance_to_inner(self, points: ArrayLike) -> FloatArray:
         """Signed distance of points from the inner sphere, positive outward.
 
         Parameters
@@ -114,10 +116,10 @@ class Dome:
             (...) mm.
         """
         arm = np.asarray(points, float) - np.array([0.0, 0.0, self.center_z])
-        distance: NDArray[np.float64] = np.linalg.norm(arm, axis=-1) - self.radius
+        distance: FloatArray = np.linalg.norm(arm, axis=-1) - self.radius
         return distance
 
-    def distance_to_rim(self, points: ArrayLike) -> NDArray[np.float64]:
+    def distance_to_rim(self, points: ArrayLike) -> FloatArray:
         """Distance along the meridian from points of the inner surface to the rim; negative below it.
 
         Parameters

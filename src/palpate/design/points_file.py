@@ -6,16 +6,15 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design.dome import Dome
 
 ON_SURFACE = 0.05
 """A point given with its height must lie this near the inner surface, mm."""
 
 
-def read_points(path: Path, dome: Dome) -> NDArray[np.float64]:
+def read_points(path: Path, dome: Dome) -> FloatArray:
     """Read points of the inner surface from a CSV file with a header.
 
     Parameters
@@ -51,7 +50,7 @@ def read_points(path: Path, dome: Dome) -> NDArray[np.float64]:
     return table
 
 
-def _read_table(path: Path) -> NDArray[np.float64]:
+def _read_table(path: Path) -> FloatArray:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = [(number, row) for number, row in enumerate(csv.reader(file), start=1) if any(row)]

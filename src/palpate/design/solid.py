@@ -14,12 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError, load_extra
+from palpate.core import FloatArray, IntArray, PalpateError, load_extra
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Point = tuple[float, float]
 """(x, z) or (x, y) in mm."""
 

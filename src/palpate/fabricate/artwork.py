@@ -13,12 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from palpate.core import FloatArray
 from palpate.design import Dome, MarkerLayout, place_orientation_mark
 from palpate.fabricate.spec import PadMapping
-
-FloatArray = NDArray[np.float64]
 
 _MARGIN = 6.0
 """Distance of the alignment crosses from the rim, mm."""

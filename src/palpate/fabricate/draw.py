@@ -10,11 +10,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
-from numpy.typing import NDArray
 
+from palpate.core import FloatArray
 from palpate.design import Arc, Module, Outline, Solid
-
-FloatArray = NDArray[np.float64]
 
 _EYE = (300.0, -500.0, 400.0)
 """Where bodies are looked at from, mm."""

@@ -19,10 +19,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import kernel
-from palpate.fea.arrays import FloatArray, IntArray
+from palpate.core import BoolArray, FloatArray, IntArray, kernel
 from palpate.fea.element import DOFS, System
 from palpate.mesh import gauss_points, shape_quadrilateral
 
@@ -145,7 +143,7 @@ class OuterSurface:
         values: FloatArray = np.einsum("qa,fai->fqi", self.faces.shape, field[self.faces.nodes])
         return values.reshape(-1, 3)
 
-    def current_area(self, nodes: FloatArray, touching: NDArray[np.bool_]) -> float:
+    def current_area(self, nodes: FloatArray, touching: BoolArray) -> float:
         """Deformed area in mm² of the points marked in `touching` (n_points,), nodes (n, 3) deformed."""
         return float(self._areas(nodes[self.faces.nodes]).ravel()[touching].sum())
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray, PalpateError
 from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import WallSpec

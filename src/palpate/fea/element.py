@@ -20,8 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import kernel
-from palpate.fea.arrays import FloatArray, IntArray
+from palpate.core import FloatArray, IntArray, kernel
 from palpate.material import isochoric
 
 NODES = 27

@@ -22,8 +22,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from palpate.core import PalpateError, load_extra, provenance
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray, PalpateError, load_extra, provenance
 from palpate.fea.press import Press, azimuth_rotation
 from palpate.fea.serendipity import BRICK
 from palpate.fea.solid import GAUSS, Solid, State

@@ -10,16 +10,15 @@ flat branch counts as lost where that exceeds the solver's `adhesion` (silicone 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.fea.arrays import FloatArray
+from palpate.core import BoolArray, FloatArray
 
 _SECTORS = 6
 _MIDDLE = 0.9
 """Share of the patch's radius that is held; with less, points outside it leave and return without end at T = 1."""
 
 
-def patch_middle(place: FloatArray, normal: FloatArray, touching: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def patch_middle(place: FloatArray, normal: FloatArray, touching: BoolArray) -> BoolArray:
     """Points in the middle of the contact patch.
 
     Parameters
@@ -48,5 +47,5 @@ def patch_middle(place: FloatArray, normal: FloatArray, touching: NDArray[np.boo
     radius = np.hypot(arm[:, 0], arm[:, 1])
     sector = np.minimum((np.arctan2(arm[:, 1], arm[:, 0]) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
     reach = [radius[touching & (sector == k)].max(initial=0.0) for k in range(_SECTORS)]
-    middle: NDArray[np.bool_] = (radius < _MIDDLE * min(reach)) & (place @ normal > 0)
+    middle: BoolArray = (radius < _MIDDLE * min(reach)) & (place @ normal > 0)
     return middle

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sparse
 
-from palpate.core import PalpateError
-from palpate.fea.arrays import FloatArray, IntArray
+from palpate.core import FloatArray, IntArray, PalpateError
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,8 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.fea.arrays import FloatArray
+from palpate.core import BoolArray, FloatArray
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, assemble_contact
 from palpate.fea.element import System
 from palpate.fea.linear import LinearSolver, SingularMatrixError
@@ -219,7 +218,7 @@ class ContactProblem:
             state, loads = self._search(state, step, float(residual @ step), plane, touch, damping)
         return self._end(Outcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
 
-    def glue(self, start: State, plane: Plane, touch: Touch, touching: NDArray[np.bool_]) -> State:
+    def glue(self, start: State, plane: Plane, touch: Touch, touching: BoolArray) -> State:
         """One linear step in which points that are `touching` (n_points,) cannot leave the wall.
 
         An extrapolated state has lost the wall here and there by micrometres; without those points the tangent

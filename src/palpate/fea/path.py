@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray
 from palpate.fea.contact import Plane, Touch
 from palpate.fea.hold import patch_middle
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium, Loads

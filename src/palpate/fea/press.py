@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray, IntArray, TextArray
 from palpate.fea.spec import SolverSpec, WallSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, locate_inner
@@ -89,12 +89,12 @@ class Press:
     contact_energy: FloatArray
     dissipation: FloatArray
     work: FloatArray
-    branch: NDArray[np.str_]
+    branch: TextArray
     peak_stress: FloatArray
     contact_area: FloatArray
     apex_gap: FloatArray
     hold_tension: FloatArray
-    negative_pivots: NDArray[np.int64]
+    negative_pivots: IntArray
     ended: Ended
     ended_depth: float
     jump_depth: float

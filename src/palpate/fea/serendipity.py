@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.fea.arrays import FloatArray, IntArray
+from palpate.core import FloatArray, IntArray
 
 BRICK = np.array([0, 2, 8, 6, 18, 20, 26, 24, 1, 5, 7, 3, 19, 23, 25, 21, 9, 11, 17, 15])
 """Nodes of a 27-node cell in the order of a 20-node brick (Abaqus, CalculiX and VTK agree)."""

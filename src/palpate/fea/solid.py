@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.fea.arrays import FloatArray, IntArray
+from palpate.core import BoolArray, FloatArray, IntArray
 from palpate.fea.element import (
     DOFS,
     PRESSURES,
@@ -60,7 +59,7 @@ class Solid:
         (n, 3) bool, True where the displacement is prescribed (its value stands in the state).
     """
 
-    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: NDArray[np.bool_]) -> None:
+    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: BoolArray) -> None:
         self.nodes, self.material, self.fixed = nodes, material, fixed
         cells = np.ascontiguousarray(cells, dtype=np.int64)
         points, weights = gauss_points(GAUSS)

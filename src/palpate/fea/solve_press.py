@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray
 from palpate.fea.contact import ContactLaw, OuterSurface, Plane, untouched
 from palpate.fea.linear import make_linear_solver
 from palpate.fea.newton import ContactProblem, Loads

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray
 from palpate.fea.press import Branch, Ended, Press
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import SolverSpec, WallSpec

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import kernel
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray, kernel
 from palpate.fea.element import NODES, PRESSURES, Cells, Constitution, add_volumetric, deformation
 from palpate.fea.solid import Solid, State
 from palpate.material import isochoric

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design import Dome
-from palpate.fea.arrays import FloatArray
 from palpate.fea.contact import Plane
 from palpate.fea.spec import WallSpec
 from palpate.mesh import Mesh, Rim, rim_angle

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from palpate.core import PalpateError
-from palpate.mesh.hexahedron import FloatArray, shape_quadrilateral
-from palpate.mesh.mesh import IntArray, Mesh
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.mesh.hexahedron import shape_quadrilateral
+from palpate.mesh.mesh import Mesh
 from palpate.mesh.mesh_dome import rim_angle
 
 _OFF_SURFACE_MM = 0.05

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from palpate.core import FloatArray, IntArray
 from palpate.design import Dome
-from palpate.mesh.hexahedron import FloatArray
 from palpate.mesh.spec import MeshSpec
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

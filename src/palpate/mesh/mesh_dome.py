@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.design import Dome
 from palpate.mesh.disc import grid_disc
-from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE, FloatArray
+from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec, Rim
 

@@ -16,16 +16,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
 from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, dot_edges
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design import Dome, MarkerLayout
 from palpate.markers import Naming
 
-Array = NDArray[np.float64]
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
@@ -56,17 +54,17 @@ class Registration:
 
     camera: Camera
     rms_px: float
-    print_error_px: Array
-    sd: Array
+    print_error_px: FloatArray
+    sd: FloatArray
     held_rms_px: float
-    lens_sd: Array
+    lens_sd: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
     camera: Camera
-    left: Array
-    sd: Array
+    left: FloatArray
+    sd: FloatArray
 
     @property
     def rms_px(self) -> float:
@@ -128,13 +126,15 @@ def register_dome(
     return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd)
 
 
-def _fit(nominal: CameraSpec, start: Array, where: tuple[Array, Array, Array], dot_px: float = 0.0) -> _Fit:
+def _fit(
+    nominal: CameraSpec, start: FloatArray, where: tuple[FloatArray, FloatArray, FloatArray], dot_px: float = 0.0
+) -> _Fit:
     """Fit the pose to dots, and the lens as well where it is said how far dots are off; it counts as three more."""
     points, seen, bias = where
     free = len(start) if dot_px else len(_POSE)
     hold = dot_px / np.array([FOCAL_SD, CENTRE_SD_PX, CENTRE_SD_PX])
 
-    def miss(values: Array) -> Array:
+    def miss(values: FloatArray) -> FloatArray:
         every = np.concatenate([values, start[free:]])
         projected = _posed(nominal, every).project(points) + bias
         left = np.nan_to_num(projected - seen, nan=1e3).reshape(-1)
@@ -151,11 +151,11 @@ def _fit(nominal: CameraSpec, start: Array, where: tuple[Array, Array, Array], d
     return _Fit(camera, left, np.sqrt(np.diag(spread)))
 
 
-def _pose_of(camera: Camera) -> Array:
+def _pose_of(camera: Camera) -> FloatArray:
     return np.array([getattr(camera.spec, name) for name in _POSE])
 
 
-def _posed(nominal: CameraSpec, values: Array) -> Camera:
+def _posed(nominal: CameraSpec, values: FloatArray) -> Camera:
     """The camera of a pose, a factor on the focal lengths and a centre."""
     chosen = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
     chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.material import Material
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.mapped import FloatArray, Grid, Turn, even, graded, join, revolve
+from palpate.verify.mapped import Grid, Turn, even, graded, join, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS, YEOH

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.design import Dome, DomeSpec, build_dome
 from palpate.fea import Branch, Press, SolverSpec, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_dome
 from palpate.verify.case import Row, compare
-from palpate.verify.mapped import FloatArray
 from palpate.verify.read_reference import Reference, read_reference
 
 FLAT_TO = {(20, 1): 7.2, (20, 2): 8.0, (20, 3): 8.0, (20, 4): 8.0, (10, 2): 6.4, (30, 2): 8.0}

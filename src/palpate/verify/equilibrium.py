@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.fea import (
     ContactLaw,
     ContactProblem,
@@ -18,7 +18,7 @@ from palpate.fea import (
     untouched,
 )
 from palpate.material import Material
-from palpate.verify.mapped import BoolArray, FloatArray, Grid
+from palpate.verify.mapped import Grid
 
 NO_WALL = Plane(normal=np.array([0.0, 0.0, 1.0]), point=np.array([0.0, 0.0, 1e9]))
 NO_CONTACT = ContactLaw(stiffness=1.0, width=1.0, tangential_stiffness=1.0, friction=0.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.fea import (
     ContactLaw,
     ContactProblem,
@@ -22,7 +22,6 @@ from palpate.fea import (
     untouched,
 )
 from palpate.verify.equilibrium import extrapolate
-from palpate.verify.mapped import FloatArray, IntArray
 
 DOWN = np.array([0.0, 0.0, 1.0])
 """Normal of the plane, away from the body below it."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import BoolArray, FloatArray
 from palpate.fea import Solid, State, System, cauchy_stress
 from palpate.material import get_material
 from palpate.verify.bending import SPAN, bend, make_block
 from palpate.verify.case import Row, below, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid
-from palpate.verify.mapped import BoolArray, FloatArray, Grid, even, join, map_block
+from palpate.verify.mapped import Grid, even, join, map_block
 from palpate.verify.pressing import Pressing
 from palpate.verify.rubber import YEOH
 

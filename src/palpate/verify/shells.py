@@ -11,11 +11,12 @@ from functools import cache
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.fea import Equilibrium, State
 from palpate.material import Material, neo_hooke
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import extrapolate, make_solid
-from palpate.verify.mapped import FloatArray, Grid, Turn, even, graded, join, revolve
+from palpate.verify.mapped import Grid, Turn, even, graded, join, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.read_reference import Reference, read_reference
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
 from palpate.viewer.library import Specimen
@@ -15,7 +15,6 @@ from palpate.viewer.markers_seen import follow_markers, turn_about_axis
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
 
-Array = NDArray[np.float64]
 _WALL = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
@@ -66,12 +65,12 @@ def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, flo
     ]
 
 
-def _between(motion: Motion, field: NDArray[Any], depth: float) -> Array:
+def _between(motion: Motion, field: NDArray[Any], depth: float) -> FloatArray:
     """A field (k, …) at a depth between its images, on straight lines."""
     place = float(np.interp(depth, motion.depths_mm, np.arange(len(motion.depths_mm))))
     low = min(int(place), len(motion.depths_mm) - 1)
     high = min(low + 1, len(motion.depths_mm) - 1)
-    mixed: Array = field[low] + (place - low) * (np.asarray(field[high], float) - field[low])
+    mixed: FloatArray = field[low] + (place - low) * (np.asarray(field[high], float) - field[low])
     return mixed
 
 
@@ -86,7 +85,7 @@ def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[flo
     return Part("markers", points, triangles, np.tile([0.1, 0.1, 0.12, 1.0], (len(points), 1)))
 
 
-def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: Array) -> Part:
+def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: FloatArray) -> Part:
     dome, tilt = specimen.pressed.mesh.dome, np.radians(pose[1])
     axes = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(tilt), np.sin(tilt)]])
     touch = np.array([0.0, -np.sin(tilt), np.cos(tilt)]) * dome.outer_radius + [0.0, 0.0, dome.center_z - pose[0]]
@@ -94,7 +93,7 @@ def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: Array) -> 
     return Part("wall", points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))
 
 
-def _colours(share: Array) -> Array:
+def _colours(share: FloatArray) -> FloatArray:
     """Colours (v, 4) of shares (v,) from 0 to 1."""
     steps = np.array([[int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)] for code in VIRIDIS])
     at = np.linspace(0, 1, len(steps))

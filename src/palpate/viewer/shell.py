@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from palpate.core import BoolArray, IntArray
 from palpate.mesh import Mesh
-
-IntArray = NDArray[np.int64]
 
 PARTS = ("outer", "inner", "base", "cut")
 """Parts of a shell, in the order of its triangles."""
@@ -38,7 +36,7 @@ class Shell:
     nodes: IntArray
     triangles: IntArray
     parts: dict[str, tuple[int, int]]
-    seam: NDArray[np.bool_]
+    seam: BoolArray
 
 
 def build_shell(mesh: Mesh) -> Shell:
