@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.deck import CalculixSpec, DeckSpec, Dialect, solve_press_calculix
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_dome

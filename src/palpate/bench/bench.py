@@ -29,9 +29,10 @@ from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
 from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.design import Dome, DomeSpec, MarkerLayout, MarkerSpec, build_dome, place_markers
-from palpate.fea import FEA_VERSION, Press, SolverSpec, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, solve_press, write_press
 from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
 from palpate.sensor import Sensor, TouchZero, Unit, find_zero, open_sensor
 
@@ -192,7 +193,7 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
 
 def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation) -> FloatArray:
     """(n, 8) truth, estimate, flags and latency of the images of a press that count."""
-    tilt, azimuth = press.wall.tilt_deg, np.radians(press.wall.azimuth_deg + deviation.seating_turn_deg)
+    tilt, azimuth = press.wall.radial, np.radians(press.wall.turn_deg + deviation.seating_turn_deg)
     rx = tilt * np.cos(azimuth) + deviation.seating_x_deg
     ry = tilt * np.sin(azimuth) + deviation.seating_y_deg
     # the robot starts where a dome of the design's thickness would be touched

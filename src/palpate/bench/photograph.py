@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate.bench.deviation import Deviation
 from palpate.camera import Camera, RenderSpec, build_camera, edge_offsets, render
 from palpate.core import FloatArray, child_seed, generator
-from palpate.design import Dome, MarkerLayout, place_orientation_mark
+from palpate.design import MarkerLayout, Skin, place_orientation_mark
 
 if TYPE_CHECKING:
     from palpate.camera import CameraSpec
@@ -45,14 +45,14 @@ class Scene:
         """Images (h, w) of a press, rest included."""
         flat = press.positions(self.edges.reshape(-1, 3))
         for number, points in enumerate(flat):
-            yield self._look(points.reshape(self.edges.shape), press.wall.tilt_deg, press.wall.azimuth_deg, number)
+            yield self._look(points.reshape(self.edges.shape), press.wall.radial, press.wall.turn_deg, number)
 
     def _look(self, edges: FloatArray, *which: str | float) -> NDArray[np.uint8]:
         noise = child_seed(self.render.seed, "noise", *which)
         return render(self.camera, edges, self.render.model_copy(update={"noise_seed": noise}))
 
 
-def set_scene(dome: Dome, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
+def set_scene(dome: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
     """Print the dots of one unit and mount its camera.
 
     Parameters
@@ -75,8 +75,8 @@ def set_scene(dome: Dome, layout: MarkerLayout, deviation: Deviation, nominal: C
     return Scene(edges, build_camera(deviation.camera(nominal)), spec)
 
 
-def wrap_dots(dome: Dome, centres: FloatArray, diameter: float) -> FloatArray:
-    """Edges of round dots that lie on the inner sphere.
+def wrap_dots(dome: Skin, centres: FloatArray, diameter: float) -> FloatArray:
+    """Edges of round dots that lie on the inner surface.
 
     Parameters
     ----------
@@ -92,29 +92,24 @@ def wrap_dots(dome: Dome, centres: FloatArray, diameter: float) -> FloatArray:
     ndarray
         (m, k, 3) mm.
     """
-    normals, first, second = _tangents(dome, centres)
+    first, second = _tangents(dome, centres)
     flat = edge_offsets(diameter / 2.0)
-    arms = dome.radius * normals[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
-    return _onto_sphere(dome, arms)
+    return dome.nearest(centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None])
 
 
-def _misprint(dome: Dome, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
+def _misprint(dome: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
     """Centres (m, 3) mm as printed: the pad is off as a whole, every dot by itself."""
     x, y = points[:, 0] + deviation.pad_x, points[:, 1] + deviation.pad_y
-    normals, first, second = _tangents(dome, dome.inner_point(np.hypot(x, y), np.arctan2(y, x)))
+    printed = dome.inner_point(np.hypot(x, y), np.arctan2(y, x))
+    first, second = _tangents(dome, printed)
     off = deviation.dot * rng.uniform(-1.0, 1.0, (len(points), 2))
-    return _onto_sphere(dome, dome.radius * normals + off[:, :1] * first + off[:, 1:] * second)
+    return dome.nearest(printed + off[:, :1] * first + off[:, 1:] * second)
 
 
-def _tangents(dome: Dome, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Normal and two tangents (m, 3) of the inner sphere."""
-    normals = (points - np.array([0.0, 0.0, dome.center_z])) / dome.radius
+def _tangents(dome: Skin, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two tangents (m, 3) of the inner surface."""
+    normals = dome.normal(points)
     aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     first = np.cross(normals, aside)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return normals, first, np.cross(normals, first)
-
-
-def _onto_sphere(dome: Dome, arms: FloatArray) -> FloatArray:
-    scaled: FloatArray = dome.radius * arms / np.linalg.norm(arms, axis=-1, keepdims=True)
-    return scaled + np.array([0.0, 0.0, dome.center_z])
+    return first, np.cross(normals, first)

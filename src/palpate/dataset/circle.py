@@ -77,7 +77,7 @@ def expand_press(press: Press, circles: MarkerCircles) -> tuple[ComplexArray, fl
         between the sampled points and the series.
     """
     psi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    phi = psi + np.deg2rad(press.wall.azimuth_deg) + QUARTER_TURN
+    phi = psi + np.deg2rad(press.wall.turn_deg) + QUARTER_TURN
     cosine, sine = np.cos(phi), np.sin(phi)
     points = np.empty((len(circles.radius), SAMPLES, 3))
     points[..., 0] = circles.radius[:, None] * cosine

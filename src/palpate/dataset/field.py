@@ -179,9 +179,9 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout) -> MarkerField:
     outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
     if outside:
         raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
-    presses = sorted(presses, key=lambda press: press.wall.tilt_deg)
+    presses = sorted(presses, key=lambda press: press.wall.radial)
     depths = _image_depths(presses)
-    tilts = np.array([press.wall.tilt_deg for press in presses], dtype=float)
+    tilts = np.array([press.wall.radial for press in presses], dtype=float)
     circles = sort_onto_circles(markers.positions)
     series = np.full((len(depths), len(tilts), len(circles.radius), 3, ORDERS), np.nan, dtype=complex)
     branch = np.full((len(depths), len(tilts)), "", dtype="U16")
@@ -211,7 +211,7 @@ def _image_depths(presses: Sequence[Press]) -> FloatArray:
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
-    tilts = [press.wall.tilt_deg for press in presses]
+    tilts = [press.wall.radial for press in presses]
     repeated = next((tilt for tilt, after in pairwise(tilts) if tilt == after), None)
     if repeated is not None:
         raise PalpateError(f"The tilt {repeated:g}° was given twice.", "Keep one press a tilt.")

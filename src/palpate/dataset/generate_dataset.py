@@ -19,7 +19,7 @@ from palpate.dataset.vary import Relatives, VariedField, vary_camera, vary_field
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
-    from palpate.design import Dome, MarkerLayout
+    from palpate.design import MarkerLayout, Skin
     from palpate.fea import Press
 
 DATASET_VERSION = "1"
@@ -99,7 +99,7 @@ class _View:
     """A camera under the dome whose clamped rim may hide a marker."""
 
     camera: Camera
-    dome: Dome
+    dome: Skin
     spec: DatasetSpec
     rest: FloatArray
 

@@ -199,15 +199,6 @@ def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec)
     if not spec.dot:
         return ()
     dome = presses[0].mesh.dome
-    centre = np.array([0.0, 0.0, dome.center_z])
-    normals = (layout.positions - centre) / dome.radius
-    round_about = np.cross([0.0, 0.0, 1.0], normals)
-    on_axis = np.linalg.norm(round_about, axis=1, keepdims=True) < 1e-9
-    round_about = np.where(on_axis, [[0.0, 1.0, 0.0]], round_about)
-    round_about /= np.linalg.norm(round_about, axis=1, keepdims=True)
-    fields = []
-    for tangent in (np.cross(round_about, normals), round_about):
-        arms = dome.radius * normals + _STEP * tangent
-        moved = centre + dome.radius * arms / np.linalg.norm(arms, axis=1, keepdims=True)
-        fields.append(build_field(presses, replace(layout, positions=moved)))
-    return tuple(fields)
+    _, along, around = dome.tangents(layout.positions)
+    moved = [dome.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
+    return tuple(build_field(presses, replace(layout, positions=points)) for points in moved)

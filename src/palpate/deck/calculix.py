@@ -23,20 +23,9 @@ from palpate.core import FloatArray, PalpateError, Spec, parameter
 from palpate.deck.read_results import CalculixImages, read_counts, read_images
 from palpate.deck.spec import DeckSpec, Dialect
 from palpate.deck.write_deck import deck_depths, deck_text
-from palpate.fea import (
-    Branch,
-    Ended,
-    OuterSurface,
-    Press,
-    SolverSpec,
-    WallSpec,
-    azimuth_rotation,
-    fill_nodes,
-    normal_in_mesh,
-    touch_point,
-    wall_at,
-)
+from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
 from palpate.material import Material
+from palpate.mechanics import Ended, OuterSurface, SolverSpec, fill_nodes
 from palpate.mesh import Mesh, gauss_points, shape_hexahedron
 
 PROGRAM = "ccx"
@@ -69,7 +58,7 @@ def find_ccx() -> str:
 
 
 def solve_press_calculix(
-    mesh: Mesh, material: Material, wall: WallSpec | None = None, spec: CalculixSpec | None = None
+    mesh: Mesh, material: Material, wall: ObstacleSpec | None = None, spec: CalculixSpec | None = None
 ) -> Press:
     """Solve one press by CalculiX.
 
@@ -158,7 +147,7 @@ def _last_error(log: Path) -> str:
     return errors[-1].removeprefix("*ERROR").strip() if errors else "it says no reason"
 
 
-def _reason(images: CalculixImages, mesh: Mesh, wall: WallSpec, folder: Path) -> tuple[Ended, str]:
+def _reason(images: CalculixImages, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[Ended, str]:
     goals = deck_depths(mesh, wall)
     last = float(images.depth[-1])
     if last < goals[-1] - 1e-4 * goals[-1]:
@@ -169,17 +158,16 @@ def _reason(images: CalculixImages, mesh: Mesh, wall: WallSpec, folder: Path) ->
     return Ended.DEPTH_REACHED, ""
 
 
-def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: WallSpec) -> dict[str, Any]:
+def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: ObstacleSpec) -> dict[str, Any]:
     """Arrays of the `Press`: rest, then every image."""
     half = not mesh.spec.whole
     parts = 2.0 if half else 1.0
     side = np.array([0.0, 1.0, 1.0]) if half else np.ones(3)
-    turn = azimuth_rotation(wall.azimuth_deg) if half else np.eye(3)
     depth = np.concatenate([[0.0], images.depth])
     moved = fill_nodes(mesh.cells, images.displacement)
     displacement = np.concatenate([np.zeros((1, *mesh.nodes.shape)), moved])
-    force = np.concatenate([np.zeros((1, 3)), parts * side * images.wall_force]) @ turn.T
-    gap, area = _contact(mesh, normal_in_mesh(mesh, wall), depth, displacement)
+    force = np.concatenate([np.zeros((1, 3)), parts * side * images.wall_force]) @ wall.turn(mesh).T
+    gap, area = _contact(mesh, wall, depth, displacement)
     nothing = np.full(len(depth), np.nan)
     return {
         "depth": depth,
@@ -199,15 +187,16 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: WallSp
 
 
 def _contact(
-    mesh: Mesh, normal: FloatArray, depth: FloatArray, displacement: FloatArray
+    mesh: Mesh, wall: ObstacleSpec, depth: FloatArray, displacement: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every image."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
-    probe = np.argmin(np.linalg.norm(surface.points - touch_point(mesh.dome, normal), axis=1))
+    obstacle, touched = wall.at_touch(mesh)
+    probe = np.argmin(np.linalg.norm(surface.points - touched, axis=1))
     gap, area = [], []
     for d, u in zip(depth, displacement, strict=True):
-        reach = (surface.interpolate(mesh.nodes + u) - wall_at(mesh.dome, normal, float(d)).point) @ normal
+        reach = obstacle.moved(np.array([0.0, 0.0, -d])).reach(surface.interpolate(mesh.nodes + u))
         gap.append(-reach[probe])
         area.append(surface.current_area(mesh.nodes + u, reach > 0))
     return np.array(gap), np.array(area)

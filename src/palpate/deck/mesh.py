@@ -17,7 +17,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray
 from palpate.deck.spec import DeckElement, Dialect
-from palpate.fea import BRICK
+from palpate.mechanics import BRICK
 from palpate.mesh import Mesh
 
 _QUARTERS = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.fea import von_mises
+from palpate.mechanics import von_mises
 
 _TITLE = re.compile(r"^\s*(\w[\w ]*?)\s*\(.*for set (\w+) and time\s+([\d.E+-]+)", re.IGNORECASE)
 _QUANTITIES = ("displacements", "total force", "stresses")

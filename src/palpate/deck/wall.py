@@ -10,7 +10,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray
 from palpate.deck.mesh import node_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
-from palpate.fea import FRICTIONLESS, NO_SLIP, WallSpec, touch_point
+from palpate.fea import FRICTIONLESS, NO_SLIP, ObstacleSpec
 from palpate.mesh import Mesh
 
 ROUGH_FRICTION = 10.0
@@ -19,65 +19,69 @@ ROUGH_FRICTION = 10.0
 
 @dataclass(frozen=True)
 class DeckWall:
-    """A square rigid plate whose lower face is tangent to the dome.
+    """Rigid facets of an obstacle that is tangent to the skin.
 
     Attributes
     ----------
-    normal
-        (3,) unit normal, away from the dome.
+    words
+        What the obstacle is.
     numbers
-        (4 or 8,) node numbers (from 0): lower face counter-clockwise from above, then the upper face.
+        (m,) node numbers (from 0): the facets' corners, and for bricks the same inside the obstacle.
     points
-        (4 or 8, 3) mm.
+        (m, 3) mm.
+    facets
+        (k, 4 or 8) rows of `numbers`: counter-clockwise seen from inside, then the inner ones.
     element
-        Element number (from 0).
+        Number (from 0) of the first element.
     """
 
-    normal: FloatArray
+    words: str
     numbers: IntArray
     points: FloatArray
+    facets: IntArray
     element: int
 
 
-def deck_wall(mesh: Mesh, normal: FloatArray, elements: int, dialect: Dialect) -> DeckWall:
-    """The plate over a mesh; `elements` are already numbered."""
-    half = 2.0 * (mesh.dome.outer_radius + mesh.dome.thickness)
-    along = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
-    along /= np.linalg.norm(along)
-    across = np.cross(normal, along)
-    middle = touch_point(mesh.dome, normal)
-    sides = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-    lower = np.array([middle + half * (a * along + b * across) for a, b in sides])
-    upper = lower + 0.1 * half * normal
-    points = np.concatenate([lower, upper]) if dialect is Dialect.CALCULIX else lower
-    return DeckWall(normal, len(mesh.nodes) + np.arange(len(points)), points, elements)
+def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
+    """The obstacle over a mesh; `elements` are already numbered."""
+    obstacle, touched = wall.at_touch(mesh)
+    half = 2.0 * (mesh.dome.outer_widest[0] + mesh.dome.thickness)
+    points, facets = obstacle.patch(touched, half)
+    if dialect is Dialect.CALCULIX:
+        inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
+        points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
+    return DeckWall(wall.words, len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
 
 
 def wall_lines(wall: DeckWall, dialect: Dialect) -> Iterator[str]:
-    """Lines of the rigid plate: its nodes, element, set and surface WALL_FACE."""
+    """Lines of the rigid obstacle: its nodes, elements, set and surface WALL_FACE."""
     numbers = wall.numbers
-    yield "** Rigid wall: a flat plate, tangent to the outer surface at depth 0"
-    yield f"** outward normal {', '.join(f'{value:.8f}' for value in wall.normal)}"
+    yield f"** Rigid obstacle, tangent to the outer surface at depth 0: {wall.words}"
     yield "*NODE, NSET=WALL_NODES"
     yield from node_lines(numbers, wall.points)
     if dialect is Dialect.CALCULIX:
-        yield "** one brick, all nodes of which are prescribed: rigid, whatever its stiffness"
+        yield "** bricks, all nodes of which are prescribed: rigid, whatever their stiffness"
         yield "*ELEMENT, TYPE=C3D8, ELSET=WALL"
-        yield ", ".join(map(str, [wall.element + 1, *(numbers + 1)]))
+        yield from _facet_lines(wall, wall.facets)
         yield "*SURFACE, NAME=WALL_FACE, TYPE=ELEMENT"
         yield "WALL, S1"
         return
     yield "*NODE, NSET=WALL_REF"
     yield from node_lines([numbers[-1] + 1], wall.points.mean(axis=0, keepdims=True))
-    yield "** listed clockwise from above: the positive side faces the dome"
+    yield "** listed clockwise from inside the obstacle: the positive side faces the skin"
     yield "*ELEMENT, TYPE=R3D4, ELSET=WALL"
-    yield ", ".join(map(str, [wall.element + 1, *(numbers[::-1] + 1)]))
+    yield from _facet_lines(wall, wall.facets[:, ::-1])
     yield "*RIGID BODY, ELSET=WALL, REF NODE=WALL_REF"
     yield "*SURFACE, NAME=WALL_FACE, TYPE=ELEMENT"
     yield "WALL, SPOS"
 
 
-def contact_lines(wall: WallSpec, spec: DeckSpec) -> Iterator[str]:
+def _facet_lines(wall: DeckWall, facets: IntArray) -> Iterator[str]:
+    for number, facet in enumerate(facets, start=wall.element + 1):
+        yield ", ".join(map(str, [number, *(wall.numbers[facet] + 1)]))
+
+
+def contact_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
     """Lines of the contact law and the pair OUTER_FACE, WALL_FACE."""
     calculix = spec.dialect is Dialect.CALCULIX
     yield f"** Contact: linear penalty of {spec.penalty:g} MPa/mm"
@@ -92,7 +96,7 @@ def contact_lines(wall: WallSpec, spec: DeckSpec) -> Iterator[str]:
     yield "OUTER_FACE, WALL_FACE"
 
 
-def _friction_lines(wall: WallSpec, spec: DeckSpec) -> Iterator[str]:
+def _friction_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
     slope = spec.tangential_ratio * spec.penalty
     if wall.contact == FRICTIONLESS or wall.friction == 0:
         yield "** frictionless: no *FRICTION"

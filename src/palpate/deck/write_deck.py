@@ -6,20 +6,18 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from palpate.core import PalpateError, provenance
 from palpate.deck.material import material_lines
 from palpate.deck.mesh import deck_mesh, mesh_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
 from palpate.deck.step import boundary_lines, image_lines, step_lines
 from palpate.deck.wall import contact_lines, deck_wall, wall_lines
-from palpate.fea import WallSpec, clamp_depth, contact_text, image_depths, normal_in_mesh
+from palpate.fea import ObstacleSpec, contact_text, image_depths
 from palpate.material import Material
 from palpate.mesh import Mesh
 
 
-def write_deck(path: Path, mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | None = None) -> None:
+def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> None:
     """Write the deck of a press; the file appears whole or not at all.
 
     Parameters
@@ -47,7 +45,7 @@ def write_deck(path: Path, mesh: Mesh, material: Material, wall: WallSpec, spec:
         part.unlink(missing_ok=True)
 
 
-def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | None = None) -> str:
+def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> str:
     """The deck of a press as text.
 
     Parameters
@@ -72,10 +70,9 @@ def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | N
             "CalculiX turns shells into one layer of solids, 18 to 26 % too stiff here.",
             "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
         )
-    normal = normal_in_mesh(mesh, wall)
     depths = deck_depths(mesh, wall)
     parts = deck_mesh(mesh, spec.dialect, spec.element)
-    plate = deck_wall(mesh, normal, len(parts.elements), spec.dialect)
+    plate = deck_wall(mesh, wall, len(parts.elements), spec.dialect)
     lines = [
         *_header(mesh, material, wall, spec),
         *mesh_lines(parts),
@@ -90,27 +87,27 @@ def deck_text(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec | N
     return "\n".join(lines) + "\n"
 
 
-def deck_depths(mesh: Mesh, wall: WallSpec) -> list[float]:
+def deck_depths(mesh: Mesh, wall: ObstacleSpec) -> list[float]:
     """Depths in mm of the images of a deck, up to where the wall reaches the clamped rim."""
-    return image_depths(wall, min(wall.depth, clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)))
+    return image_depths(wall, min(wall.depth, wall.clamp_depth(mesh)))
 
 
-def _header(mesh: Mesh, material: Material, wall: WallSpec, spec: DeckSpec) -> Iterator[str]:
+def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
     dome = mesh.dome
     part = "whole dome" if mesh.spec.whole else "half dome x >= 0 (forces and energies of the whole are twice these)"
     yield "*HEADING"
-    yield f"palpate {provenance()['palpate']}: dome H {dome.height:g} T {dome.thickness:g} under a rigid flat wall"
+    yield f"palpate {provenance()['palpate']}: {dome.name}, pressed by a rigid obstacle"
     yield "** Units: mm, N, MPa, mJ; pseudo-time is the travel of the wall in mm"
     yield "** Frame: origin in the middle of the base plane, z along the axis to the apex"
     yield f"** Made by palpate {provenance()['palpate']} for {spec.dialect}, element {spec.element}"
     yield (
-        f"** dome: height {dome.height:g} mm, base radius {dome.base_radius:g} mm, thickness {dome.thickness:g} mm "
-        f"(inner radius {dome.radius:.6g} mm); {part}"
+        f"** skin: {dome.name}, height {dome.height:g} mm, base radius {dome.base_radius:g} mm, thickness "
+        f"{dome.thickness:g} mm (inner radius {dome.radius:.6g} mm); {part}"
     )
     yield f"** mesh: {mesh.spec.model_dump_json()}"
     yield f"** material: {material.name}"
     yield (
-        f"** wall: tilt {wall.tilt_deg:g} deg, azimuth {wall.azimuth_deg:g} deg, depth {wall.depth:g} mm, "
+        f"** obstacle: {wall.words}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
         f"an image every {wall.image_step:g} mm, contact {contact_text(wall.contact)}"
     )
     if not mesh.spec.whole:

@@ -9,15 +9,15 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.design.dome import Dome
 from palpate.design.markers import MarkerLayout
+from palpate.design.skin import Skin
 
 AZIMUTH_DEG = 15.0
 _CLEARANCE = 1.4
 """Distance from the outermost dots, over the diameter of a dot, where the dome has room."""
 
 
-def place_orientation_mark(dome: Dome, layout: MarkerLayout) -> FloatArray:
+def place_orientation_mark(dome: Skin, layout: MarkerLayout) -> FloatArray:
     """Place the mark beyond the outermost dots, or half way from them to the rim where there is less room.
 
     Returns

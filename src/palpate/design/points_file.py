@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design.dome import Dome
+from palpate.design.skin import Skin
 
 ON_SURFACE = 0.05
 """A point given with its height must lie this near the inner surface, mm."""
 
 
-def read_points(path: Path, dome: Dome) -> FloatArray:
+def read_points(path: Path, dome: Skin) -> FloatArray:
     """Read points of the inner surface from a CSV file with a header.
 
     Parameters
@@ -38,14 +38,13 @@ def read_points(path: Path, dome: Dome) -> FloatArray:
     table = _read_table(path)
     if table.shape[1] == 2:
         return dome.inner_point(np.hypot(table[:, 0], table[:, 1]), np.arctan2(table[:, 1], table[:, 0]))
-    off = np.abs(dome.distance_to_inner(table))
+    off = np.abs(dome.distance(table))
     below = dome.distance_to_rim(table) < -ON_SURFACE
     for row in np.flatnonzero((off > ON_SURFACE) | below):
         where = "below the base plane" if below[row] else f"{off[row]:.3g} mm off the inner surface"
         raise PalpateError(
             f"{path}: point {row + 1} ({', '.join(f'{value:g}' for value in table[row])}) mm is {where}.",
-            f"The inner surface is the sphere of radius {dome.radius:.4g} mm about z = {dome.center_z:.4g} "
-            "mm, z >= 0; leave out z_mm to have points carried there along the axis.",
+            f"The inner surface is that of {dome.name}, z >= 0; leave out z_mm to have points carried there.",
         )
     return table
 

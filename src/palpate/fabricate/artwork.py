@@ -68,7 +68,7 @@ def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
     rho = np.hypot(points[:, 0], points[:, 1])
     if mapping is PadMapping.ARC:
-        length = dome.radius * np.arctan2(rho, points[:, 2] - dome.center_z)
+        length = dome.arc_length(points)
         scale = np.divide(length, rho, out=np.ones_like(rho), where=rho > 0)
     else:
         scale = np.ones_like(rho)
@@ -78,5 +78,5 @@ def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
 def carry_to_dome(dome: Dome, page: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
     reach = np.hypot(page[:, 0], page[:, 1])
-    rho = dome.radius * np.sin(reach / dome.radius) if mapping is PadMapping.ARC else reach
+    rho = dome.at_arc_length(reach) if mapping is PadMapping.ARC else reach
     return dome.inner_point(rho, np.arctan2(page[:, 1], -page[:, 0]))

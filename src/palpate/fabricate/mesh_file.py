@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from palpate.cad import SurfaceMesh
 from palpate.core import FloatArray, PalpateError, load_extra
-from palpate.design import SurfaceMesh
 
 _WELD_MM = 1e-4
 """Distance of points that a file of single precision may not keep apart."""

@@ -10,7 +10,7 @@ import numpy as np
 from palpate.core import FloatArray, PalpateError
 from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import WallSpec
+from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, MeshSpec, mesh_dome
 
@@ -60,7 +60,7 @@ class MeshResult:
 def study_convergence(
     mesh: Mesh,
     material: Material,
-    wall: WallSpec,
+    wall: ObstacleSpec,
     points: FloatArray,
     cells: Sequence[int] = CELLS,
     on_press: Callable[[int, Press], None] = lambda cells, press: None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from palpate.core import FloatArray, IntArray
-from palpate.design import Dome
+from palpate.design import Skin
 from palpate.mesh.spec import MeshSpec
 
 
@@ -33,7 +33,7 @@ class Mesh:
         Node at the apex of each surface.
     """
 
-    dome: Dome
+    dome: Skin
     spec: MeshSpec
     nodes: FloatArray
     cells: IntArray
@@ -44,8 +44,3 @@ class Mesh:
     mirror: IntArray
     apex_inner: int
     apex_outer: int
-
-    @property
-    def cells_to_rim(self) -> int:
-        """Cells along a meridian from pole to rim."""
-        return self.spec.cells or 0

@@ -73,9 +73,8 @@ def make_pressing(grid: Grid, radius: float, material: Material, contact_radius:
     penalty = _STIFF * material.young_modulus / contact_radius
     tolerance = 1e-6 * material.law.shear_modulus * contact_radius**2
     solid = make_solid(grid, material, fixed)
-    return Pressing(
-        solid, grid.outer_cells(outside), radius, penalty, 1e-5 * contact_radius, tolerance, contact_radius
-    )
+    contact = (penalty, 1e-5 * contact_radius)
+    return Pressing(solid, grid.outer_cells(outside), radius, contact, tolerance, contact_radius)
 
 
 def make_fine_ball(radius: float, contact_radius: float) -> Grid:
@@ -114,10 +113,10 @@ def _press_lightly(radius: float, depth: float) -> tuple[float, float, float]:
     reach = float(np.sqrt(radius * depth))
     pressing = make_pressing(make_fine_ball(radius, reach), radius, YEOH, reach)
     found = pressing.follow([depth])[0]
-    inside = np.maximum(pressing.reach(found.state, depth) - pressing.law.width / 2, 0.0)
-    x = pressing.problem.surface.interpolate(pressing.solid.nodes + found.state.u)
-    square, pressure = x[:, 0] ** 2 + x[:, 1] ** 2, pressing.penalty * inside
-    force = pressing.problem.surface.faces.weight.ravel() * pressure
+    inside = np.maximum(pressing.reach(found) - pressing.law.width / 2, 0.0)
+    x = pressing.surface.interpolate(pressing.solid.nodes + found.state.u)
+    square, pressure = x[:, 0] ** 2 + x[:, 1] ** 2, pressing.law.stiffness * inside
+    force = pressing.surface.faces.weight.ravel() * pressure
     contact_radius = float(np.sqrt(2.5 * (force * square).sum() / force.sum()))
     middle = square < (0.7 * reach) ** 2
     _, peak = np.polyfit(square[middle], pressure[middle] ** 2, 1)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.fea import OuterSurface
 from palpate.material import Material, neo_hooke
+from palpate.mechanics import OuterSurface
 from palpate.verify.case import Row, below, compare
 from palpate.verify.equilibrium import follow_load
 from palpate.verify.mapped import Grid, even, join, map_block

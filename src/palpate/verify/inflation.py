@@ -15,8 +15,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from palpate.core import FloatArray
-from palpate.fea import State, cauchy_stress
 from palpate.material import Material
+from palpate.mechanics import State, cauchy_stress
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid, reactions
 from palpate.verify.mapped import Grid, Turn, even, join, revolve

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from palpate.core import FloatArray
-from palpate.fea import cauchy_stress
 from palpate.material import Material, Mode, stretches, trace_curve, yeoh
+from palpate.mechanics import cauchy_stress
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid, reactions
 from palpate.verify.mapped import even, join, map_block

@@ -8,7 +8,7 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.design import MarkerLayout
+from palpate.design import MarkerLayout, turn_about_axis
 from palpate.mesh import Mesh, locate_inner
 from palpate.viewer.pressed_dome import Motion
 
@@ -68,16 +68,9 @@ def follow_points(mesh: Mesh, motion: Motion, points: FloatArray, azimuth_deg: f
     """Deformed positions (k, m, 3) mm of undeformed points (m, 3) of the inner surface, dome's frame."""
     if not np.isfinite(azimuth_deg):
         raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.")
-    turn = turn_about_axis(azimuth_deg)  # dome_from_tilt
+    turn = turn_about_axis(np.radians(azimuth_deg))  # dome_from_tilt
     local = points @ turn
     side = np.where(local[:, :1] < 0, [[-1.0, 1.0, 1.0]], 1.0)
     moved = locate_inner(mesh, local * side).interpolate(motion.displacement.astype(float)) * side
     positions: FloatArray = points + moved @ turn.T
     return positions
-
-
-def turn_about_axis(azimuth_deg: float) -> FloatArray:
-    """Rotation (3, 3) about the dome's axis: columns are the axes of the tilt frame."""
-    angle = np.radians(azimuth_deg)
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

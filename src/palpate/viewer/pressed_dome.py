@@ -169,7 +169,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     """
     if not presses:
         raise PalpateError("There is no press to show.", "Run the study first.")
-    presses = tuple(sorted(presses, key=lambda press: press.wall.tilt_deg))
+    presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
     if any(press.mesh.spec != mesh.spec or press.mesh.dome != mesh.dome for press in presses):
         raise PalpateError("The presses are not of one dome and mesh.", "Give presses that differ by the tilt alone.")
@@ -186,7 +186,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         branch[depth, t] = press.branch[image]
     return PressedDome(
         mesh=mesh,
-        tilts_deg=np.array([press.wall.tilt_deg for press in presses], float),
+        tilts_deg=np.array([press.wall.radial for press in presses], float),
         depths_mm=depths,
         displacement=moved,
         force_n=force,

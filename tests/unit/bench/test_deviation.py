@@ -71,7 +71,7 @@ def test_the_camera_is_mounted_off_and_its_lens_not_quite_known():
 def test_dots_are_misprinted_within_the_tolerance_and_stay_on_the_inner_surface():
     as_designed = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec()).edges
     printed = set_scene(DOME, LAYOUT, Deviation(dot=0.1, pad_x=0.2), CameraSpec(), RenderSpec()).edges
-    assert np.abs(DOME.distance_to_inner(printed)).max() < 1e-9
+    assert np.abs(DOME.distance(printed)).max() < 1e-9
     off = np.linalg.norm(printed.mean(axis=1) - as_designed.mean(axis=1), axis=-1)
     assert 0.1 < off.max() < 0.6
     moved = (printed - as_designed).mean(axis=1)

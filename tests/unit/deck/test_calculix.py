@@ -13,9 +13,10 @@ from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.deck.calculix import stored_energy
 from palpate.deck.read_results import read_blocks, read_images
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
-from palpate.fea import Ended, Press, WallSpec, solve_press
-from palpate.fea.serendipity import BRICK, fill_nodes, shape_brick
+from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
+from palpate.mechanics import Ended
+from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
 from palpate.mesh import MeshSpec, measure_quality, mesh_dome
 
 needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed: apt install calculix-ccx")

@@ -10,11 +10,10 @@ from check_deck import cards, faults, read
 from palpate.core import PalpateError
 from palpate.deck import DeckSpec, deck_text, write_deck
 from palpate.deck.material import hyperelastic
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, Rim, build_dome
 from palpate.fea import WallSpec
-from palpate.fea.wall import clamp_depth
 from palpate.material import Law, Polynomial, get_material, isochoric, ogden
-from palpate.mesh import MeshSpec, Rim, measure_quality, mesh_dome
+from palpate.mesh import MeshSpec, measure_quality, mesh_dome
 
 DIALECTS = [("abaqus", "solid"), ("abaqus", "shell"), ("calculix", "solid")]
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
@@ -122,7 +121,7 @@ def test_a_deck_ends_where_the_wall_reaches_the_clamp() -> None:
     mesh = mesh_dome(build_dome(DomeSpec(height=10, thickness=1)), MeshSpec(cells=6))
     text = deck_text(mesh, SILICONE, WallSpec(tilt_deg=10), DeckSpec())
     times = next(card for card in cards(text) if card.keyword == "TIME POINTS")
-    assert float(times.data[-1][0]) == pytest.approx(clamp_depth(mesh.dome, np.radians(10), Rim.FLAT))
+    assert float(times.data[-1][0]) == pytest.approx(mesh.dome.clamp_depth(np.radians(10), Rim.FLAT))
 
 
 @dataclass(frozen=True)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import BoolArray, FloatArray
-from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, assemble_contact
-from palpate.fea.element import System
-from palpate.fea.linear import LinearSolver, SingularMatrixError
-from palpate.fea.solid import Solid, State
+from palpate.core import FloatArray
+from palpate.mechanics.element import System
+from palpate.mechanics.linear import LinearSolver, SingularMatrixError
+from palpate.mechanics.solid import Body, State
+from palpate.mechanics.term import Assembly, Term
 
 _TRIALS = 5
 """Most trials of a line search."""
@@ -34,22 +35,6 @@ class Outcome(StrEnum):
     SINGULAR = "singular matrix"
 
 
-@dataclass(frozen=True)
-class Damping:
-    """Viscous term of a pseudo-time step, ``c/2 |u - u0|²`` weighted by nodal volume.
-
-    Attributes
-    ----------
-    coefficient
-        c, MPa/mm² (zero: none).
-    origin
-        (n, 3) mm, u0.
-    """
-
-    coefficient: float
-    origin: FloatArray
-
-
 class Loads(NamedTuple):
     """What a state stores and bears, of the modelled part.
 
@@ -57,14 +42,14 @@ class Loads(NamedTuple):
     ----------
     elastic
         Stored elastic energy, mJ; infinite where a cell is turned inside out.
-    contact
-        Energy of the contact penalty and of sticking springs, mJ.
+    potential
+        Energy of the other terms, mJ: contact penalty and sticking springs, dead loads.
     force
-        (3,) N on the wall.
+        (3,) N on the obstacle.
     """
 
     elastic: float
-    contact: float
+    potential: float
     force: FloatArray
 
 
@@ -104,93 +89,63 @@ class Equilibrium:
         return self.outcome is Outcome.CONVERGED
 
 
-class ContactProblem:
-    """A solid pressed by a plane: assembles and solves one increment at a time.
+class Problem:
+    """A body and the terms that act on it: assembles and solves one increment at a time.
 
     Parameters
     ----------
-    solid
+    body
         The body.
-    surface
-        Its outer surface.
-    law
-        Contact law.
     linear
         Sparse solver; analysed here once.
     tolerance
         Greatest out-of-balance force in N at convergence.
-    thickness
-        Thickness of the wall in mm, the scale of steps and shifts.
+    length
+        Thickness of the body in mm, the scale of steps and shifts.
     """
 
-    def __init__(
-        self,
-        solid: Solid,
-        surface: OuterSurface,
-        law: ContactLaw,
-        linear: LinearSolver,
-        tolerance: float,
-        thickness: float,
-    ) -> None:
-        self.solid, self.surface, self.law, self.linear, self.tolerance = (
-            solid,
-            surface,
-            law,
-            linear,
-            tolerance,
+    def __init__(self, body: Body, linear: LinearSolver, tolerance: float, length: float) -> None:
+        self.body, self.linear, self.tolerance, self.length = body, linear, tolerance, length
+        linear.analyze(body.pattern)
+        self._system = System(np.empty(len(body.pattern.column)), np.empty(body.nodes.size))
+        self._assembly = Assembly(
+            nodes=body.nodes,
+            free=body.free,
+            place=body.place,
+            diagonal=body.pattern.start[:-1],
+            volume=body.nodal_volume,
+            system=self._system,
         )
-        linear.analyze(solid.pattern)
-        self._system = System(np.empty(len(solid.pattern.column)), np.empty(solid.nodes.size))
-        self._volume = np.zeros(len(solid.nodes))
-        np.add.at(self._volume, solid.cells.nodes, np.einsum("eg,ga->ea", solid.cells.weight, solid.shape**2))
-        self._diagonal = solid.pattern.start[:-1]
-        self.thickness = thickness
 
-    def assemble(self, state: State, plane: Plane, touch: Touch) -> Loads:
-        """Assemble tangent and residual of solid and contact."""
-        solid, system = self.solid, self._system
-        system.data[:] = 0.0
-        system.residual[:] = 0.0
-        energy = solid.assemble(state, system)
-        if not np.isfinite(energy):
-            return Loads(energy, 0.0, np.zeros(3))
-        obstacle = (plane, self.law, touch)
-        contact, force = assemble_contact(
-            self.surface.faces, solid.cells.place, solid.nodes + state.u, obstacle, system
-        )
-        return Loads(energy, contact, force)
-
-    def _add_damping(self, state: State, damping: Damping) -> None:
-        viscous = damping.coefficient * np.repeat(self._volume, 3)
-        residual = self._system.residual
-        residual += viscous * (state.u - damping.origin).ravel()
-        self._system.data[self._diagonal] += viscous[self.solid.free]
+    def assemble(self, state: State, terms: Sequence[Term]) -> Loads:
+        """Assemble tangent and residual of the body and all terms."""
+        self._system.data[:] = 0.0
+        self._system.residual[:] = 0.0
+        energy, potential, force = self.body.assemble(state, self._system), 0.0, np.zeros(3)
+        if np.isfinite(energy):
+            for term in terms:
+                share = term.assemble(state, self._assembly)
+                potential += share.energy
+                force += share.force
+        return Loads(energy, potential, force)
 
     def solve(
-        self,
-        start: State,
-        plane: Plane,
-        touch: Touch,
-        iterations: int,
-        damping: Damping | None = None,
-        slack: float = 1.0,
+        self, start: State, terms: Sequence[Term], iterations: int, slack: float = 1.0, *, descend: bool = False
     ) -> Equilibrium:
-        """Find the equilibrium near `start` with the wall at `plane`.
+        """Find the equilibrium near `start`.
 
         Parameters
         ----------
         start
             Predicted state.
-        plane
-            The wall.
-        touch
-            What the contact points remember.
+        terms
+            What acts on the body.
         iterations
             Most Newton iterations.
-        damping
-            Viscous term of a pseudo-time step.
         slack
             Factor on the tolerance.
+        descend
+            Whether every step goes downhill, as to a minimum: an indefinite tangent is shifted.
 
         Returns
         -------
@@ -199,11 +154,11 @@ class ContactProblem:
         """
         state, pivots = start, -1
         history: list[float] = []
-        loads = self._assemble_all(state, plane, touch, damping)
+        loads = self.assemble(state, terms)
         for iteration in range(iterations + 1):
             if not np.isfinite(loads.elastic):
                 return self._end(Outcome.INVERTED_CELL, state, loads, history, pivots)
-            residual = self._system.residual[self.solid.free]
+            residual = self._system.residual[self.body.free]
             history.append(float(np.abs(residual).max(initial=0.0)))
             if not np.isfinite(history[-1]):
                 return self._end(Outcome.DIVERGED, state, loads, history, pivots)
@@ -212,74 +167,55 @@ class ContactProblem:
             if iteration == iterations:
                 break
             try:
-                pivots, step = self._direction(residual, descend=damping is not None)
+                pivots, step = self._direction(residual, descend=descend)
             except SingularMatrixError:
                 return self._end(Outcome.SINGULAR, state, loads, history, pivots)
-            state, loads = self._search(state, step, float(residual @ step), plane, touch, damping)
+            state, loads = self._search(state, step, float(residual @ step), terms)
         return self._end(Outcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
 
-    def glue(self, start: State, plane: Plane, touch: Touch, touching: BoolArray) -> State:
-        """One linear step in which points that are `touching` (n_points,) cannot leave the wall.
-
-        An extrapolated state has lost the wall here and there by micrometres; without those points the tangent
-        is nearly singular, and Newton's first steps are lost on it.
-        """
-        glued = touch._replace(hold=np.where(touching, self.law.stiffness, touch.hold))
-        if not np.isfinite(self.assemble(start, plane, glued).elastic):
+    def step(self, start: State, terms: Sequence[Term]) -> State:
+        """One linear step from `start`, no longer than the body is thick; `start` itself where there is none."""
+        if not np.isfinite(self.assemble(start, terms).elastic):
             return start
         try:
-            _, step = self._direction(self._system.residual[self.solid.free], descend=False)
+            _, step = self._direction(self._system.residual[self.body.free], descend=False)
         except SingularMatrixError:
             return start
         du = self._scatter(step)
-        factor = min(1.0, self.thickness / max(float(np.abs(du).max()), 1e-300))
-        return start.moved(du, self.solid.recover_pressure(du), factor)
+        factor = min(1.0, self.length / max(float(np.abs(du).max()), 1e-300))
+        return start.moved(du, self.body.recover_pressure(du), factor)
 
     def _scatter(self, step: FloatArray) -> FloatArray:
         """Displacement (n, 3) mm of a step of the free degrees of freedom."""
-        du = np.zeros(self.solid.nodes.shape)
-        du.ravel()[self.solid.free] = step
+        du = np.zeros(self.body.nodes.shape)
+        du.ravel()[self.body.free] = step
         return du
-
-    def _assemble_all(self, state: State, plane: Plane, touch: Touch, damping: Damping | None) -> Loads:
-        loads = self.assemble(state, plane, touch)
-        if damping is not None and np.isfinite(loads.elastic):
-            self._add_damping(state, damping)
-        return loads
 
     def _direction(self, residual: FloatArray, *, descend: bool) -> tuple[int, FloatArray]:
         """Newton step and negative pivots of the tangent; to `descend`, an indefinite tangent is shifted first."""
         pivots = negative = self.linear.refactor(self._system.data)
-        shift = _FIRST_SHIFT * self.solid.material.law.shear_modulus / self.thickness**2
+        shift = _FIRST_SHIFT * self.body.shear_modulus / self.length**2
         for _ in range(_SHIFTS if descend else 0):
             if negative <= 0:
                 break
-            self._system.data[self._diagonal] += shift * np.repeat(self._volume, 3)[self.solid.free]
+            self._system.data[self._assembly.diagonal] += shift * np.repeat(self._assembly.volume, 3)[self.body.free]
             negative = self.linear.refactor(self._system.data)
             shift *= 9.0
         return pivots, self.linear.solve(-residual)
 
-    def _search(
-        self,
-        state: State,
-        step: FloatArray,
-        slope: float,
-        plane: Plane,
-        touch: Touch,
-        damping: Damping | None,
-    ) -> tuple[State, Loads]:
+    def _search(self, state: State, step: FloatArray, slope: float, terms: Sequence[Term]) -> tuple[State, Loads]:
         """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
         du = self._scatter(step)
-        dp = self.solid.recover_pressure(du)
-        factor = min(1.0, self.thickness / max(float(np.abs(du).max()), 1e-300))
+        dp = self.body.recover_pressure(du)
+        factor = min(1.0, self.length / max(float(np.abs(du).max()), 1e-300))
         low, low_slope = 0.0, slope
         for trial in range(_TRIALS):
             moved = state.moved(du, dp, factor)
-            loads = self._assemble_all(moved, plane, touch, damping)
+            loads = self.assemble(moved, terms)
             if not np.isfinite(loads.elastic):
                 factor *= 0.5
                 continue
-            here = float(self._system.residual[self.solid.free] @ step)
+            here = float(self._system.residual[self.body.free] @ step)
             if trial == _TRIALS - 1:
                 break
             if slope >= 0:  # toward a saddle there is no minimum to bracket; the step must only not blow up

@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse as sparse
 
 from palpate.core import PalpateError
-from palpate.fea.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
+from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
 
 
 def random_matrix(size: int, negative: int, seed: int = 0) -> sparse.csr_matrix:

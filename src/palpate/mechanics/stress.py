@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray, kernel
-from palpate.fea.element import NODES, PRESSURES, Cells, Constitution, add_volumetric, deformation
-from palpate.fea.solid import Solid, State
 from palpate.material import isochoric
+from palpate.mechanics.element import NODES, PRESSURES, Cells, Constitution, add_volumetric, deformation
+from palpate.mechanics.solid import Solid, State
 
 
 def cauchy_stress(solid: Solid, state: State) -> FloatArray:

@@ -15,27 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from palpate.cad.outline import Arc, Curve, Outline, Point
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra
-
-Point = tuple[float, float]
-"""(x, z) or (x, y) in mm."""
 
 _LINEAR_MM, _ANGULAR_RAD = 0.01, 0.1
 """Greatest distance and angle between a mesh and its solid."""
 _MERGE_MM = 1e-6
 _CURVE_POINTS = 40
-
-
-@dataclass(frozen=True)
-class Arc:
-    """An arc of an outline: through one point to its end, both (x, z) or (x, y) mm."""
-
-    through: Point
-    end: Point
-
-
-Outline = Sequence[Point | Arc]
-"""A closed outline: a point, then straight lines to points and arcs; the last one is joined to the first."""
 
 
 @dataclass(frozen=True)
@@ -236,13 +222,15 @@ def read_step(path: Path) -> dict[str, Solid]:
 def _face(outline: Outline, place: Any) -> Any:
     cad = _cad()
     first = outline[0]
-    if isinstance(first, Arc):
-        raise PalpateError("An outline begins with an arc.", "Begin with a point.")
+    if isinstance(first, Arc | Curve):
+        raise PalpateError("An outline begins with an arc or a curve.", "Begin with a point.")
     edges, here = [], first
     for item in [*outline[1:], first]:
-        end = item.end if isinstance(item, Arc) else item
+        end = item.end if isinstance(item, Arc | Curve) else item
         if isinstance(item, Arc):
             edges.append(cad.Edge.make_three_point_arc(place(here), place(item.through), place(end)))
+        elif isinstance(item, Curve):
+            edges.append(cad.Edge.make_spline([place(point) for point in (here, *item.through)]))
         elif np.hypot(end[0] - here[0], end[1] - here[1]) > _MERGE_MM:
             edges.append(cad.Edge.make_line(place(here), place(end)))
         here = end

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.fea.element import (
+from palpate.material import Material
+from palpate.mechanics.element import (
     DOFS,
     PRESSURES,
     Cells,
@@ -17,8 +20,7 @@ from palpate.fea.element import (
     assemble_cells,
     recover_pressure,
 )
-from palpate.fea.linear import Pattern
-from palpate.material import Material
+from palpate.mechanics.linear import Pattern
 from palpate.mesh import gauss_points, shape_hexahedron
 
 GAUSS = (3, 3, 3)
@@ -44,7 +46,47 @@ class State:
         return State(self.u + factor * du, self.p + factor * dp)
 
 
-class Solid:
+class Body(ABC):
+    """What Newton's method asks of a body: unknowns, their couplings, and the energy with its derivatives.
+
+    Attributes
+    ----------
+    nodes
+        (n, 3) mm, undeformed.
+    free
+        (n_free,) numbers of the free ones of the 3 n displacement components.
+    pattern
+        Sparse upper triangle of their couplings.
+    place
+        (n_cells, 3321) place in it of every entry of a cell's upper triangle, -1 for none.
+    nodal_volume
+        (n,) mm³ that each node stands for.
+    shear_modulus
+        MPa, the scale of the tangent.
+    """
+
+    nodes: FloatArray
+    free: IntArray
+    pattern: Pattern
+    place: IntArray
+    nodal_volume: FloatArray
+    shear_modulus: float
+
+    @abstractmethod
+    def rest(self) -> State:
+        """State at rest."""
+
+    @abstractmethod
+    def assemble(self, state: State, system: System) -> float:
+        """Add tangent and residual to `system`; return the stored energy, mJ, infinite where a cell is inverted."""
+
+    @abstractmethod
+    def recover_pressure(self, du: FloatArray) -> FloatArray:
+        """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
+
+
+@final
+class Solid(Body):
     """A body of 27-node hexahedra with prescribed degrees of freedom.
 
     Parameters
@@ -80,6 +122,10 @@ class Solid:
             inverse_mass=np.linalg.inv(mass),
             place=place,
         )
+        self.place = place
+        self.nodal_volume = np.zeros(len(nodes))
+        np.add.at(self.nodal_volume, cells, np.einsum("eg,ga->ea", self.cells.weight, self.shape**2))
+        self.shear_modulus = material.law.shear_modulus
         law = material.law
         self.constitution = Constitution(law.code, law.parameters, material.bulk_modulus)
         self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
@@ -90,21 +136,12 @@ class Solid:
         return len(self.free)
 
     def rest(self) -> State:
-        """State at rest."""
         return State(np.zeros_like(self.nodes), np.zeros((len(self.cells.nodes), PRESSURES)))
 
     def assemble(self, state: State, system: System) -> float:
-        """Add condensed tangent and residual to `system`.
-
-        Returns
-        -------
-        float
-            Stored energy, mJ; infinite where a cell is inverted.
-        """
         return assemble_cells(self.cells, self.constitution, state.u, state.p, system, self._condensed)
 
     def recover_pressure(self, du: FloatArray) -> FloatArray:
-        """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
         dp = np.empty((len(self.cells.nodes), PRESSURES))
         recover_pressure(self.cells, self.constitution.bulk, self._condensed, du, dp)
         return dp

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from palpate.fea.element import assemble_cells
+from palpate.mechanics.element import assemble_cells
 
 
 def kernels_compiled() -> bool:

@@ -3,10 +3,10 @@
 import numpy as np
 
 from palpate.design import DomeSpec, build_dome
-from palpate.fea.element import System
-from palpate.fea.solid import Solid, State
-from palpate.fea.stress import cauchy_stress
 from palpate.material import get_material
+from palpate.mechanics.element import System
+from palpate.mechanics.solid import Solid, State
+from palpate.mechanics.stress import cauchy_stress
 from palpate.mesh import MeshSpec, mesh_dome
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")

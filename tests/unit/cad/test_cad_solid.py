@@ -3,24 +3,9 @@
 import numpy as np
 import pytest
 
+from palpate.cad import Solid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
 from palpate.core import PalpateError
-from palpate.design import (
-    DomeSpec,
-    MountSpec,
-    Solid,
-    SurfaceMesh,
-    box,
-    build_dome,
-    build_module,
-    build_solid,
-    cylinder,
-    extrude,
-    follow_meridian,
-    gather,
-    read_step,
-    revolve,
-    write_step,
-)
+from palpate.design import DomeSpec, MountSpec, build_dome, build_module, build_solid
 
 pytest.importorskip("build123d")
 
@@ -108,9 +93,9 @@ def test_two_bodies_apart_have_nothing_in_common() -> None:
         box((0, 0, 0), (1, 1, 1)).common(box((2, 2, 2), (3, 3, 3)))
 
 
-def test_follow_meridian_lies_on_the_sphere_and_ends_on_base_or_axis() -> None:
+def test_a_meridian_lies_on_the_sphere_and_ends_on_base_or_axis() -> None:
     dome = build_dome(DomeSpec(height=30, thickness=2))
-    down, back = (follow_meridian(dome, dome.outer_radius, down=way) for way in (True, False))
+    (down,), (back,) = (dome.meridian(dome.thickness, down=way) for way in (True, False))
     for x, z in (down.through, down.end, back.end):
         assert np.hypot(x, z - dome.center_z) == pytest.approx(dome.outer_radius)
     assert down.end == pytest.approx((dome.outer_base_radius, 0.0), abs=1e-9)
