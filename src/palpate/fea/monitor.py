@@ -50,6 +50,8 @@ class SkinMonitor(Monitor):
         mm.
     unit
         Factor on lengths, as in `palpate.mechanics.continuation`.
+    centre
+        (3,) mm, undeformed centre of the contact patch where symmetry tells it; else it is that of the points.
     """
 
     solid: Solid
@@ -58,6 +60,7 @@ class SkinMonitor(Monitor):
     normal: FloatArray
     thickness: float
     unit: float
+    centre: FloatArray | None = None
 
     @property
     def modulus(self) -> float:  # type: ignore[override]
@@ -78,7 +81,7 @@ class SkinMonitor(Monitor):
     def stabilisation(self, at: float, state: State) -> FloatArray | None:
         if at <= _PULL_FROM * self.thickness:
             return None
-        middle = patch_middle(self.loading.surface.points, self.normal, self.loading.touching(at, state))
+        middle = patch_middle(self.loading.surface.points, self.normal, self.loading.touching(at, state), self.centre)
         return np.where(middle, _PULL * self.loading.law.stiffness, 0.0)
 
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
@@ -106,7 +109,9 @@ class SkinMonitor(Monitor):
         )
 
 
-def patch_middle(place: FloatArray, normal: FloatArray, touching: BoolArray) -> BoolArray:
+def patch_middle(
+    place: FloatArray, normal: FloatArray, touching: BoolArray, centre: FloatArray | None = None
+) -> BoolArray:
     """Points in the middle of the contact patch.
 
     Parameters
@@ -117,6 +122,8 @@ def patch_middle(place: FloatArray, normal: FloatArray, touching: BoolArray) -> 
         (3,) normal of the wall.
     touching
         (n,) bool, points in contact.
+    centre
+        (3,) mm, of the patch; without it the mean of the points along the tilt.
 
     Returns
     -------
@@ -130,8 +137,7 @@ def patch_middle(place: FloatArray, normal: FloatArray, touching: BoolArray) -> 
     along /= np.linalg.norm(along)
     across = np.cross(normal, along)
     flat = np.column_stack([place @ along, np.abs(place @ across)])
-    centre = np.array([flat[touching, 0].mean(), 0.0])
-    arm = flat - centre
+    arm = flat - np.array([flat[touching, 0].mean() if centre is None else centre @ along, 0.0])
     radius = np.hypot(arm[:, 0], arm[:, 1])
     sector = np.minimum((np.arctan2(arm[:, 1], arm[:, 0]) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
     there = [k for k in range(_SECTORS) if (sector == k).any()]  # a model of a quarter has no others

@@ -1,4 +1,4 @@
-"""Press a body from above by a rigid frictionless plane: the product's contact and continuation on other bodies."""
+"""Press a body from above by a rigid frictionless obstacle: the product's continuation on other bodies."""
 
 from __future__ import annotations
 
@@ -23,21 +23,23 @@ from palpate.mechanics import (
 )
 
 DOWN = np.array([0.0, 0.0, 1.0])
-"""Normal of the plane, away from the body below it."""
-_STEPS = SolverSpec(first_step=1.0, largest_step=1.0, smallest_step=1e-4, iterations=60, adhesion=0.1)
+"""Normal of the obstacle, away from the body below it."""
+_STEPS = SolverSpec(largest_step=10.0, smallest_step=1e-4, iterations=60, adhesion=0.1)
+_THICKNESS = 2.0
+"""Size in mm of a body whose increments are those of a `SolverSpec`: a usual thickness of a dome."""
 
 
 class Pressing:
-    """A body under a plane that comes down.
+    """A body under an obstacle that comes down.
 
     Parameters
     ----------
     solid
         The body.
     outer
-        (k,) cells whose face zeta = +1 may touch the plane.
-    top
-        Height of the plane at first touch, mm.
+        (k,) cells whose face zeta = +1 may touch.
+    obstacle
+        What presses, at first touch; or the height of a plane there, mm.
     contact
         Contact stiffness, MPa/mm, and width of its smooth start, mm.
     tolerance
@@ -50,7 +52,7 @@ class Pressing:
         self,
         solid: Solid,
         outer: IntArray,
-        top: float,
+        obstacle: Obstacle | float,
         contact: tuple[float, float],
         tolerance: float,
         size: float,
@@ -59,17 +61,20 @@ class Pressing:
         self.surface = OuterSurface(solid.nodes, solid.cells.nodes[outer][:, 18:27], outer)
         self.law = ContactLaw(stiffness=contact[0], width=contact[1], tangential_stiffness=1.0, friction=0.0)
 
-        def plane(depth: float) -> Obstacle:
-            return Plane(normal=DOWN, point=np.array([0.0, 0.0, top - depth]))
+        first = Plane(DOWN, obstacle * DOWN) if isinstance(obstacle, float) else obstacle
 
-        self.loading = ContactLoading(solid.nodes, self.surface, self.law, plane)
+        def lowered(depth: float) -> Obstacle:
+            return first.moved(-depth * DOWN)
+
+        self.loading = ContactLoading(solid.nodes, self.surface, self.law, lowered)
         self.problem = Problem(solid, make_linear_solver(), tolerance, size)
 
     def start(self, length: float, *, stabilised: bool = False) -> Continuation:
-        """A path from rest whose increments are at most `length` mm; contact is stabilised if wished."""
-        probe = int(self.surface.points[:, 2].argmax())
-        monitor = SkinMonitor(self.solid, self.loading, probe, DOWN, self.size, length)
-        path = Continuation(self.problem, self.loading, monitor, _STEPS, unit=length, jumps=False)
+        """A path from rest whose first increment is `length` mm; contact is stabilised if wished."""
+        probe, unit = int(self.surface.points[:, 2].argmax()), self.size / _THICKNESS
+        monitor = SkinMonitor(self.solid, self.loading, probe, DOWN, self.size, unit, np.zeros(3))
+        spec = _STEPS.model_copy(update={"first_step": min(length / unit, _STEPS.largest_step)})
+        path = Continuation(self.problem, self.loading, monitor, spec, unit=unit, jumps=False)
         if not stabilised:
             path.release()
         return path
@@ -99,7 +104,7 @@ class Pressing:
         return path
 
     def reach(self, found: Increment) -> FloatArray:
-        """Depth (n_points,) in mm of every contact point inside the plane, negative before it."""
+        """Depth (n_points,) in mm of every contact point inside the obstacle, negative before it."""
         return self.loading.reach(found.depth, found.state)
 
 

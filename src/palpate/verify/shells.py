@@ -31,8 +31,8 @@ RATIOS = (20.0, 50.0, 100.0)
 """R/h of the shells."""
 _TOLERANCE, _THICK = 2e-2, 20.0
 """Tolerance of forces, and the R/h at which h/R is added to it: so far is thin-shell theory off (Koiter 1960)."""
-_ONSET, _EXACT = 0.1, 0.01
-"""Tolerance of the travel from which the cap stays inverted, and the last increments of drawing back, over h."""
+_ONSET, _EXACT = 0.1, 0.02
+"""Tolerance of the travel from which the cap stays inverted, over h; last increments of drawing back, over h/2."""
 _DRAWN_BACK = 4.0
 """Travel over h from which the plate is drawn back."""
 _CELLS = {"flat": 40, "dimple": 110}
@@ -87,7 +87,7 @@ def dimple_onset(ratio: float) -> list[Row]:
         depth = _DRAWN_BACK * pressing.size
         path = pressing.relax(depth, _mirrored(pressing, depth) if shape is None else shape)
         shape = path.last.state.u
-        path.spec = path.spec.model_copy(update={"first_step": 0.2, "largest_step": 0.2, "smallest_step": _EXACT})
+        path.spec = path.spec.model_copy(update={"first_step": 0.4, "largest_step": 0.4, "smallest_step": _EXACT})
         path.restart()
         path.advance(0.0)
         expected = data["delta_over_h"].min()
