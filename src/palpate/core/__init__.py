@@ -6,6 +6,7 @@ from palpate.core.kernel import kernel
 from palpate.core.outside_links import refuse_outside_links
 from palpate.core.parameter import ParameterNote, Spec, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
+from palpate.core.registry import Registry
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
 from palpate.core.store_care import Broken, Removal, Stored, check_store, clean_store, list_store
@@ -17,6 +18,7 @@ __all__ = [
     "PalpateError",
     "ParameterNote",
     "Recipe",
+    "Registry",
     "Removal",
     "Spec",
     "StoreError",
