@@ -13,9 +13,10 @@ from palpate.fea.element import (
     PRESSURES,
     Cells,
     Condensed,
-    Constitution,
+    Response,
     System,
     assemble_cells,
+    deform_cells,
     recover_pressure,
 )
 from palpate.fea.linear import Pattern
@@ -81,8 +82,7 @@ class Solid:
             inverse_mass=np.linalg.inv(mass),
             place=place,
         )
-        law = material.law
-        self.constitution = Constitution(law.code, law.parameters, material.bulk_modulus)
+        self._F = np.empty((*weight.shape, 3, 3))
         self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
 
     @property
@@ -102,12 +102,24 @@ class Solid:
         float
             Stored energy, mJ; infinite where a cell is inverted.
         """
-        return assemble_cells(self.cells, self.constitution, state.u, state.p, system, self._condensed)
+        response = self.respond(state)
+        if response is None:
+            return np.inf
+        return assemble_cells(self.cells, response, self.material.bulk_modulus, state.p, system, self._condensed)
+
+    def respond(self, state: State) -> Response | None:
+        """What the law answers at the Gauss points; `None` where a cell is turned inside out."""
+        if not deform_cells(self.cells, state.u, self._F):
+            return None
+        found = self.material.evaluate(self._F.reshape(-1, 3, 3))
+        energy, tau, c = (np.require(each, np.float64, ("C", "W")) for each in found)  # a law may be another's
+        shape = self.cells.weight.shape
+        return Response(self._F, energy.reshape(shape), tau.reshape(*shape, 6), c.reshape(*shape, 6, 6))
 
     def recover_pressure(self, du: FloatArray) -> FloatArray:
         """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
         dp = np.empty((len(self.cells.nodes), PRESSURES))
-        recover_pressure(self.cells, self.constitution.bulk, self._condensed, du, dp)
+        recover_pressure(self.cells, self.material.bulk_modulus, self._condensed, du, dp)
         return dp
 
 
