@@ -6,10 +6,10 @@ from palpate.camera.calibrate import CalibrateSpec, calibrate_camera
 from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
-from palpate.camera.distortion import Distortion
 from palpate.camera.draw_board import board_size, draw_board, write_board
 from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.find_board import find_board
+from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import list_images, read_image, replay_images
 from palpate.camera.render import RenderSpec, centre_bias, dot_edges, edge_offsets, render
@@ -18,14 +18,15 @@ from palpate.camera.spec import CameraSpec
 
 __all__ = [
     "BOARDS",
+    "LENSES",
     "BoardSpec",
     "CalibrateSpec",
     "Calibration",
     "Camera",
     "CameraSpec",
-    "Distortion",
     "EventSpec",
     "Events",
+    "Lens",
     "RenderSpec",
     "Source",
     "board_points",

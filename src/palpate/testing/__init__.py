@@ -4,5 +4,6 @@ A test class inherits a suite and gives its fixtures; pytest, which this room al
 """
 
 from palpate.testing.law import LawSuite
+from palpate.testing.lens import LensSuite
 
-__all__ = ["LawSuite"]
+__all__ = ["LawSuite", "LensSuite"]

@@ -9,7 +9,9 @@ from palpate.camera import (
     BOARDS,
     BoardSpec,
     CalibrateSpec,
+    CameraSpec,
     board_points,
+    build_camera,
     calibrate_camera,
     find_board,
     list_images,
@@ -83,7 +85,7 @@ def _calibrate_points(seen, board):
         return calibrate_camera([(str(k), blank) for k in range(len(seen))], CalibrateSpec(board=board, fix_k3=True))
 
 
-def test_a_fisheye_is_found_and_cannot_pass_for_a_pinhole(tmp_path):
+def test_a_fisheye_is_found_used_by_the_camera_and_cannot_pass_for_a_pinhole(tmp_path):
     board = BOARDS["chessboard"]
     points, rng = board_points(board), generator(1, "fisheye")
     lens = np.array([-0.048, 0.011, -0.055, 0.021])
@@ -101,9 +103,17 @@ def test_a_fisheye_is_found_and_cannot_pass_for_a_pinhole(tmp_path):
         found = calibrate_camera([(str(k), blank) for k in range(14)], CalibrateSpec(board=board, lens="fisheye"))
     assert found.model == "equidistant"
     np.testing.assert_allclose(found.intrinsics_px, TRUE, rtol=0.005)
-    with pytest.raises(PalpateError, match="fisheye calibration cannot be used"):
-        found.camera_spec()
     write_calibration(tmp_path / "fisheye.yaml", found)
+    spec = read_calibration(tmp_path / "fisheye.yaml").camera_spec(CameraSpec(distance=30.0))
+    assert spec == found.camera_spec(CameraSpec(distance=30.0))
+    assert spec.lens == "kannala-brandt"
+    domed = rng.uniform([-20, -20, 1], [20, 20, 25], (200, 3))
+    fx, fy, cx, cy = found.intrinsics_px
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    expected, _ = cv2.fisheye.projectPoints(
+        domed[None], np.zeros(3), np.array([0, 0, 30.0]), matrix, found.distortion
+    )
+    np.testing.assert_allclose(build_camera(spec).project(domed), expected[0], atol=1e-3)
     text = (tmp_path / "fisheye.yaml").read_text().replace("equidistant", "plumb_bob")
     (tmp_path / "mixed.yaml").write_text(text)
     with pytest.raises(PalpateError, match="4 coefficients for the lens model plumb_bob"):
