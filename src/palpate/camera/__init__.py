@@ -13,12 +13,13 @@ from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import list_images, read_image, replay_images
 from palpate.camera.render import RenderSpec, centre_bias, dot_edges, edge_offsets, render
-from palpate.camera.source import Source, open_source
+from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
 
 __all__ = [
     "BOARDS",
     "LENSES",
+    "SOURCES",
     "BoardSpec",
     "CalibrateSpec",
     "Calibration",
@@ -45,6 +46,7 @@ __all__ = [
     "read_board",
     "read_calibration",
     "read_image",
+    "recording_suffixes",
     "render",
     "replay_images",
     "stream_events",

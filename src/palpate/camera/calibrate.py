@@ -19,8 +19,7 @@ from palpate.camera.find_board import find_board
 from palpate.camera.lens import Lens
 from palpate.camera.lenses.brown import Brown
 from palpate.camera.lenses.kannala_brandt import KannalaBrandt
-from palpate.camera.opencv import load
-from palpate.core import PalpateError, Spec, parameter
+from palpate.core import PalpateError, Spec, load_opencv, parameter
 
 Array = NDArray[np.float64]
 _CELLS = (6, 8)
@@ -138,7 +137,7 @@ def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: Calib
 
 
 def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Found:
-    cv2 = load()
+    cv2 = load_opencv()
     points = [view.points.astype(np.float32).reshape(-1, 1, 3) for view in views]
     pixels = [view.pixels.astype(np.float32).reshape(-1, 1, 2) for view in views]
     try:
@@ -163,7 +162,7 @@ def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Fou
 
 
 def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) -> _Found:
-    cv2 = load()
+    cv2 = load_opencv()
     # OpenCV 5 moved the flags out of the fisheye's own list
     door = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
     flags = door.CALIB_RECOMPUTE_EXTRINSIC | door.CALIB_FIX_SKEW | door.CALIB_USE_INTRINSIC_GUESS

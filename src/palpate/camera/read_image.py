@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera.opencv import load
-from palpate.core import PalpateError, load_extra
+from palpate.core import PalpateError, load_extra, load_opencv
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
@@ -44,7 +43,7 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
         raise PalpateError(
             f"{path.name} has {width} × {height} px, more than {largest_mpx:g} million.", "Shrink the image."
         )
-    cv2 = load()
+    cv2 = load_opencv()
     image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
     if image is None:
         raise PalpateError(f"{path.name} cannot be decoded: it is cut off or damaged.", "Save it again.")

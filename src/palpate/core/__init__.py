@@ -1,7 +1,7 @@
 """What every stage stands on: parameters, errors, seeds, the artefact store, provenance. No physics."""
 
 from palpate.core.errors import MissingExtraError, PalpateError
-from palpate.core.extra import load_extra
+from palpate.core.extra import load_extra, load_opencv
 from palpate.core.kernel import kernel
 from palpate.core.outside_links import refuse_outside_links
 from palpate.core.parameter import ParameterNote, Spec, parameter, parameters
@@ -31,6 +31,7 @@ __all__ = [
     "kernel",
     "list_store",
     "load_extra",
+    "load_opencv",
     "parameter",
     "parameters",
     "provenance",
