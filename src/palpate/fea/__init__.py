@@ -9,7 +9,7 @@ from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
 from palpate.fea.element import System
 from palpate.fea.export import check_export, export_press
 from palpate.fea.io import read_press, write_press
-from palpate.fea.linear import make_linear_solver, solver_backends
+from palpate.fea.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
 from palpate.fea.newton import ContactProblem, Damping, Equilibrium
 from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.press import FEA_VERSION, Branch, Ended, Press
@@ -32,10 +32,13 @@ __all__ = [
     "Dialect",
     "Ended",
     "Equilibrium",
+    "LinearSolver",
     "MeshResult",
     "OuterSurface",
+    "Pattern",
     "Plane",
     "Press",
+    "SingularMatrixError",
     "Solid",
     "SolverSpec",
     "Stability",
