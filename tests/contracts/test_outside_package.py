@@ -50,12 +50,17 @@ def test_the_guest_passes_the_published_suites(installed: Path) -> None:
 
 
 def test_the_guests_law_and_lens_are_known_on_the_command_line_and_in_a_study(installed: Path) -> None:
-    shown = run(installed, "-c", "from palpate.cli import main; main()", "material", "show", "carroll:0.008,0.00001,0.006")
+    shown = run(
+        installed, "-c", "from palpate.cli import main; main()", "material", "show", "carroll:0.008,0.00001,0.006"
+    )
     assert shown.returncode == 0, shown.stderr
     assert "carroll" in shown.stdout
     camera = "from palpate.camera import CameraSpec, build_camera; "
     made = run(installed, "-c", camera + "print(build_camera(CameraSpec(lens='division', distortion=[-0.2])).lens)")
     assert made.stdout.strip() == "Division(k=-0.2)"
+    (installed / "mine.yaml").write_text("name: mine\ncamera:\n  lens: division\n  distortion: [-0.2]\n")
+    read = "from palpate.study import read_study; print(read_study('mine.yaml').camera.model_dump_json())"
+    assert '"lens":"division","distortion":[-0.2]' in run(installed, "-c", read).stdout
 
 
 def test_without_the_guest_its_names_are_unknown_and_the_group_is_named(tmp_path: Path) -> None:

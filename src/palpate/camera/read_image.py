@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -64,11 +63,6 @@ def list_images(folder: Path) -> tuple[Path, ...]:
     if not found:
         raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.")
     return found
-
-
-def replay_images(folder: Path) -> Iterator[NDArray[Any]]:
-    """The images of a folder one by one, as a camera would give them."""
-    return (read_image(path) for path in list_images(folder))
 
 
 def _read_size(path: Path) -> tuple[int, int]:

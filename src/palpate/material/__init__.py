@@ -9,17 +9,16 @@ from palpate.material.fit_material import fit_material
 from palpate.material.io import read_material, write_material
 from palpate.material.law import DeckLine, Law, Model
 from palpate.material.laws.neo_hooke import NeoHooke
-from palpate.material.make_law import LAWS, law_from_numbers, list_models
-from palpate.material.material import DEFAULT_BULK_RATIO, Material
+from palpate.material.make_law import LAWS, list_models
+from palpate.material.material import Material
 from palpate.material.model import LinearModel
-from palpate.material.prepare import average_samples, prepare_sample
+from palpate.material.prepare import prepare_sample
 from palpate.material.rank import predict_unseen, rank_models
 from palpate.material.read_bench import read_bench
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec, Weighting
 
 __all__ = [
-    "DEFAULT_BULK_RATIO",
     "LAWS",
     "BenchSpec",
     "Curve",
@@ -36,12 +35,10 @@ __all__ = [
     "PrepareSpec",
     "Sample",
     "Weighting",
-    "average_samples",
     "draw_fit",
     "find_stable_ranges",
     "fit_material",
     "get_material",
-    "law_from_numbers",
     "list_materials",
     "list_models",
     "material_from_data",

@@ -10,7 +10,7 @@ from typing import Any
 from palpate.core import PalpateError
 from palpate.material.io import read_material
 from palpate.material.library import library_names, read_library
-from palpate.material.make_law import LAWS, law_from_constants, law_from_numbers
+from palpate.material.make_law import LAWS
 from palpate.material.material import Material
 
 FILE_ENDINGS = (".yaml", ".yml")
@@ -57,7 +57,7 @@ def get_material(text: str) -> Material:
         raise PalpateError(
             f"'{numbers}' are not numbers.", f"Write {law}:{LAWS.get(law).written()} in MPa."
         ) from None
-    return Material(name=text, law=law_from_numbers(law, constants))
+    return Material(name=text, law=LAWS.get(law).from_numbers(constants))
 
 
 def material_from_data(data: dict[str, Any]) -> Material:
@@ -68,7 +68,7 @@ def material_from_data(data: dict[str, Any]) -> Material:
     data
         With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``.
     """
-    made = law_from_constants(data["law"], data["constants"])
+    made = LAWS.get(data["law"]).from_constants(data["constants"])
     if data["name"] not in library_names():
         return Material(data["name"], made, data["bulk_ratio"])
     known = read_library(data["name"])

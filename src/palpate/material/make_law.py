@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 from palpate.core import PalpateError, Registry
 from palpate.material.law import Law, Model
 from palpate.material.laws.polynomial import Polynomial
@@ -29,28 +27,6 @@ LAWS: Registry[type[Law]] = Registry(
 
 SECOND_INVARIANT = LinearModel("yeoh-i2", Polynomial, ("C10", "C01", "C20", "C30"))
 """Yeoh's law with a term in I2: no choice of a person's, but a witness of what I2 could do where it was not seen."""
-
-
-def law_from_numbers(name: str, numbers: Sequence[float]) -> Law:
-    """Make a law from its constants in the order in which they are written, MPa (exponents: pure numbers).
-
-    Raises
-    ------
-    PalpateError
-        If there is no such law, or it takes another count of constants.
-    """
-    return LAWS.get(name).from_numbers(numbers)
-
-
-def law_from_constants(name: str, constants: Mapping[str, float]) -> Law:
-    """Make a law from its constants by name, as `Law.constants` gives them.
-
-    Raises
-    ------
-    PalpateError
-        If there is no such law, or its constants have other names.
-    """
-    return LAWS.get(name).from_constants(constants)
 
 
 def list_models() -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from palpate.fea import cauchy_stress
-from palpate.material import Material, Mode, law_from_numbers, stretches, trace_curve
+from palpate.material import LAWS, Material, Mode, stretches, trace_curve
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid, reactions
 from palpate.verify.mapped import FloatArray, even, join, map_block
@@ -138,7 +138,9 @@ def drucker_limits() -> list[Row]:
         [
             [
                 _first_unstable(
-                    Material("Yeoh", law_from_numbers("yeoh", [1e-6 * float(each) for each in c])), Mode(mode), end
+                    Material("Yeoh", LAWS.get("yeoh").from_numbers([1e-6 * float(each) for each in c])),
+                    Mode(mode),
+                    end,
                 )
                 for end in (8.0, 0.1)
             ]

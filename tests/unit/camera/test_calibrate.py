@@ -6,22 +6,20 @@ import pytest
 from synthetic_board import LENS, MATRIX, SIZE, views
 
 from palpate.camera import (
-    BOARDS,
     BoardSpec,
     CalibrateSpec,
     CameraSpec,
-    board_points,
     build_camera,
     calibrate_camera,
-    find_board,
     list_images,
     read_board,
     read_calibration,
     read_image,
-    replay_images,
     write_board,
     write_calibration,
 )
+from palpate.camera.board import BOARDS, board_points
+from palpate.camera.find_board import find_board
 from palpate.core import PalpateError, generator
 
 PHOTOS = Path(__file__).parent / "data" / "chessboard_opencv"
@@ -230,9 +228,3 @@ def test_damaged_and_giant_files_are_refused(tmp_path):
         list_images(tmp_path / "empty")
     with pytest.raises(PalpateError, match="is not a folder"):
         list_images(tmp_path / "nowhere")
-
-
-def test_replay_images_gives_them_by_name():
-    shown = list(replay_images(PHOTOS))
-    assert len(shown) == 13
-    np.testing.assert_array_equal(shown[0], read_image(PHOTOS / "left01.jpg"))
