@@ -136,13 +136,13 @@ def _read_grid(path: Path) -> object:
 
 def _calibration_door(folder: Path) -> Door:
     from palpate.camera import Calibration, read_calibration, write_calibration
+    from palpate.camera.lens import make_lens
 
     lens = Calibration(
-        model="plumb_bob",
+        lens=make_lens("brown", (-0.1, 0.01, 1e-4, 0.0, 0.0)),
         width_px=346,
         height_px=260,
         intrinsics_px=np.array([300.0, 300.0, 173.0, 130.0]),
-        distortion=np.array([-0.1, 0.01, 1e-4, 0.0, 0.0]),
         rms_px=0.2,
         covariance=np.eye(9) * 1e-4,
         image_names=("a.png", "b.png"),

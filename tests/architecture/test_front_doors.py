@@ -1,6 +1,7 @@
 """Public names of each stage. Taking one away breaks somebody's program: do it on purpose, here as well."""
 
 import importlib
+from pathlib import Path
 
 import pytest
 
@@ -21,13 +22,14 @@ FRONT_DOORS = {
     },
     "design": {
         "Dome",
+        "Ellipsoid",
+        "Skin",
         "DomeShape",
         "DomeSpec",
         "Finding",
         "MarkerLayout",
         "MarkerSpec",
         "MountSpec",
-        "Solid",
         "build_dome",
         "build_module",
         "build_solid",
@@ -38,7 +40,9 @@ FRONT_DOORS = {
         "ring_diameters",
     },
     "material": {"Material", "get_material", "list_materials"},
-    "mesh": {"Mesh", "MeshSpec", "Rim", "mesh_dome"},
+    "cad": {"Solid", "read_step", "revolve", "write_step"},
+    "mechanics": {"Continuation", "Obstacle", "Problem", "SolverSpec", "Term"},
+    "mesh": {"Mesh", "MeshSpec", "mesh_dome"},
     "camera": {
         "BoardSpec",
         "Calibration",
@@ -117,9 +121,14 @@ FRONT_DOORS = {
 }
 
 
-@pytest.mark.parametrize("stage", FRONT_DOORS)
+SOURCE = Path(__file__).parents[2] / "src" / "palpate"
+STAGES = sorted(door.parent.name for door in SOURCE.glob("*/__init__.py"))
+MOST_NAMES = 40
+
+
+@pytest.mark.parametrize("stage", STAGES)
 def test_public_names_stay(stage: str) -> None:
     door = importlib.import_module(f"palpate.{stage}")
-    assert FRONT_DOORS[stage] <= set(door.__all__)
+    assert FRONT_DOORS.get(stage, set()) <= set(door.__all__)
     assert all(hasattr(door, name) for name in door.__all__)
-    assert len(door.__all__) <= 40, "a front door fits one screen"
+    assert len(door.__all__) <= MOST_NAMES, "a front door fits one screen"

@@ -35,6 +35,40 @@ def test_other_stages_are_imported_through_their_front_door(path: Path) -> None:
     assert inner == []
 
 
+def imports_of(path: Path) -> set[str]:
+    """Modules of the package that a file imports anywhere in it, inside functions and for types alone as well."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("palpate"):
+            found |= {f"{node.module}.{alias.name}" for alias in node.names} | {str(node.module)}
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return found
+
+
+def test_no_import_leads_back_to_its_own_file_even_a_lazy_one() -> None:
+    names = {".".join(path.relative_to(SOURCE.parent).with_suffix("").parts): path for path in FILES}
+    doors = {name: name.removesuffix(".__init__") for name in names}
+    known = {short: name for name, short in doors.items()}
+    ahead = {
+        name: {known[target] for target in imports_of(path) & set(known)} - {name} for name, path in names.items()
+    }
+    circles: list[list[str]] = []
+    done: set[str] = set()
+
+    def walk(name: str, trail: list[str]) -> None:
+        if name in trail:
+            circles.append([*trail[trail.index(name) :], name])
+        elif name not in done:
+            for target in sorted(ahead[name]):
+                walk(target, [*trail, name])
+            done.add(name)
+
+    for name in sorted(ahead):
+        walk(name, [])
+    assert circles == []
+
+
 def seconds_to_run(code: str) -> float:
     """CPU time, best of three runs in fresh interpreters, less that of an empty one."""
 

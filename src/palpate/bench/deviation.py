@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from palpate.bench.spec import ToleranceSpec
 from palpate.camera import CameraSpec
-from palpate.core import PalpateError, child_seed, generator
+from palpate.core import child_seed, generator
 from palpate.design import DomeSpec
-from palpate.material import Law, Material, Ogden, Polynomial
+from palpate.material import Material
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ class Deviation:
 
     def material(self, nominal: Material) -> Material:
         """The elastomer as mixed."""
-        return replace(nominal, law=vary_law(nominal.law, 1.0 + self.modulus, 1.0 + self.stiffening))
+        return replace(nominal, law=nominal.law.scaled(1.0 + self.modulus, 1.0 + self.stiffening))
 
     def camera(self, nominal: CameraSpec) -> CameraSpec:
         """The camera as mounted, with the lens that the calibration did not quite find."""
@@ -161,23 +159,3 @@ def single_deviation(tolerance: ToleranceSpec, item: Imperfection, seed: int, dr
         sign = 1.0 if rng.uniform() < 0.5 else -1.0
         values[part] = limit * (sign * (-1.0) ** draw if item.signed else 1.0)
     return Deviation(**values)
-
-
-def vary_law(law: Law, modulus: float, stiffening: float) -> Law:
-    """The law with all moduli times `modulus`, and those of higher order times `stiffening` as well.
-
-    Raises
-    ------
-    PalpateError
-        If the law has no constants of higher order that could be varied.
-    """
-    if isinstance(law, Polynomial):
-        higher = {name: getattr(law, name) * modulus * stiffening for name in ("c20", "c11", "c02", "c30")}
-        return replace(law, c10=law.c10 * modulus, c01=law.c01 * modulus, **higher)
-    if not np.isclose(stiffening, 1.0):
-        raise PalpateError(
-            f"The law {law.name} has no constants of higher order to vary.", "Set the tolerance of stiffening to 0."
-        )
-    if isinstance(law, Ogden):
-        return replace(law, mu=tuple(mu * modulus for mu in law.mu))
-    return replace(law, mu=law.mu * modulus)  # type: ignore[type-var,attr-defined]

@@ -1,42 +1,38 @@
 """Camera: from points in the dome's frame to pixels and back to rays; the lens from images of a board."""
 
-from palpate.camera.board import BOARDS, BoardSpec, board_points, read_board
+from palpate.camera.board import BoardSpec, read_board
 from palpate.camera.build_camera import build_camera
 from palpate.camera.calibrate import CalibrateSpec, calibrate_camera
 from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
-from palpate.camera.distortion import Distortion
-from palpate.camera.draw_board import board_size, draw_board, write_board
+from palpate.camera.draw_board import write_board
 from palpate.camera.events import Events, EventSpec, stream_events
-from palpate.camera.find_board import find_board
+from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
-from palpate.camera.read_image import list_images, read_image, replay_images
+from palpate.camera.read_image import list_images, read_image
 from palpate.camera.render import RenderSpec, centre_bias, dot_edges, edge_offsets, render
-from palpate.camera.source import Source, open_source
+from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
 
 __all__ = [
-    "BOARDS",
+    "LENSES",
+    "SOURCES",
     "BoardSpec",
     "CalibrateSpec",
     "Calibration",
     "Camera",
     "CameraSpec",
-    "Distortion",
     "EventSpec",
     "Events",
+    "Lens",
     "RenderSpec",
     "Source",
-    "board_points",
-    "board_size",
     "build_camera",
     "calibrate_camera",
     "centre_bias",
     "dot_edges",
-    "draw_board",
     "edge_offsets",
-    "find_board",
     "list_images",
     "list_presets",
     "open_source",
@@ -44,8 +40,8 @@ __all__ = [
     "read_board",
     "read_calibration",
     "read_image",
+    "recording_suffixes",
     "render",
-    "replay_images",
     "stream_events",
     "write_board",
     "write_calibration",

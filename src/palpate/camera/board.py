@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.camera.opencv import load
-from palpate.core import PalpateError, Spec, parameter
+from palpate.core import PalpateError, Spec, load_opencv, parameter
 
 GROUP = "calibration code published by the group of Zaid et al. 2024"
 
@@ -105,7 +104,7 @@ def charuco_board(board: BoardSpec) -> Any:
     PalpateError
         If the dictionary is not known or too small.
     """
-    aruco = load().aruco
+    aruco = load_opencv().aruco
     if not board.dictionary.startswith("DICT_") or not hasattr(aruco, board.dictionary):
         raise PalpateError(
             f"There is no dictionary {board.dictionary!r}.", "Take one of OpenCV's, such as DICT_4X4_100."
@@ -122,7 +121,7 @@ def charuco_board(board: BoardSpec) -> Any:
 
 def charuco_bits(board: BoardSpec) -> list[tuple[int, int, NDArray[np.bool_]]]:
     """Column, row and (k, k) black cells, border included, of every marker of a ChArUco board."""
-    aruco = load().aruco
+    aruco = load_opencv().aruco
     made = charuco_board(board)
     side = made.getDictionary().markerSize + 2
     found = []

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera.camera import Camera
-from palpate.camera.distortion import Distortion
+from palpate.camera.lens import make_lens
 from palpate.camera.spec import CameraSpec
 
 
@@ -27,7 +27,7 @@ def build_camera(spec: CameraSpec | None = None) -> Camera:
     )  # the rightmost acts first, in the camera's own axes
     return Camera(
         spec=spec,
-        distortion=Distortion(*spec.distortion),
+        lens=make_lens(spec.lens, spec.distortion),
         camera_from_dome=dome_from_camera.T,
         origin=np.array([spec.offset_x, spec.offset_y, -spec.distance]),
     )

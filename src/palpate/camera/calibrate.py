@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera.board import BoardSpec, board_points
-from palpate.camera.calibration import FISHEYE, PINHOLE, Calibration
+from palpate.camera.calibration import Calibration
 from palpate.camera.find_board import find_board
-from palpate.camera.opencv import load
-from palpate.core import PalpateError, Spec, parameter
+from palpate.camera.lens import Lens
+from palpate.camera.lenses.brown import Brown
+from palpate.camera.lenses.kannala_brandt import KannalaBrandt
+from palpate.core import PalpateError, Spec, load_opencv, parameter
 
 Array = NDArray[np.float64]
 _CELLS = (6, 8)
@@ -48,9 +50,9 @@ class _View:
 
 
 @dataclass(frozen=True, eq=False)
-class _Lens:
+class _Found:
     intrinsics: Array
-    distortion: Array
+    model: Lens
     covariance: Array
     residuals: list[Array]
 
@@ -87,11 +89,10 @@ def calibrate_camera(
         lens = _fit(views, size, spec)
         rms = [float(np.sqrt(np.mean((miss**2).sum(axis=1)))) for miss in lens.residuals]
     return Calibration(
-        model=FISHEYE if spec.lens == "fisheye" else PINHOLE,
+        lens=lens.model,
         width_px=size[0],
         height_px=size[1],
         intrinsics_px=lens.intrinsics,
-        distortion=lens.distortion,
         rms_px=float(np.sqrt(np.mean((np.concatenate(lens.residuals) ** 2).sum(axis=1)))),
         covariance=lens.covariance,
         image_names=tuple(view.name for view in views),
@@ -135,8 +136,8 @@ def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: Calib
         )
 
 
-def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Lens:
-    cv2 = load()
+def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Found:
+    cv2 = load_opencv()
     points = [view.points.astype(np.float32).reshape(-1, 1, 3) for view in views]
     pixels = [view.pixels.astype(np.float32).reshape(-1, 1, 2) for view in views]
     try:
@@ -157,11 +158,11 @@ def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Len
     residuals = [np.asarray(made - seen.reshape(-1, 2), float) for made, seen in zip(projected, pixels, strict=True)]
     intrinsics = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]], float)
     covariance = _covariance(slopes, residuals, 8 if spec.fix_k3 else 9)
-    return _Lens(intrinsics, np.asarray(distortion, float), covariance, residuals)
+    return _Found(intrinsics, Brown(*distortion.tolist()), covariance, residuals)
 
 
-def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) -> _Lens:
-    cv2 = load()
+def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) -> _Found:
+    cv2 = load_opencv()
     # OpenCV 5 moved the flags out of the fisheye's own list
     door = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
     flags = door.CALIB_RECOMPUTE_EXTRINSIC | door.CALIB_FIX_SKEW | door.CALIB_USE_INTRINSIC_GUESS
@@ -177,7 +178,7 @@ def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) ->
         made, _ = cv2.fisheye.projectPoints(point, turn, shift, matrix, distortion)
         residuals.append(np.asarray(made, float).reshape(-1, 2) - pixel.reshape(-1, 2))
     intrinsics = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]], float)
-    return _Lens(intrinsics, np.ravel(distortion).astype(float), np.full((8, 8), np.nan), residuals)
+    return _Found(intrinsics, KannalaBrandt(*np.ravel(distortion).tolist()), np.full((8, 8), np.nan), residuals)
 
 
 def _covariance(slopes: list[Array], residuals: list[Array], lens: int) -> Array:

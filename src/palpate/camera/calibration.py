@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera.board import BoardSpec
+from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
-from palpate.core import PalpateError
 
 Array = NDArray[np.float64]
-PINHOLE, FISHEYE = "plumb_bob", "equidistant"
-"""Names of the lens models, as in ROS: Brown's polynomial, and OpenCV's fisheye."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,14 +20,12 @@ class Calibration:
 
     Attributes
     ----------
-    model
-        ``"plumb_bob"`` (k1, k2, p1, p2, k3) or ``"equidistant"`` (k1, k2, k3, k4).
+    lens
+        The lens.
     width_px, height_px
         Size of the images.
     intrinsics_px
         (4,) fx, fy, cx, cy.
-    distortion
-        (5,) or (4,) coefficients of the model.
     rms_px
         Root of the mean over all points of the squared distance between seen and projected point.
     covariance
@@ -44,11 +40,10 @@ class Calibration:
         The board, `None` where it is not known.
     """
 
-    model: str
+    lens: Lens
     width_px: int
     height_px: int
     intrinsics_px: Array
-    distortion: Array
     rms_px: float
     covariance: Array
     image_names: tuple[str, ...]
@@ -56,6 +51,16 @@ class Calibration:
     rejected: tuple[tuple[str, str], ...]
     coverage: NDArray[np.intp]
     board: BoardSpec | None
+
+    @property
+    def model(self) -> str:
+        """Name of the lens model in files, as in ROS: ``plumb_bob`` is Brown's, ``equidistant`` OpenCV's fisheye."""
+        return self.lens.model or self.lens.name
+
+    @property
+    def distortion(self) -> Array:
+        """(k,) coefficients of the lens."""
+        return np.array(self.lens.coefficients)
 
     @property
     def sd(self) -> Array:
@@ -68,26 +73,16 @@ class Calibration:
         return float((self.coverage > 0).mean())
 
     def camera_spec(self, nominal: CameraSpec | None = None) -> CameraSpec:
-        """The nominal camera's pose with this lens.
-
-        Raises
-        ------
-        PalpateError
-            If the lens is a fisheye: the chain projects by Brown's polynomial, whose coefficients mean another thing.
-        """
-        if self.model != PINHOLE:
-            raise PalpateError(
-                "A fisheye calibration cannot be used as a pinhole with Brown's distortion.",
-                "Calibrate again without fisheye.",
-            )
+        """The nominal camera's pose with this lens."""
         fx, fy, cx, cy = (float(value) for value in self.intrinsics_px)
-        lens = {
+        found = {
             "width_px": self.width_px,
             "height_px": self.height_px,
             "fx_px": fx,
             "fy_px": fy,
             "cx_px": cx,
             "cy_px": cy,
-            "distortion": tuple(float(value) for value in self.distortion),
+            "lens": self.lens.name,
+            "distortion": self.lens.coefficients,
         }
-        return CameraSpec(**{**(nominal or CameraSpec()).model_dump(), **lens})
+        return CameraSpec(**{**(nominal or CameraSpec()).model_dump(), **found})

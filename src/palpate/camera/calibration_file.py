@@ -14,11 +14,9 @@ from numpy.typing import NDArray
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
-from palpate.camera.calibration import FISHEYE, PINHOLE, Calibration
+from palpate.camera.calibration import Calibration
+from palpate.camera.lens import LENSES, lens_of_model, make_lens
 from palpate.core import PalpateError
-
-_NAMES = {PINHOLE: PINHOLE, "radtan": PINHOLE, FISHEYE: FISHEYE, "fisheye": FISHEYE}
-_TERMS = {PINHOLE: 5, FISHEYE: 4}
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:
@@ -69,22 +67,22 @@ def read_calibration(path: Path) -> Calibration:
 def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     matrix = _numbers(content["camera_matrix"], 9).reshape(3, 3)
     distortion = _numbers(content["distortion_coefficients"], None)
-    named = content.get("distortion_model", PINHOLE if len(distortion) == 5 else None)
-    model = _NAMES.get(str(named))
-    if model is None or len(distortion) != _TERMS[model]:
+    named = content.get("distortion_model", "plumb_bob" if len(distortion) == 5 else None)
+    kind = lens_of_model(str(named))
+    if kind is None or len(distortion) != len(kind.parameters()):
+        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.loadable())
         raise PalpateError(
             f"{name} has {len(distortion)} coefficients for the lens model {named}.",
-            f"{PINHOLE} takes k1, k2, p1, p2, k3; {FISHEYE} takes k1 to k4: one is no stand-in for the other.",
+            f"{'; '.join(known)}: one is no stand-in for the other.",
         )
-    size = 4 + _TERMS[model]
+    size = 4 + len(distortion)
     covariance = _numbers(content["covariance"], size**2).reshape(size, size) if "covariance" in content else None
     coverage = _numbers(content["coverage"], 48).reshape(6, 8).astype(int) if "coverage" in content else None
     return Calibration(
-        model=model,
+        lens=make_lens(kind.name, distortion.tolist()),
         width_px=int(content["image_width"]),
         height_px=int(content["image_height"]),
         intrinsics_px=np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]),
-        distortion=distortion,
         rms_px=float(content.get("rms_px", content.get("avg_reprojection_error", np.nan))),
         covariance=np.full((size, size), np.nan) if covariance is None else covariance,
         image_names=(),

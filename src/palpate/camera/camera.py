@@ -1,7 +1,7 @@
-"""The camera: a pinhole with lens distortion, posed in the dome's frame.
+"""The camera: intrinsics and a lens, posed in the dome's frame.
 
     points_camera = camera_from_dome · (points_dome - origin)
-    (u, v) = (cx + fx x_d, cy + fy y_d),   (x_d, y_d) = distort(x/z, y/z)
+    (u, v) = (cx + fx x_d, cy + fy y_d),   (x_d, y_d) = lens(x/z, y/z)
 
 Nominally the camera's axes are the dome's: columns run along x, rows along y, and it looks up the axis.
 """
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from palpate.camera.distortion import Distortion
+from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
 from palpate.design import Skin
 
@@ -26,7 +26,7 @@ class Camera:
     ----------
     spec
         What it was built from.
-    distortion
+    lens
         Its lens.
     camera_from_dome
         (3, 3) rotation from the dome's frame to the camera's.
@@ -35,7 +35,7 @@ class Camera:
     """
 
     spec: CameraSpec
-    distortion: Distortion
+    lens: Lens
     camera_from_dome: NDArray[np.float64]
     origin: NDArray[np.float64]
 
@@ -64,7 +64,7 @@ class Camera:
         """
         plane = self._on_unit_plane(points)
         scale, middle = self._intrinsics()
-        pixels: NDArray[np.float64] = self.distortion.distort(plane) * scale + middle
+        pixels: NDArray[np.float64] = self.lens.distort(plane) * scale + middle
         return pixels
 
     def visible(self, points: ArrayLike, dome: Skin | None = None) -> NDArray[np.bool_]:
@@ -91,7 +91,7 @@ class Camera:
         size = np.array([self.spec.width_px, self.spec.height_px])
         # pixel (0, 0) reaches from -0.5 to 0.5, as in OpenCV; NaN compares as not inside
         seen = np.all((pixels >= -0.5) & (pixels <= size - 0.5), axis=-1)
-        seen &= np.linalg.norm(self._on_unit_plane(points), axis=-1) <= self.distortion.limit
+        seen &= np.linalg.norm(self._on_unit_plane(points), axis=-1) <= self.lens.limit
         if dome is not None:
             seen &= self._passes_opening(points, dome.base_radius)
         return np.asarray(seen)
@@ -115,7 +115,7 @@ class Camera:
             If the lens distortion folds before it reaches a pixel.
         """
         scale, middle = self._intrinsics()
-        plane = self.distortion.undistort((np.asarray(pixels, float) - middle) / scale)
+        plane = self.lens.undistort((np.asarray(pixels, float) - middle) / scale)
         rays = np.concatenate([plane, np.ones((*plane.shape[:-1], 1))], axis=-1)
         directions = rays @ self.camera_from_dome
         return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.camera.board import BoardSpec, board_points, charuco_board
-from palpate.camera.opencv import load
+from palpate.core import load_opencv
 
 Array = NDArray[np.float64]
 LEAST_POINTS = 8
@@ -36,7 +36,7 @@ def find_board(
     tuple or str
         Numbers (n,) of the points (see `board_points`) and their pixels (n, 2); or why there are none.
     """
-    cv2 = load()
+    cv2 = load_opencv()
     grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     if grey.dtype != np.uint8:
         low, high = float(grey.min()), float(grey.max())
@@ -50,7 +50,7 @@ def find_board(
 def _find_chessboard(
     grey: NDArray[np.uint8], board: BoardSpec, window_px: int | None
 ) -> tuple[NDArray[np.intp], Array] | str:
-    cv2 = load()
+    cv2 = load_opencv()
     found, corners = cv2.findChessboardCorners(grey, (board.columns, board.rows), None)
     if not found:
         return f"no chessboard of {board.columns} × {board.rows} inner corners was found"
@@ -64,7 +64,7 @@ def _find_chessboard(
 
 
 def _find_circles(grey: NDArray[np.uint8], board: BoardSpec, _: int | None) -> tuple[NDArray[np.intp], Array] | str:
-    cv2 = load()
+    cv2 = load_opencv()
     size = (board.columns, board.rows)
     spec = cv2.SimpleBlobDetector_Params()
     spec.minArea, spec.maxArea = 12.0, float(grey.size) / 40.0
@@ -78,7 +78,7 @@ def _find_circles(grey: NDArray[np.uint8], board: BoardSpec, _: int | None) -> t
 
 
 def _find_charuco(grey: NDArray[np.uint8], board: BoardSpec, _: int | None) -> tuple[NDArray[np.intp], Array] | str:
-    cv2 = load()
+    cv2 = load_opencv()
     spec = cv2.aruco.DetectorParameters()
     spec.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
     detector = cv2.aruco.CharucoDetector(charuco_board(board), detectorParams=spec)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera.opencv import load
-from palpate.core import PalpateError, load_extra
+from palpate.core import PalpateError, load_extra, load_opencv
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
 LARGEST_MPX = 40.0
@@ -44,7 +42,7 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
         raise PalpateError(
             f"{path.name} has {width} × {height} px, more than {largest_mpx:g} million.", "Shrink the image."
         )
-    cv2 = load()
+    cv2 = load_opencv()
     image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
     if image is None:
         raise PalpateError(f"{path.name} cannot be decoded: it is cut off or damaged.", "Save it again.")
@@ -65,11 +63,6 @@ def list_images(folder: Path) -> tuple[Path, ...]:
     if not found:
         raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.")
     return found
-
-
-def replay_images(folder: Path) -> Iterator[NDArray[Any]]:
-    """The images of a folder one by one, as a camera would give them."""
-    return (read_image(path) for path in list_images(folder))
 
 
 def _read_size(path: Path) -> tuple[int, int]:

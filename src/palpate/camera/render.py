@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera.camera import Camera
-from palpate.camera.opencv import load
-from palpate.core import Spec, parameter
+from palpate.core import Spec, load_opencv, parameter
 
 Array = NDArray[np.float64]
 SUPERSAMPLING = 8
@@ -118,7 +117,7 @@ def render(camera: Camera, edges: Array, spec: RenderSpec | None = None) -> NDAr
         (h, w) grey levels.
     """
     spec = spec or RenderSpec()
-    cv2 = load()
+    cv2 = load_opencv()
     rng = np.random.default_rng(spec.seed)
     cover = _cover(camera, edges)
     y, x = np.mgrid[: camera.height_px, : camera.width_px].astype(float)
@@ -144,7 +143,7 @@ def render(camera: Camera, edges: Array, spec: RenderSpec | None = None) -> NDAr
 
 def _cover(camera: Camera, edges: Array) -> Array:
     """(h, w) share of each pixel that dots cover, from a grid 8 times finer."""
-    cv2 = load()
+    cv2 = load_opencv()
     pixels = camera.project(edges)
     fine = np.zeros((camera.height_px * SUPERSAMPLING, camera.width_px * SUPERSAMPLING), np.uint8)
     corners = (pixels + 0.5) * SUPERSAMPLING - 0.5

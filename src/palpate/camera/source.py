@@ -1,34 +1,42 @@
 """Where images come from: a camera, a video, a recording of an event camera or a folder, all behind one contract.
 
 A source hands on images one by one and keeps none. What cannot be read comes as an error in the image's place; a
-camera that gives nothing any more, or a file that is cut off, ends with one.
+camera that gives nothing any more, or a file that is cut off, ends with one. Each kind of source stands in a file of
+`palpate.camera.sources` or in another package, which names it in its entry points (group ``palpate.sources``);
+`palpate.testing.SourceSuite` holds it to this contract.
 """
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
-import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera.opencv import load
-from palpate.camera.read_image import LARGEST_MPX, list_images, read_image
-from palpate.core import PalpateError, load_extra
+from palpate.core import PalpateError, Registry
 
 Item = NDArray[Any] | PalpateError
-VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ogv")
-EVENTS = ".aedat4"
-_MISSES = 10
-"""Images in a row that a camera may fail to give before it counts as unplugged."""
-_PATIENCE_S = 0.05
 
 
 class Source(ABC):
-    """Images one by one. It is closed when the block that opened it ends."""
+    """Images one by one. It is closed when the block that opened it ends.
+
+    What a person opens by a text takes that text, and nothing else, where it is made.
+
+    Attributes
+    ----------
+    suffixes
+        Endings of the files that it opens, in small letters with the dot.
+    """
+
+    suffixes: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def accepts(cls, text: str) -> bool:
+        """Whether the text names such a source, there or not: by its ending, if there is no other way to tell."""
+        return Path(text).suffix.lower() in cls.suffixes
 
     @property
     @abstractmethod
@@ -50,115 +58,20 @@ class Source(ABC):
         self.close()
 
 
-class FolderSource(Source):
-    """Image files by name; files that come later are not looked for."""
+_HERE = "palpate.camera.sources"
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._paths = list_images(folder)
-
-    @property
-    def name(self) -> str:
-        return str(self._folder)
-
-    def images(self) -> Iterator[Item]:
-        for path in self._paths:
-            try:
-                yield read_image(path)
-            except PalpateError as error:
-                yield error
-
-
-class VideoSource(Source):
-    """A video file."""
-
-    def __init__(self, path: Path) -> None:
-        if not path.is_file():
-            raise PalpateError(f"{path} is not there.", "Give a video, a folder or the number of a camera.")
-        self._path = path
-        self._capture = open_capture(str(path))
-
-    @property
-    def name(self) -> str:
-        return str(self._path)
-
-    def images(self) -> Iterator[Item]:
-        cv2 = load()
-        promised, given = int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0
-        while True:
-            read, image = self._capture.read()
-            if not read:
-                break
-            given += 1
-            yield np.asarray(image)
-        if given < promised or not given:
-            yield PalpateError(
-                f"{self._path.name} ends after {given} of {max(promised, 0)} images: it is cut off or damaged.",
-                "Record it again.",
-            )
-
-    def close(self) -> None:
-        self._capture.release()
-
-
-class CameraSource(Source):
-    """A camera that the system knows by a number: UVC and others that OpenCV opens."""
-
-    def __init__(self, number: int) -> None:
-        self._number = number
-        self._capture = open_capture(number)
-
-    @property
-    def name(self) -> str:
-        return f"camera {self._number}"
-
-    def images(self) -> Iterator[Item]:
-        misses = 0
-        while misses < _MISSES:
-            read, image = self._capture.read()
-            misses = 0 if read else misses + 1
-            if read:
-                yield np.asarray(image)
-            else:
-                time.sleep(_PATIENCE_S)
-        yield PalpateError(f"Camera {self._number} gives no images any more.", "Is it unplugged?")
-
-    def close(self) -> None:
-        self._capture.release()
-
-
-class EventCameraSource(Source):
-    """The images (not the events) of an AEDAT4 recording, as of a DAVIS."""
-
-    def __init__(self, path: Path) -> None:
-        if not path.is_file():
-            raise PalpateError(f"{path} is not there.", "Give a recording.")
-        dv = load_extra("dv_processing", "davis", "dv-processing")
-        self._path = path
-        try:
-            self._recording = dv.io.MonoCameraRecording(str(path))
-            has_images = self._recording.isFrameStreamAvailable()
-        except (RuntimeError, ValueError, OSError) as error:
-            raise PalpateError(f"{path.name} cannot be read: {_short(error)}.", "Record it again.") from error
-        if not has_images:
-            raise PalpateError(
-                f"{path.name} holds events, but no images.", "Record the images of the camera as well."
-            )
-
-    @property
-    def name(self) -> str:
-        return str(self._path)
-
-    def images(self) -> Iterator[Item]:
-        while True:
-            try:
-                found = self._recording.getNextFrame()
-            except (RuntimeError, ValueError, OSError) as error:
-                yield PalpateError(f"{self._path.name} is cut off or damaged: {_short(error)}.", "Record it again.")
-                return
-            if found is None:
-                return
-            yield np.asarray(found.image)
+SOURCES: Registry[type[Source]] = Registry(
+    "palpate.sources",
+    "source of images",
+    {
+        "camera": f"{_HERE}.numbered_camera:CameraSource",
+        "video": f"{_HERE}.video:VideoSource",
+        "event-recording": f"{_HERE}.event_recording:EventCameraSource",
+        "folder": f"{_HERE}.folder:FolderSource",
+    },
+    fits=lambda found: isinstance(found, type) and issubclass(found, Source),
+)
+"""Sources by name, in the order in which they are asked whether they know a text."""
 
 
 def open_source(text: str) -> Source:
@@ -167,7 +80,8 @@ def open_source(text: str) -> Source:
     Parameters
     ----------
     text
-        Number of a camera, or path of a folder of images, a video or an AEDAT4 recording.
+        Number of a camera, or path of a folder of images, a video or an AEDAT4 recording, or what a source of another
+        package accepts; with the name of a source and a colon before it, it is opened by that one.
 
     Raises
     ------
@@ -176,49 +90,23 @@ def open_source(text: str) -> Source:
     MissingExtraError
         If OpenCV, or dv-processing for AEDAT4, is not installed.
     """
-    if text.isdecimal():
-        return CameraSource(int(text))
-    path = Path(text)
-    if path.suffix.lower() in VIDEOS:
-        return VideoSource(path)
-    if path.suffix.lower() == EVENTS:
-        return EventCameraSource(path)
-    if path.is_file():
+    name, colon, rest = text.partition(":")
+    if colon and name in SOURCES:
+        return _open(SOURCES.get(name), rest)
+    kind = next((kind for _, kind in SOURCES.loadable() if kind.accepts(text)), None)
+    if kind is None and Path(text).is_file():
         raise PalpateError(
-            f"{path.name} is no video that is known.",
-            f"Known are {', '.join((*VIDEOS, EVENTS))}, folders and numbers.",
+            f"{Path(text).name} is no video that is known.",
+            f"Known are {', '.join(recording_suffixes())}, folders and numbers.",
         )
-    return FolderSource(path)
+    return _open(kind or SOURCES.get("folder"), text)
 
 
-def open_capture(what: str | int) -> Any:
-    """Open a video or camera by OpenCV, with its size checked before an image is decoded.
-
-    Raises
-    ------
-    PalpateError
-        If it cannot be opened, or its images are too large.
-    """
-    cv2 = load()
-    capture = cv2.VideoCapture(what)
-    if not capture.isOpened():
-        known = f"camera {what}" if isinstance(what, int) else what
-        raise PalpateError(
-            f"{known} cannot be opened.",
-            "Is it plugged in, and free? `--source synthetic` plays a simulated sensor."
-            if isinstance(what, int)
-            else "The file is damaged, or of a kind that this OpenCV does not read.",
-        )
-    width, height = capture.get(cv2.CAP_PROP_FRAME_WIDTH), capture.get(cv2.CAP_PROP_FRAME_HEIGHT)
-    if width * height > LARGEST_MPX * 1e6:
-        capture.release()
-        raise PalpateError(
-            f"{what} has {width:.0f} × {height:.0f} px, more than {LARGEST_MPX:g} million.", "Shrink it."
-        )
-    return capture
+def recording_suffixes() -> tuple[str, ...]:
+    """Endings of all files that `open_source` knows, in small letters with the dot."""
+    return tuple(suffix for _, kind in SOURCES.loadable() for suffix in kind.suffixes)
 
 
-def _short(error: Exception) -> str:
-    """The sentence of an error of dv-processing, without its stack."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return lines[min(1, len(lines) - 1)].split(" - ")[0][:120] if lines else type(error).__name__
+def _open(kind: Any, text: str) -> Source:
+    source: Source = kind(text)
+    return source

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any, Self
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from palpate.camera.lens import LENSES, make_lens
 from palpate.core import Spec, parameter
 
 CALIBRATION = "calibration published with Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
+BROWN = "brown"
 
 
 class CameraSpec(Spec):
-    """A pinhole camera with lens distortion below the dome's base, looking up the axis.
+    """A camera below the dome's base, looking up the axis.
 
     The pose is nominal (on the axis, image axes along the dome's x and y) unless moved or turned.
     """
@@ -19,10 +25,11 @@ class CameraSpec(Spec):
     fy_px: float = parameter(297.60, unit="px", meaning="focal length down", source=CALIBRATION, gt=0)
     cx_px: float = parameter(174.91, unit="px", meaning="principal point, column", source=CALIBRATION)
     cy_px: float = parameter(128.22, unit="px", meaning="principal point, row", source=CALIBRATION)
-    distortion: tuple[float, float, float, float, float] = parameter(
+    lens: str = parameter(BROWN, unit="", meaning="brown, kannala-brandt (fisheye), or a lens of another package")
+    distortion: tuple[float, ...] = parameter(
         (0.0, 0.0, 0.0, 0.0, 0.0),
         unit="1",
-        meaning="lens distortion k1, k2, p1, p2, k3 as in OpenCV",
+        meaning="coefficients of the lens as in OpenCV: k1, k2, p1, p2, k3, or k1 to k4 of a fisheye",
         source="none published for the paper's lens",
     )
     distance: float = parameter(
@@ -33,3 +40,24 @@ class CameraSpec(Spec):
     tilt_x_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about the dome's x", ge=-45, le=45)
     tilt_y_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about the dome's y", ge=-45, le=45)
     roll_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about its optical axis", ge=-180, le=180)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _ideal_lens(cls, given: Any) -> Any:
+        """A lens without coefficients has them all zero, as many as it takes."""
+        if isinstance(given, dict) and "lens" in given and "distortion" not in given:
+            return {**given, "distortion": (0.0,) * len(LENSES.get(str(given["lens"])).parameters())}
+        return given
+
+    @model_validator(mode="after")
+    def _known_lens(self) -> Self:
+        make_lens(self.lens, self.distortion)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _leave_out_brown(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Brown's lens is written as before there was another, so that old artefacts keep their keys."""
+        content: dict[str, Any] = dump(self)
+        if self.lens == BROWN:
+            content.pop("lens", None)
+        return content

@@ -87,14 +87,7 @@ def _describe(found: Calibration) -> dict[str, Any]:
 
 
 def _print(found: Calibration) -> None:
-    names = [
-        "fx px",
-        "fy px",
-        "cx px",
-        "cy px",
-        *(["k1", "k2", "p1", "p2", "k3"] if len(found.distortion) == 5 else []),
-    ]
-    names += [f"k{number}" for number in range(1, 5)] if len(found.distortion) == 4 else []
+    names = ["fx px", "fy px", "cx px", "cy px", *found.lens.parameters()]
     values = [*found.intrinsics_px, *found.distortion]
     rows = [[name, f"{value:.5g}", f"{sd:.2g}"] for name, value, sd in zip(names, values, found.sd, strict=True)]
     print_table(f"{found.model} camera, {found.width_px} × {found.height_px} px", ["what", "value", "sd"], rows)

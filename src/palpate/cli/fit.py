@@ -14,7 +14,6 @@ from palpate.cli.flag import JsonFlag, default, flag
 from palpate.cli.output import print_json, print_table
 from palpate.core import PalpateError
 from palpate.material import (
-    MODELS,
     BenchSpec,
     Fit,
     FitSpec,
@@ -25,6 +24,7 @@ from palpate.material import (
     Sample,
     draw_fit,
     fit_material,
+    list_models,
     predict_unseen,
     prepare_sample,
     rank_models,
@@ -34,7 +34,7 @@ from palpate.material import (
 )
 
 _FILES = "Files of tests; which test is read from the file's name or preamble."
-_MODEL = f"Model: {', '.join(MODELS)}."
+_MODEL = f"Model: {', '.join(list_models())}."
 _OUT = "Write the material to this YAML file; studies and presses take it as their material."
 _FIGURE = "Picture of samples, mean and model (.png, .svg or .pdf)."
 _RANK = "Fit one model only: no ranking and no error of tests that were not made."

@@ -2,7 +2,7 @@
 
 from palpate.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, TextArray
 from palpate.core.errors import MissingExtraError, PalpateError
-from palpate.core.extra import load_extra
+from palpate.core.extra import load_extra, load_opencv
 from palpate.core.kernel import kernel
 from palpate.core.outside_links import refuse_outside_links
 from palpate.core.parameter import ParameterNote, Spec, parameter, parameters
@@ -37,6 +37,7 @@ __all__ = [
     "kernel",
     "list_store",
     "load_extra",
+    "load_opencv",
     "parameter",
     "parameters",
     "provenance",

@@ -36,3 +36,14 @@ def load_extra(module: str, extra: str, library: str = "") -> Any:
             f"{library or module} cannot be loaded: {error}.",
             "`palpate doctor` names the system package that brings it.",
         ) from error
+
+
+def load_opencv() -> Any:
+    """Load OpenCV, 4.10 to 5.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    return load_extra("cv2", "vision", "OpenCV")

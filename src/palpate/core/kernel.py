@@ -2,12 +2,14 @@
 
 numba keeps a function's machine code as long as the function's own file stays as it is, and forgets that other
 files are compiled into it: a changed material law would go on unnoticed in the elements. So the machine code lies in
-a folder named by all sources that hold kernels, and any change among them makes a new one.
+a folder named by all sources that hold kernels, and any change among them makes a new one. A kernel of another
+package has those of that package in the name of its folder as well.
 """
 
 from __future__ import annotations
 
 import hashlib
+import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -27,12 +29,20 @@ def kernel(function: F) -> F:
 
     package, settings = Path(__file__).parents[1], cast(Any, numba.config)
     chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
-    settings.CACHE_DIR = str(Path(chosen or package / "__pycache__") / f"kernels-{kernel_stamp(package)}")
+    settings.CACHE_DIR = str(Path(chosen or package / "__pycache__") / f"kernels-{_stamp(function, package)}")
     try:
         compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
     finally:
         settings.CACHE_DIR = chosen
     return cast(F, compiled)
+
+
+def _stamp(function: Callable[..., Any], package: Path) -> str:
+    outside = sys.modules.get(function.__module__.partition(".")[0])
+    folder = next(iter(getattr(outside, "__path__", ())), None)
+    if folder is None or Path(folder).resolve() == package.resolve():
+        return kernel_stamp(package)
+    return f"{kernel_stamp(package)}-{kernel_stamp(Path(folder))}"
 
 
 @cache

@@ -13,7 +13,8 @@ loaded stands in nobody's way who does not ask for it.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar, cast, final
@@ -88,6 +89,12 @@ class Registry(Generic[T]):
         if name not in self._loaded:
             self._loaded[name] = self._load(name)
         return self._loaded[name]
+
+    def loadable(self) -> Iterator[tuple[str, T]]:
+        """Names with their implementations; what cannot be loaded is left out, and `get` says why."""
+        for name in self.names:
+            with suppress(PalpateError):
+                yield name, self.get(name)
 
     @cached_property
     def _offered(self) -> dict[str, list[EntryPoint]]:

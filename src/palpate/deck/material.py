@@ -1,8 +1,8 @@
 """Material of a deck: hyperelastic laws in the constants of Abaqus and CalculiX, which agree.
 
 Both write ``W = W_iso + sum_i (J - 1)^(2 i) / D_i``, so ``D1 = 2 / K`` is the volumetric part of
-`palpate.material.Material`. Their Ogden is ``W = sum 2 mu_i / alpha_i² (l1^alpha_i + l2^alpha_i + l3^alpha_i - 3)``;
-ours has ``mu / alpha`` in front, so ``mu_deck = mu alpha / 2``.
+`palpate.material.Material`; with Arruda and Boyce's law alone ``((J² - 1) / 2 - ln J) / D``, which is the same to the
+second order. Each law writes its own constants (`palpate.material.Law.deck`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from palpate.core import PalpateError
 from palpate.deck.spec import Dialect
-from palpate.material import Law, Material, Ogden, Polynomial
+from palpate.material import Law, Material
 
 _PER_LINE = 8
 """Most constants of a line."""
@@ -49,27 +49,10 @@ def hyperelastic(law: Law, d1: float, no_term: float = 0.0) -> tuple[str, list[f
     PalpateError
         If neither dialect has the law.
     """
-    if isinstance(law, Polynomial):
-        return _polynomial(law, [d1, no_term, no_term])
-    if isinstance(law, Ogden):
-        terms = len(law.mu)
-        pairs = [value for mu, a in zip(law.mu, law.alpha, strict=True) for value in (mu * a / 2, a)]
-        return f"OGDEN, N={terms}", [*pairs, d1, *[no_term] * (terms - 1)]
-    raise PalpateError(
-        f"The law {law.name} has no counterpart in Abaqus and CalculiX.",
-        "Choose a polynomial law (neo-hooke, mooney-rivlin, yeoh) or ogden.",
-    )
-
-
-def _polynomial(law: Polynomial, d: list[float]) -> tuple[str, list[float]]:
-    only_first = law.c01 == law.c11 == law.c02 == 0
-    if only_first and law.c20 == law.c30 == 0:
-        return "NEO HOOKE", [law.c10, d[0]]
-    if only_first:
-        return "YEOH", [law.c10, law.c20, law.c30, *d]
-    if law.c20 == law.c11 == law.c02 == law.c30 == 0:
-        return "MOONEY-RIVLIN", [law.c10, law.c01, d[0]]
-    first = [law.c10, law.c01, law.c20, law.c11, law.c02]
-    if law.c30 == 0:
-        return "POLYNOMIAL, N=2", [*first, *d[:2]]
-    return "POLYNOMIAL, N=3", [*first, law.c30, 0.0, 0.0, 0.0, *d]
+    line = law.deck()
+    if line is None:
+        raise PalpateError(
+            f"The law {law.name} has no counterpart in Abaqus and CalculiX.",
+            "Fit another to its curve and write that: yeoh, ogden or arruda-boyce (`palpate fit`).",
+        )
+    return line.parameter, [*line.constants, d1, *[no_term] * (line.volumetric - 1)]

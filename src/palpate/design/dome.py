@@ -19,7 +19,7 @@ from typing import Self, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad.outline import Arc, Outline
+from palpate.cad import Arc, Outline
 from palpate.core import FloatArray
 from palpate.design.skin import Rim, Skin, Symmetry
 

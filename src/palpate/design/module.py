@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.cad.outline import Outline
-from palpate.cad.solid import Solid, revolve
+from palpate.cad import Outline, Solid, revolve
 from palpate.design.skin import Skin
 from palpate.design.spec import MountSpec
 

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad.outline import Curve, Outline
+from palpate.cad import Curve, Outline
 from palpate.core import FloatArray
 from palpate.design.skin import Rim, Skin, Symmetry
 

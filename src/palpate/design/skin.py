@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad.outline import Outline
+from palpate.cad import Outline
 from palpate.core import FloatArray
 
 _AT_APEX = 1e-9

@@ -2,60 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, load_extra
+from palpate.core import BoolArray, FloatArray, load_opencv
 
 Image = NDArray[np.float32]
 
 
-def load() -> Any:
-    """The library.
-
-    Raises
-    ------
-    MissingExtraError
-        If OpenCV is not installed.
-    """
-    return load_extra("cv2", "vision", "OpenCV")
-
-
 def blur(image: Image, sigma_px: float) -> Image:
     """Gaussian blur; borders are mirrored."""
-    return np.asarray(load().GaussianBlur(image, (0, 0), sigma_px), np.float32)
+    return np.asarray(load_opencv().GaussianBlur(image, (0, 0), sigma_px), np.float32)
 
 
 def box(image: Image, size_px: int) -> Image:
     """Mean over a square."""
-    return np.asarray(load().blur(image, (size_px, size_px)), np.float32)
+    return np.asarray(load_opencv().blur(image, (size_px, size_px)), np.float32)
 
 
 def close(image: Image, size_px: int) -> Image:
     """Grey closing by a square: fills what is darker and narrower than it."""
-    cv2 = load()
+    cv2 = load_opencv()
     kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size_px, size_px))
     return np.asarray(cv2.morphologyEx(image, cv2.MORPH_CLOSE, kernel), np.float32)
 
 
 def local_maxima(image: Image, size_px: int) -> BoolArray:
     """Pixels that are the greatest of the square about them."""
-    cv2 = load()
+    return np.asarray(image >= dilate(image, size_px))
+
+
+def dilate(image: Image, size_px: int) -> Image:
+    """The greatest value of the square about each pixel."""
+    cv2 = load_opencv()
     kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size_px, size_px))
-    return np.asarray(image >= cv2.dilate(image, kernel))
+    return np.asarray(cv2.dilate(image, kernel), np.float32)
 
 
 def components(mask: BoolArray) -> tuple[int, NDArray[np.int32]]:
     """Number of 8-connected components and (h, w) labels, 0 outside them."""
-    count, labels = load().connectedComponents(mask.astype(np.uint8), connectivity=8, ltype=4)
+    count, labels = load_opencv().connectedComponents(mask.astype(np.uint8), connectivity=8, ltype=4)
     return int(count) - 1, np.asarray(labels, np.int32)
 
 
 def grow(mask: BoolArray, margin_px: int) -> BoolArray:
     """The mask and what lies within a margin of it."""
-    cv2 = load()
+    cv2 = load_opencv()
     size = 2 * margin_px + 1
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     return np.asarray(cv2.dilate(mask.astype(np.uint8), kernel)) > 0
@@ -63,7 +55,7 @@ def grow(mask: BoolArray, margin_px: int) -> BoolArray:
 
 def fill_hull(points_px: FloatArray, shape: tuple[int, int]) -> BoolArray:
     """Mask of the convex hull of points (n, 2), n ≥ 3."""
-    cv2 = load()
+    cv2 = load_opencv()
     mask = np.zeros(shape, np.uint8)
     hull = cv2.convexHull(np.rint(points_px).astype(np.int32).reshape(-1, 1, 2))
     cv2.fillConvexPoly(mask, hull, 1)
@@ -72,7 +64,7 @@ def fill_hull(points_px: FloatArray, shape: tuple[int, int]) -> BoolArray:
 
 def simple_blobs(image: NDArray[np.uint8], diameter_px: float, dark: bool) -> FloatArray:
     """Centres and diameters (n, 3) by OpenCV's `SimpleBlobDetector`."""
-    cv2 = load()
+    cv2 = load_opencv()
     spec = cv2.SimpleBlobDetector_Params()
     area = np.pi / 4 * diameter_px**2
     spec.filterByColor, spec.blobColor = True, 0 if dark else 255

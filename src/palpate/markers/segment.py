@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, kernel
-from palpate.markers.opencv import blur, box, close, components, local_maxima
+from palpate.markers.opencv import blur, box, close, components, dilate, local_maxima
 
 Image = NDArray[np.float32]
 _NOISE_ROWS = 24
@@ -126,11 +126,7 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
 
 def _ridge(height: Image, peak: BoolArray, size: int) -> Image:
     """The height of the nearest strong peak, spread over the dot about it."""
-    from palpate.markers.opencv import load
-
-    cv2 = load()
-    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * size + 1, 2 * size + 1))
-    spread = np.asarray(cv2.dilate(np.where(peak, height, np.float32(0.0)), kernel), np.float32)
+    spread = dilate(np.where(peak, height, np.float32(0.0)), 2 * size + 1)
     return np.where(spread > 0.0, spread, np.float32(np.inf))
 
 

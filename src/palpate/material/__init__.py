@@ -7,45 +7,41 @@ from palpate.material.drucker import find_stable_ranges
 from palpate.material.fit import Fit
 from palpate.material.fit_material import fit_material
 from palpate.material.io import read_material, write_material
-from palpate.material.law import Law, Ogden, Polynomial, mooney_rivlin, neo_hooke, ogden, yeoh
-from palpate.material.locking import ArrudaBoyce
-from palpate.material.material import DEFAULT_BULK_RATIO, Material
-from palpate.material.model import MODELS
-from palpate.material.prepare import average_samples, prepare_sample
+from palpate.material.law import DeckLine, Law, Model
+from palpate.material.laws.neo_hooke import NeoHooke
+from palpate.material.make_law import LAWS, list_models
+from palpate.material.material import Material
+from palpate.material.model import LinearModel
+from palpate.material.prepare import prepare_sample
 from palpate.material.rank import predict_unseen, rank_models
 from palpate.material.read_bench import read_bench
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec, Weighting
-from palpate.material.stress import isochoric
 
 __all__ = [
-    "DEFAULT_BULK_RATIO",
-    "MODELS",
-    "ArrudaBoyce",
+    "LAWS",
     "BenchSpec",
     "Curve",
+    "DeckLine",
     "Fit",
     "FitSpec",
     "Law",
+    "LinearModel",
     "Loading",
     "Material",
     "Mode",
-    "Ogden",
-    "Polynomial",
+    "Model",
+    "NeoHooke",
     "PrepareSpec",
     "Sample",
     "Weighting",
-    "average_samples",
     "draw_fit",
     "find_stable_ranges",
     "fit_material",
     "get_material",
-    "isochoric",
     "list_materials",
+    "list_models",
     "material_from_data",
-    "mooney_rivlin",
-    "neo_hooke",
-    "ogden",
     "predict_unseen",
     "prepare_sample",
     "rank_models",
@@ -55,5 +51,4 @@ __all__ = [
     "stretches",
     "trace_curve",
     "write_material",
-    "yeoh",
 ]

@@ -10,7 +10,7 @@ from typing import Any
 from palpate.core import PalpateError
 from palpate.material.io import read_material
 from palpate.material.library import library_names, read_library
-from palpate.material.make_law import FORMS, law_from_constants, law_from_numbers
+from palpate.material.make_law import LAWS
 from palpate.material.material import Material
 
 FILE_ENDINGS = (".yaml", ".yml")
@@ -43,10 +43,10 @@ def get_material(text: str) -> Material:
     if text.endswith(FILE_ENDINGS):
         return read_material(Path(text))
     law, colon, numbers = text.partition(":")
-    if not colon or law not in FORMS:
-        near = get_close_matches(text if not colon else law, [*library_names(), *FORMS], n=1, cutoff=0.3)
+    if not colon or law not in LAWS:
+        near = get_close_matches(text if not colon else law, [*library_names(), *LAWS.names], n=1, cutoff=0.3)
         hint = f"Did you mean {near[0]}? " if near else ""
-        laws = ", ".join(f"{name}:{form.written}" for name, form in FORMS.items())
+        laws = ", ".join(f"{name}:{form.written()}" for name, form in LAWS.loadable())
         raise PalpateError(
             f"There is no material '{text}'.",
             f"{hint}Known: {', '.join(list_materials())}; or {laws} in MPa; or a material file (.yaml).",
@@ -54,8 +54,10 @@ def get_material(text: str) -> Material:
     try:
         constants = [float(number) for number in numbers.split(",")]
     except ValueError:
-        raise PalpateError(f"'{numbers}' are not numbers.", f"Write {law}:{FORMS[law].written} in MPa.") from None
-    return Material(name=text, law=law_from_numbers(law, constants))
+        raise PalpateError(
+            f"'{numbers}' are not numbers.", f"Write {law}:{LAWS.get(law).written()} in MPa."
+        ) from None
+    return Material(name=text, law=LAWS.get(law).from_numbers(constants))
 
 
 def material_from_data(data: dict[str, Any]) -> Material:
@@ -66,7 +68,7 @@ def material_from_data(data: dict[str, Any]) -> Material:
     data
         With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``.
     """
-    made = law_from_constants(data["law"], data["constants"])
+    made = LAWS.get(data["law"]).from_constants(data["constants"])
     if data["name"] not in library_names():
         return Material(data["name"], made, data["bulk_ratio"])
     known = read_library(data["name"])

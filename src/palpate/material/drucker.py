@@ -2,7 +2,7 @@
 
 With the third direction free of stress, ``d tau_i = D_ij d eps_j`` for ``tau = (tau_1 - tau_3, tau_2 - tau_3)`` and
 the two free logarithmic strains; the law is stable while D is positive definite. In principal axes the spatial
-tangent is ``c_ij = d tau_i / d eps_j - 2 tau_i delta_ij``, so D follows from the kernels of the elements.
+tangent is ``c_ij = d tau_i / d eps_j - 2 tau_i delta_ij``, so D follows from what the elements ask of a law.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 
 from palpate.material.curve import Mode, stretches
 from palpate.material.law import FloatArray, Law
-from palpate.material.stress import isochoric_at_all
 
 LOW, HIGH = 0.05, 20.0
 """Uniaxial stretches between which a law is scanned, if data do not go further."""
@@ -46,12 +45,9 @@ class StableRange:
         return bool(np.isnan(self.low) and np.isnan(self.high))
 
 
-def drucker_matrix(code: int, parameters: FloatArray, principal: FloatArray) -> FloatArray:
-    """Drucker's matrices (n, 2, 2) MPa in principal stretches (n, 3) of volume 1; nan where Gent's chains lock."""
-    n = len(principal)
-    F = np.ascontiguousarray(principal[:, :, None] * np.eye(3))
-    energy, tau, c = np.empty(n), np.empty((n, 6)), np.empty((n, 6, 6))
-    isochoric_at_all(code, parameters, F, energy, tau, c)
+def drucker_matrix(law: Law, principal: FloatArray) -> FloatArray:
+    """Drucker's matrices (n, 2, 2) MPa in principal stretches (n, 3) of volume 1; nan where the law locks."""
+    energy, tau, c = law.isochoric(np.ascontiguousarray(principal[:, :, None] * np.eye(3)))
     slope = c[:, :3, :3] + 2 * tau[:, :3, None] * np.eye(3)
     against_third = slope[:, :2] - slope[:, 2:]
     matrix: FloatArray = against_third[:, :, :2] - against_third[:, :, 2:]
@@ -99,7 +95,7 @@ def _first_unstable(law: Law, mode: Mode, end: float) -> float:
 
 def _least(law: Law, mode: Mode, stretch: FloatArray) -> FloatArray:
     """Smallest eigenvalue (n,) of Drucker's matrix, MPa; nan where chains lock."""
-    matrix = drucker_matrix(law.code, law.parameters, stretches(mode, stretch))
+    matrix = drucker_matrix(law, stretches(mode, stretch))
     middle = 0.5 * (matrix[:, 0, 0] + matrix[:, 1, 1])
     radius = np.hypot(0.5 * (matrix[:, 0, 0] - matrix[:, 1, 1]), matrix[:, 0, 1])
     return np.asarray(middle - radius + _ROUND_OFF * (np.abs(middle) + radius))

@@ -10,9 +10,8 @@ import numpy as np
 
 from palpate.material.curve import Mode, stretches, uniaxial_range
 from palpate.material.drucker import StableRange, find_stable_ranges
-from palpate.material.law import FloatArray, Law
+from palpate.material.law import FloatArray, Law, Model
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
-from palpate.material.model import Model
 from palpate.material.sample import Sample
 from palpate.material.spec import FitSpec
 

@@ -19,9 +19,9 @@ from palpate.core import PalpateError
 from palpate.material.curve import Mode, stretches, uniaxial_range
 from palpate.material.drucker import drucker_matrix, scan_ends
 from palpate.material.fit import Fit, judge
-from palpate.material.law import FloatArray
+from palpate.material.law import FloatArray, Model
 from palpate.material.least_squares import lengths, solve_linear, solve_positive_definite, solve_signed
-from palpate.material.model import Model, PolynomialModel, get_model
+from palpate.material.make_law import get_model
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec, Weighting
 
@@ -119,8 +119,8 @@ def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit |
             "Give more rows or choose a model with fewer constants.",
         )
     low, high = _scanned(samples, spec)
-    if isinstance(model, PolynomialModel):
-        solution = _fit_polynomial(model, data, (low, high) if spec.stable else None)
+    if not model.shapes:
+        solution = _fit_linear(model, data, (low, high) if spec.stable else None)
     else:
         solution = _fit_shapes(model, data, spec, near)
     jacobian = _jacobian(model, data, solution)
@@ -173,7 +173,7 @@ def _weighted(model: Model, data: _Data, shapes: FloatArray) -> tuple[FloatArray
     return model.terms(data.principal, shapes) * data.root[:, None], data.nominal * data.root
 
 
-def _fit_polynomial(model: PolynomialModel, data: _Data, ends: tuple[float, float] | None) -> _Solution:
+def _fit_linear(model: Model, data: _Data, ends: tuple[float, float] | None) -> _Solution:
     none = np.empty(0)
     A, b = _weighted(model, data, none)
     c = solve_linear(A, b)
@@ -189,7 +189,7 @@ def _fit_polynomial(model: PolynomialModel, data: _Data, ends: tuple[float, floa
     return _Solution(c, none, float(np.sum((A @ c - b) ** 2)), held)
 
 
-def _drucker_terms(model: PolynomialModel, data: _Data, ends: tuple[float, float]) -> FloatArray:
+def _drucker_terms(model: Model, data: _Data, ends: tuple[float, float]) -> FloatArray:
     """Drucker's matrices (k, m, 2, 2) of each constant at unit value, over those of the neo-Hookean fit.
 
     ``D_n^-1/2 D D_n^-1/2`` is positive definite where D is, and of the size of the stiffness over a rubber's at every
@@ -204,10 +204,10 @@ def _drucker_terms(model: PolynomialModel, data: _Data, ends: tuple[float, float
         [stretches(mode, end ** np.linspace(0, 1, _STATES)) for mode in Mode for end in scan_ends(mode, *ends)]
     )
     rubber = plain.law(c10, none)
-    value, axis = np.linalg.eigh(drucker_matrix(rubber.code, rubber.parameters, states))
+    value, axis = np.linalg.eigh(drucker_matrix(rubber, states))
     root = np.einsum("mia,ma,mja->mij", axis, value**-0.5, axis)
     laws = [model.law(row, none) for row in np.eye(len(model.linear))]
-    return np.array([root @ drucker_matrix(law.code, law.parameters, states) @ root for law in laws])
+    return np.array([root @ drucker_matrix(law, states) @ root for law in laws])
 
 
 def _fit_shapes(model: Model, data: _Data, spec: FitSpec, near: Fit | None) -> _Solution:
@@ -229,7 +229,7 @@ def _search(
 
     def solve(shapes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         A, b = _weighted(model, data, shapes)
-        signs = (np.sign(shapes) if model.name.startswith("ogden") else np.ones(1)) if stable else None
+        signs = model.signs(shapes) if stable else None
         c = solve_signed(A, b, signs)
         return A, c, A @ c - b
 

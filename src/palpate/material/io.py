@@ -12,7 +12,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from palpate.core import PalpateError
-from palpate.material.make_law import law_from_constants
+from palpate.material.make_law import LAWS
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
 
 _TEXTS = ("source", "licence", "quality", "caution")
@@ -105,7 +105,7 @@ def _make(content: dict[str, Any], name: str) -> Material:
     try:
         return Material(
             name=str(content["name"]),
-            law=law_from_constants(str(content["law"]), numbers),
+            law=LAWS.get(str(content["law"])).from_constants(numbers),
             bulk_ratio=_number(content.get("bulk_ratio", DEFAULT_BULK_RATIO), "bulk_ratio", name),
             stretch_range=(low, high),
             **{key: str(content.get(key, "")).strip() for key in _TEXTS},

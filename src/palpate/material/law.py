@@ -1,175 +1,211 @@
-"""Hyperelastic laws: what a material's strain energy is, in numbers a compiled kernel understands.
+"""The contract of a hyperelastic law, and of the models by which a law is fitted.
 
-Every law is isotropic and split into an isochoric part, a function of ``F_bar = J**(-1/3) F``, and the
-volumetric part of `palpate.material.Material`. Three families cover all of them:
+Every law is isotropic and gives the isochoric part of the strain energy, a function of ``F_bar = J**(-1/3) F``; the
+volumetric part is that of `palpate.material.Material`. Each law stands in a file of `palpate.material.laws` or in
+another package, which names it in its entry points (group ``palpate.laws``); `palpate.testing.LawSuite` holds it to
+this contract.
 
-* polynomials in the invariants ``I1 = tr(b_bar)`` and ``I2 = (I1² - tr(b_bar²)) / 2``, here;
-* Ogden's functions of the principal stretches, here;
-* chains that lock at a finite stretch, functions of I1 alone, in `palpate.material.locking`.
-
-References: Holzapfel, *Nonlinear Solid Mechanics* (2000), sections 6.4-6.6; Yeoh, *Rubber Chem. Technol.* 66
-(1993) 754; Ogden, *Proc. R. Soc. A* 326 (1972) 565.
+Reference: Holzapfel, *Nonlinear Solid Mechanics* (2000), sections 6.4-6.6.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import PalpateError
+
 FloatArray = NDArray[np.float64]
 
-POLYNOMIAL, OGDEN, GENT, ARRUDA_BOYCE = 0, 1, 2, 3
-"""Codes of the laws in the compiled kernels."""
+
+class DeckLine(NamedTuple):
+    """A law in the constants of Abaqus and CalculiX.
+
+    Attributes
+    ----------
+    parameter
+        What follows ``*HYPERELASTIC,``.
+    constants
+        MPa and pure numbers, those of the volumetric part left out.
+    volumetric
+        Number of the constants D1, D2, … that follow.
+    """
+
+    parameter: str
+    constants: tuple[float, ...]
+    volumetric: int = 1
 
 
+@dataclass(frozen=True)
 class Law(ABC):
     """Isochoric strain energy of an isotropic hyperelastic material.
 
-    What an implementer gives: its name, its family's code and parameters for the kernels, and its shear modulus.
+    An implementer is a frozen dataclass whose fields are the constants, by the names of the literature, in MPa or as
+    pure numbers; a field with a default may be left out where a law is read, and is left out where it is written.
+
+    Attributes
+    ----------
+    name
+        As on the command line and in files, e.g. ``yeoh``; the name of its entry point.
+    forms
+        Constants in the order in which a person writes them, one form for each count; none: all fields.
     """
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """Name as on the command line, e.g. ``yeoh``."""
-
-    @property
-    @abstractmethod
-    def code(self) -> int:
-        """Code in the compiled kernels: `POLYNOMIAL`, `OGDEN`, `GENT` or `ARRUDA_BOYCE`."""
-
-    @property
-    @abstractmethod
-    def parameters(self) -> FloatArray:
-        """Parameters (k,) MPa (exponents: pure numbers) in the order that the kernel of the family reads."""
+    name: ClassVar[str]
+    forms: ClassVar[tuple[tuple[str, ...], ...]] = ()
 
     @property
     @abstractmethod
     def shear_modulus(self) -> float:
         """Initial shear modulus, MPa."""
 
+    @abstractmethod
+    def isochoric(self, F: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Evaluate the law at n points.
+
+        Parameters
+        ----------
+        F
+            (n, 3, 3) deformation gradients of positive determinant, contiguous.
+
+        Returns
+        -------
+        energy, tau, c
+            (n,), (n, 6), (n, 6, 6) MPa, new arrays: energy per undeformed volume (infinite beyond a stretch at which
+            the law locks), isochoric Kirchhoff stress, and its spatial tangent, which gives the Lie derivative
+            ``L_v tau = c : d``; Voigt order xx, yy, zz, xy, yz, zx, the tangent multiplies engineering shear strains.
+        """
+
+    @abstractmethod
+    def scaled(self, modulus: float, stiffening: float = 1.0) -> Self:
+        """The law with its stress times `modulus`, and that of its constants of higher order times `stiffening` too.
+
+        Raises
+        ------
+        PalpateError
+            If stiffening is not 1 and the law has no constants of higher order.
+        """
+
+    @abstractmethod
+    def deck(self) -> DeckLine | None:
+        """The law in a deck; `None` where Abaqus and CalculiX have none like it."""
+
+    @classmethod
+    @abstractmethod
+    def models(cls) -> Sequence[Model]:
+        """Models by which it is fitted, in the order in which they are listed; none where it cannot be fitted."""
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Constants by name, MPa or pure numbers; those that have their default are left out."""
+        values = {item.name: (getattr(self, item.name), item.default) for item in fields(self)}
+        return {name: float(value) for name, (value, default) in values.items() if value != default}
+
+    @classmethod
+    def written(cls) -> str:
+        """How a person writes its constants, e.g. ``C10,C20,C30``."""
+        return " or ".join(",".join(form) for form in cls._forms())
+
+    @classmethod
+    def from_numbers(cls, numbers: Sequence[float]) -> Self:
+        """Make the law of its constants in the order of one of its forms.
+
+        Raises
+        ------
+        PalpateError
+            If it takes another count of constants.
+        """
+        form = next((form for form in cls._forms() if len(form) == len(numbers)), None)
+        if form is None:
+            raise PalpateError(
+                f"{cls.name} takes {cls.written()}, but {len(numbers)} numbers were given.", "Write them in MPa."
+            )
+        return cls.from_constants(dict(zip(form, numbers, strict=True)))
+
+    @classmethod
+    def from_constants(cls, constants: Mapping[str, float]) -> Self:
+        """Make the law of its constants by name, as `constants` gives them.
+
+        Raises
+        ------
+        PalpateError
+            If its constants have other names, or one is missing.
+        """
+        known = {item.name for item in fields(cls)}
+        needed = {item.name for item in fields(cls) if item.default is MISSING}
+        if not constants or not needed <= set(constants) <= known:
+            raise PalpateError(
+                f"The constants of {cls.name} are not {', '.join(constants) or 'none'}.", f"They are {cls.written()}."
+            )
+        make: Any = cls
+        return make(**constants)
+
+    @classmethod
+    def _forms(cls) -> tuple[tuple[str, ...], ...]:
+        return cls.forms or (tuple(item.name for item in fields(cls)),)
+
+
+def refuse_stiffening(law: Law, stiffening: float) -> None:
+    """Refuse to vary constants of higher order that a law does not have."""
+    if not np.isclose(stiffening, 1.0):
+        raise PalpateError(
+            f"The law {law.name} has no constants of higher order to vary.", "Set the tolerance of stiffening to 0."
+        )
+
+
+class Model(ABC):
+    """A family of laws with free constants, and how the stress of a test depends on them.
+
+    The nominal stress of an incompressible test is a sum of terms linear in some constants `c`; each term may depend
+    on one more constant, its *shape*:
+
+        P_1(lambda) = sum_k c_k phi_k(lambda; theta_k),   phi from P_1 = (tau_1 - tau_3) / lambda_1.
+
+    So a law that is linear in its constants is fitted exactly, and the others by a search over the shapes alone
+    (variable projection, Golub & Pereyra 1973).
+    """
+
     @property
     @abstractmethod
-    def constants(self) -> dict[str, float]:
-        """Constants by the names of the literature, MPa."""
-
-
-_ORDER = ("C10", "C01", "C20", "C11", "C02", "C30")
-
-
-@dataclass(frozen=True)
-class Polynomial(Law):
-    """Polynomial in the invariants: ``W = sum C_ij (I1 - 3)^i (I2 - 3)^j``.
-
-    Neo-Hooke is C10 alone, Mooney–Rivlin C10 and C01 (and C20, C11, C02), Yeoh C10, C20 and C30.
-
-    Attributes
-    ----------
-    label
-        Name on the command line.
-    c10, c01, c20, c11, c02, c30
-        Coefficients, MPa.
-    """
-
-    label: str
-    c10: float
-    c01: float = 0.0
-    c20: float = 0.0
-    c11: float = 0.0
-    c02: float = 0.0
-    c30: float = 0.0
-
-    @property
     def name(self) -> str:
-        return self.label
+        """Name as on the command line, e.g. ``ogden-3``."""
 
     @property
-    def code(self) -> int:
-        return POLYNOMIAL
+    @abstractmethod
+    def linear(self) -> tuple[str, ...]:
+        """Names of the constants in which stress is linear, MPa."""
 
     @property
-    def parameters(self) -> FloatArray:
-        return np.array([self.c10, self.c01, self.c20, self.c11, self.c02, self.c30])
+    @abstractmethod
+    def shapes(self) -> tuple[str, ...]:
+        """Names of the others, pure numbers: none, or one for each linear constant."""
+
+    @abstractmethod
+    def law(self, linear: FloatArray, shapes: FloatArray) -> Law:
+        """Make the law of these constants, (k,) MPa and (k,) or (0,)."""
+
+    @abstractmethod
+    def terms(self, principal: FloatArray, shapes: FloatArray) -> FloatArray:
+        """Nominal stress (n, k) of each term at unit constant in principal stretches (n, 3)."""
+
+    @abstractmethod
+    def term_slopes(self, principal: FloatArray, shapes: FloatArray) -> FloatArray:
+        """Derivative (n, k) of each term by its shape; (n, 0) where there is none."""
+
+    @abstractmethod
+    def starts(self, principal: FloatArray, largest_exponent: float) -> list[tuple[FloatArray, FloatArray]]:
+        """Boxes to search for shapes in, (2, k) each, and a start (k,) within it."""
+
+    @abstractmethod
+    def signs(self, shapes: FloatArray) -> FloatArray:
+        """Signs (k,) of the linear constants with which a law of these shapes is stable; not asked without shapes."""
 
     @property
-    def shear_modulus(self) -> float:
-        return 2 * (self.c10 + self.c01)
-
-    @property
-    def constants(self) -> dict[str, float]:
-        return {name: float(value) for name, value in zip(_ORDER, self.parameters, strict=True) if value != 0}
-
-
-@dataclass(frozen=True)
-class Ogden(Law):
-    """Ogden: ``W = sum_k mu_k / alpha_k (l1^alpha_k + l2^alpha_k + l3^alpha_k - 3)`` in isochoric stretches.
-
-    Attributes
-    ----------
-    mu
-        Moduli, MPa.
-    alpha
-        Exponents.
-    """
-
-    mu: tuple[float, ...]
-    alpha: tuple[float, ...]
-
-    @property
-    def name(self) -> str:
-        return "ogden"
-
-    @property
-    def code(self) -> int:
-        return OGDEN
-
-    @property
-    def parameters(self) -> FloatArray:
-        return np.array([*self.mu, *self.alpha])
-
-    @property
-    def shear_modulus(self) -> float:
-        return float(np.dot(self.mu, self.alpha)) / 2
-
-    @property
-    def constants(self) -> dict[str, float]:
-        pairs = enumerate(zip(self.mu, self.alpha, strict=True), start=1)
-        return {name: value for k, (mu, alpha) in pairs for name, value in ((f"mu{k}", mu), (f"alpha{k}", alpha))}
-
-
-MOONEY_RIVLIN: dict[int, tuple[str, ...]] = {
-    2: ("c10", "c01"),
-    3: ("c10", "c01", "c11"),
-    5: ("c10", "c01", "c20", "c11", "c02"),
-}
-"""Coefficients of the Mooney–Rivlin laws by their count."""
-
-
-def yeoh(c10: float, c20: float, c30: float) -> Polynomial:
-    """Yeoh's law ``W = C10 (I1-3) + C20 (I1-3)² + C30 (I1-3)³``, coefficients in MPa."""
-    return Polynomial("yeoh", c10=c10, c20=c20, c30=c30)
-
-
-def neo_hooke(c10: float) -> Polynomial:
-    """Neo-Hooke ``W = C10 (I1-3)``, C10 in MPa; the shear modulus is 2 C10."""
-    return Polynomial("neo-hooke", c10=c10)
-
-
-def mooney_rivlin(*constants: float) -> Polynomial:
-    """Mooney–Rivlin, coefficients in MPa.
-
-    Parameters
-    ----------
-    *constants
-        C10, C01: ``W = C10 (I1-3) + C01 (I2-3)``; with a third, C11, ``+ C11 (I1-3)(I2-3)``; or the five C10, C01,
-        C20, C11, C02 of the second order, ``+ C20 (I1-3)² + C11 (I1-3)(I2-3) + C02 (I2-3)²``.
-    """
-    return Polynomial("mooney-rivlin", **dict(zip(MOONEY_RIVLIN[len(constants)], constants, strict=True)))
-
-
-def ogden(*constants: float) -> Ogden:
-    """Ogden from ``mu1, alpha1, mu2, alpha2, …`` (MPa, pure number), one to three terms."""
-    return Ogden(mu=tuple(constants[0::2]), alpha=tuple(constants[1::2]))
+    def constants(self) -> tuple[str, ...]:
+        """Names of all constants, linear ones first."""
+        return self.linear + self.shapes

@@ -9,7 +9,6 @@ import numpy as np
 
 from palpate.core import PalpateError
 from palpate.material.law import FloatArray, Law
-from palpate.material.stress import isochoric_at_all
 
 DEFAULT_BULK_RATIO = 2000.0
 """K / mu of a silicone in this package: nearly incompressible (Poisson's ratio 0.49975)."""
@@ -93,7 +92,4 @@ class Material:
         energy, tau, c
             (n,), (n, 6), (n, 6, 6) MPa: energy, isochoric Kirchhoff stress and spatial tangent (Voigt).
         """
-        n = len(F)
-        energy, tau, c = np.empty(n), np.empty((n, 6)), np.empty((n, 6, 6))
-        isochoric_at_all(self.law.code, self.law.parameters, np.ascontiguousarray(F, float), energy, tau, c)
-        return energy, tau, c
+        return self.law.isochoric(np.ascontiguousarray(F, float))

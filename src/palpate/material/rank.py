@@ -13,7 +13,7 @@ from palpate.material.curve import Mode, stretches
 from palpate.material.fit import Fit
 from palpate.material.fit_material import fit_rows
 from palpate.material.law import FloatArray
-from palpate.material.model import MODELS, SECOND_INVARIANT
+from palpate.material.make_law import SECOND_INVARIANT, list_models
 from palpate.material.sample import Sample
 from palpate.material.spec import FitSpec
 
@@ -74,7 +74,7 @@ class UnseenError:
 
 
 def rank_models(
-    samples: Sequence[Sample], spec: FitSpec | None = None, names: Sequence[str] = tuple(MODELS)
+    samples: Sequence[Sample], spec: FitSpec | None = None, names: Sequence[str] | None = None
 ) -> tuple[Ranked, ...]:
     """Fit models and rank them by Akaike's criterion, the best first; those that cannot be fitted last.
 
@@ -83,11 +83,11 @@ def rank_models(
     samples, spec
         As for `fit_material`; the model of the spec does not matter.
     names
-        Models.
+        Models; without them, all.
     """
     spec = spec or FitSpec()
     found = []
-    for name in names:
+    for name in list_models() if names is None else names:
         chosen = spec.model_copy(update={"model": name})
         try:
             fit = fit_rows(samples, chosen)

@@ -4,7 +4,7 @@ from palpate.mechanics.compiled import kernels_compiled
 from palpate.mechanics.continuation import Continuation, Increment
 from palpate.mechanics.element import System
 from palpate.mechanics.friction import ContactLaw
-from palpate.mechanics.linear import make_linear_solver, solver_backends
+from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
 from palpate.mechanics.loading import ContactLoading, Loading, LoadLoading
 from palpate.mechanics.monitor import Ended, Monitor, Unwatched
 from palpate.mechanics.newton import Equilibrium, Loads, Problem
@@ -30,14 +30,17 @@ __all__ = [
     "Equilibrium",
     "Gap",
     "Increment",
+    "LinearSolver",
     "LoadLoading",
     "Loading",
     "Loads",
     "Monitor",
     "Obstacle",
     "OuterSurface",
+    "Pattern",
     "Problem",
     "Share",
+    "SingularMatrixError",
     "Solid",
     "SolverSpec",
     "State",

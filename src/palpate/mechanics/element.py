@@ -21,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, kernel
-from palpate.material import isochoric
 
 NODES = 27
 DOFS = 81
@@ -56,12 +55,25 @@ class Cells(NamedTuple):
     place: IntArray
 
 
-class Constitution(NamedTuple):
-    """Material in the kernels: code and parameters of its law, and the bulk modulus in MPa."""
+class Response(NamedTuple):
+    """What a law answers at the Gauss points.
 
-    code: int
-    parameters: FloatArray
-    bulk: float
+    Attributes
+    ----------
+    F
+        (n_cells, n_points, 3, 3) deformation gradient.
+    energy
+        (n_cells, n_points) MPa isochoric energy per undeformed volume.
+    tau
+        (n_cells, n_points, 6) MPa isochoric Kirchhoff stress, Voigt order xx, yy, zz, xy, yz, zx.
+    c
+        (n_cells, n_points, 6, 6) MPa its spatial tangent.
+    """
+
+    F: FloatArray
+    energy: FloatArray
+    tau: FloatArray
+    c: FloatArray
 
 
 class System(NamedTuple):
@@ -89,8 +101,8 @@ class _Cell(NamedTuple):
 
 
 @kernel
-def deformation(gradient: FloatArray, u: FloatArray, F: FloatArray, g: FloatArray) -> float:
-    """Deformation gradient at one point, and the spatial shape gradients.
+def deformation_gradient(gradient: FloatArray, u: FloatArray, F: FloatArray) -> None:
+    """Write the deformation gradient at one point.
 
     Parameters
     ----------
@@ -99,14 +111,7 @@ def deformation(gradient: FloatArray, u: FloatArray, F: FloatArray, g: FloatArra
     u
         (27, 3) nodal displacements, mm.
     F
-        (3, 3) receives the deformation gradient.
-    g
-        (27, 3) receives ``F^-T grad N``, 1/mm.
-
-    Returns
-    -------
-    float
-        The determinant J; g is left as it was where J is not positive.
+        (3, 3) receives ``I + sum u_a ⊗ grad N_a``.
     """
     for i in range(3):
         for j in range(3):
@@ -115,12 +120,39 @@ def deformation(gradient: FloatArray, u: FloatArray, F: FloatArray, g: FloatArra
         for i in range(3):
             for j in range(3):
                 F[i, j] += u[a, i] * gradient[a, j]
+
+
+@kernel
+def determinant(F: FloatArray) -> float:
+    """Determinant of a matrix (3, 3)."""
+    c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
+    c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
+    c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
+    return F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
+
+
+@kernel
+def spatial_gradients(gradient: FloatArray, F: FloatArray, g: FloatArray) -> float:
+    """Spatial shape gradients at one point.
+
+    Parameters
+    ----------
+    gradient
+        (27, 3) referential shape gradients, 1/mm.
+    F
+        (3, 3) deformation gradient of positive determinant.
+    g
+        (27, 3) receives ``F^-T grad N``, 1/mm.
+
+    Returns
+    -------
+    float
+        The determinant J of F.
+    """
     c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
     c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
     c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
     J = F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
-    if not J > 0.0:
-        return J
     c10 = F[2, 1] * F[0, 2] - F[0, 1] * F[2, 2]
     c11 = F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0]
     c12 = F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]
@@ -181,17 +213,42 @@ def add_volumetric(pressure_J: float, tau: FloatArray, c: FloatArray) -> None:
 
 
 @kernel
+def deform_cells(cells: Cells, u: FloatArray, F: FloatArray) -> bool:
+    """Write the deformation gradient (n_cells, n_points, 3, 3) at every Gauss point.
+
+    Returns
+    -------
+    bool
+        Whether no cell is turned inside out; where one is, what follows it is not written.
+    """
+    ue = np.empty((NODES, 3))
+    for e in range(len(cells.nodes)):
+        for a in range(NODES):
+            for i in range(3):
+                ue[a, i] = u[cells.nodes[e, a], i]
+        for q in range(len(cells.basis)):
+            deformation_gradient(cells.gradient[e, q], ue, F[e, q])
+            if not determinant(F[e, q]) > 0.0:
+                return False
+    return True
+
+
+@kernel
 def assemble_cells(
-    cells: Cells, law: Constitution, u: FloatArray, p: FloatArray, system: System, condensed: Condensed
+    cells: Cells, response: Response, bulk: float, p: FloatArray, system: System, condensed: Condensed
 ) -> float:
     """Assemble the condensed tangent and residual of all cells.
 
     Parameters
     ----------
-    cells, law
-        Tables and material.
-    u, p
-        (n, 3) mm displacement and (n_cells, 4) MPa pressure.
+    cells
+        Tables.
+    response
+        What the law answers at the Gauss points.
+    bulk
+        Bulk modulus, MPa.
+    p
+        (n_cells, 4) MPa pressure.
     system
         Added to.
     condensed
@@ -200,19 +257,14 @@ def assemble_cells(
     Returns
     -------
     float
-        Stored energy, mJ; infinite where a cell is turned inside out or stretched to where its law's chains lock
-        (then nothing else is valid).
+        Stored energy, mJ; infinite where the energy of the law is (then nothing else is valid).
     """
-    F, g = np.empty((3, 3)), np.empty((NODES, 3))
-    tau, c = np.empty(6), np.empty((6, 6))
+    g = np.empty((NODES, 3))
     DB, K, S = np.empty((6, DOFS)), np.empty((DOFS, DOFS)), np.empty((NODES, NODES))
-    r, ue = np.empty(DOFS), np.empty((NODES, 3))
+    r = np.empty(DOFS)
     energy = 0.0
     for e in range(len(cells.nodes)):
         cell = _Cell(K, S, r, condensed.coupling[e], condensed.volume_residual[e])
-        for a in range(NODES):
-            for i in range(3):
-                ue[a, i] = u[cells.nodes[e, a], i]
         K[:, :] = 0.0
         S[:, :] = 0.0
         r[:] = 0.0
@@ -220,24 +272,23 @@ def assemble_cells(
         cell.rp[:] = 0.0
         for q in range(len(cells.basis)):
             w = cells.weight[e, q]
-            J = deformation(cells.gradient[e, q], ue, F, g)
-            if not J > 0.0:
-                return np.inf
-            energy += w * isochoric(law.code, law.parameters, F, tau, c)
+            J = spatial_gradients(cells.gradient[e, q], response.F[e, q], g)
+            energy += w * response.energy[e, q]
+            tau, c = response.tau[e, q], response.c[e, q]
             pressure = 0.0
             for k in range(PRESSURES):
                 pressure += cells.basis[q, k] * p[e, k]
-            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * law.bulk))
+            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * bulk))
             add_volumetric(pressure * J, tau, c)
             _add_stress_divergence(w, g, tau, r, S)
             _add_material_stiffness(w, g, c, DB, K)
             for k in range(PRESSURES):
                 wb = w * cells.basis[q, k]
-                cell.rp[k] += wb * (J - 1.0 - pressure / law.bulk)
+                cell.rp[k] += wb * (J - 1.0 - pressure / bulk)
                 for a in range(NODES):
                     for i in range(3):
                         cell.C[k, 3 * a + i] += wb * J * g[a, i]
-        _condense(law.bulk, cells.inverse_mass[e], cell)
+        _condense(bulk, cells.inverse_mass[e], cell)
         _scatter(cells.nodes[e], cell, cells.place[e], system)
     return energy
 

@@ -15,9 +15,10 @@ from palpate.mechanics.element import (
     PRESSURES,
     Cells,
     Condensed,
-    Constitution,
+    Response,
     System,
     assemble_cells,
+    deform_cells,
     recover_pressure,
 )
 from palpate.mechanics.linear import Pattern
@@ -126,8 +127,7 @@ class Solid(Body):
         self.nodal_volume = np.zeros(len(nodes))
         np.add.at(self.nodal_volume, cells, np.einsum("eg,ga->ea", self.cells.weight, self.shape**2))
         self.shear_modulus = material.law.shear_modulus
-        law = material.law
-        self.constitution = Constitution(law.code, law.parameters, material.bulk_modulus)
+        self._F = np.empty((*weight.shape, 3, 3))
         self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
 
     @property
@@ -139,11 +139,23 @@ class Solid(Body):
         return State(np.zeros_like(self.nodes), np.zeros((len(self.cells.nodes), PRESSURES)))
 
     def assemble(self, state: State, system: System) -> float:
-        return assemble_cells(self.cells, self.constitution, state.u, state.p, system, self._condensed)
+        response = self.respond(state)
+        if response is None:
+            return np.inf
+        return assemble_cells(self.cells, response, self.material.bulk_modulus, state.p, system, self._condensed)
+
+    def respond(self, state: State) -> Response | None:
+        """What the law answers at the Gauss points; `None` where a cell is turned inside out."""
+        if not deform_cells(self.cells, state.u, self._F):
+            return None
+        found = self.material.evaluate(self._F.reshape(-1, 3, 3))
+        energy, tau, c = (np.require(each, np.float64, ("C", "W")) for each in found)  # a law may be another's
+        shape = self.cells.weight.shape
+        return Response(self._F, energy.reshape(shape), tau.reshape(*shape, 6), c.reshape(*shape, 6, 6))
 
     def recover_pressure(self, du: FloatArray) -> FloatArray:
         dp = np.empty((len(self.cells.nodes), PRESSURES))
-        recover_pressure(self.cells, self.constitution.bulk, self._condensed, du, dp)
+        recover_pressure(self.cells, self.material.bulk_modulus, self._condensed, du, dp)
         return dp
 
 

@@ -5,15 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray, kernel
-from palpate.material import isochoric
-from palpate.mechanics.element import NODES, PRESSURES, Cells, Constitution, add_volumetric, deformation
+from palpate.mechanics.element import PRESSURES, Cells, Response, add_volumetric, determinant
 from palpate.mechanics.solid import Solid, State
 
 
 def cauchy_stress(solid: Solid, state: State) -> FloatArray:
-    """Cauchy stress (n_cells, n_points, 6) MPa at the Gauss points, Voigt order xx, yy, zz, xy, yz, zx."""
-    stress = np.empty((len(solid.cells.nodes), len(solid.cells.basis), 6))
-    _cauchy(solid.cells, solid.constitution, state.u, state.p, stress)
+    """Cauchy stress (n_cells, n_points, 6) MPa at the Gauss points; NaN where a cell is inverted.
+
+    Voigt order xx, yy, zz, xy, yz, zx.
+    """
+    stress = np.full((*solid.cells.weight.shape, 6), np.nan)
+    response = solid.respond(state)
+    if response is not None:
+        _cauchy(solid.cells, response, state.p, stress)
     return stress
 
 
@@ -36,17 +40,13 @@ def smallest_stretch(solid: Solid, state: State) -> tuple[float, FloatArray]:
 
 
 @kernel
-def _cauchy(cells: Cells, law: Constitution, u: FloatArray, p: FloatArray, stress: FloatArray) -> None:
-    """Write the stress at every Gauss point, whichever law `isochoric` is asked for."""
-    F, g, ue = np.empty((3, 3)), np.empty((NODES, 3)), np.empty((NODES, 3))
+def _cauchy(cells: Cells, response: Response, p: FloatArray, stress: FloatArray) -> None:
+    """Write the stress at every Gauss point."""
     tau, c = np.empty(6), np.empty((6, 6))
     for e in range(len(cells.nodes)):
-        for a in range(NODES):
-            for i in range(3):
-                ue[a, i] = u[cells.nodes[e, a], i]
         for q in range(len(cells.basis)):
-            J = deformation(cells.gradient[e, q], ue, F, g)
-            isochoric(law.code, law.parameters, F, tau, c)
+            J = determinant(response.F[e, q])
+            tau[:] = response.tau[e, q]
             pressure = 0.0
             for k in range(PRESSURES):
                 pressure += cells.basis[q, k] * p[e, k]

@@ -99,7 +99,7 @@ def _motion(choice: Naming, positions: FloatArray, unit: Unit, nominal: CameraSp
         width = nominal.width_px - 1.0
         seen = choice.positions_px * flip + [width, 0.0]
         choice = replace(choice, positions_px=seen, mirrored=False, turn_deg=180.0 - choice.turn_deg)
-        k1, k2, p1, p2, k3 = nominal.distortion
-        nominal = nominal.model_copy(update={"cx_px": width - nominal.cx_px, "distortion": (k1, k2, p1, -p2, k3)})
+        lens = build_camera(nominal).lens.mirrored().coefficients
+        nominal = nominal.model_copy(update={"cx_px": width - nominal.cx_px, "distortion": lens})
     camera = register_dome(choice, unit.layout, unit.dome, nominal).camera
     return np.asarray((camera.project(positions) - camera.project(unit.layout.positions)) * flip)

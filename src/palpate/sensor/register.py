@@ -8,18 +8,20 @@ If wished, focal length and centre are refined with the pose. One image of one d
 dome's height: near dots are drawn larger than far ones (focal length against distance), and shift against them
 (centre against tilt and offset). So they are held near the calibration, within `FOCAL_SD` and `CENTRE_SD_PX`, the
 image moves them as far as it knows better, and their standard deviations say how far that is. The ratio of the two
-focal lengths and the distortion are left as calibrated.
+focal lengths is left as calibrated, and so is the distortion but for the
+coefficients that its `Lens` calls refinable.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
-from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, dot_edges
+from palpate.camera import LENSES, Camera, CameraSpec, build_camera, centre_bias, dot_edges
 from palpate.core import FloatArray, PalpateError
 from palpate.design import Dome, MarkerLayout
 from palpate.markers import Naming
@@ -49,7 +51,8 @@ class Registration:
     held_rms_px
         The same as `rms_px` with the lens as it was calibrated: what refining it gains.
     lens_sd
-        (3,) standard deviation of the focal length (share) and of the centre (px); NaN where they were held.
+        (3 + k,) standard deviation of the focal length (share), of the centre (px) and of the lens' k refinable
+        coefficients; NaN where they were held.
     """
 
     camera: Camera
@@ -108,7 +111,7 @@ def register_dome(
     points, seen = layout.positions[naming.found], naming.positions_px[naming.found]
     normals = (points - np.array([0.0, 0.0, dome.center_z])) / dome.radius
     edges = dot_edges(points, normals, layout.diameter)
-    start = np.array([getattr(nominal, name) for name in _POSE] + [1.0, nominal.cx_px, nominal.cy_px])
+    start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
     start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
     where = points, seen, centre_bias(_posed(nominal, start), points, edges)
     held = fit = _fit(nominal, start, where)
@@ -122,7 +125,7 @@ def register_dome(
         )
     errors = np.full((len(layout), 2), np.nan)
     errors[naming.found] = -fit.left
-    lens_sd = fit.sd[6:] if refine_lens else np.full(3, np.nan)
+    lens_sd = fit.sd[6:] if refine_lens else np.full(len(start) - 6, np.nan)
     return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd)
 
 
@@ -132,18 +135,20 @@ def _fit(
     """Fit the pose to dots, and the lens as well where it is said how far dots are off; it counts as three more."""
     points, seen, bias = where
     free = len(start) if dot_px else len(_POSE)
-    hold = dot_px / np.array([FOCAL_SD, CENTRE_SD_PX, CENTRE_SD_PX])
+    refined = np.array(list(LENSES.get(nominal.lens).refinable.values()))
+    hold = dot_px / np.array([FOCAL_SD, CENTRE_SD_PX, CENTRE_SD_PX, *refined])
 
     def miss(values: FloatArray) -> FloatArray:
         every = np.concatenate([values, start[free:]])
         projected = _posed(nominal, every).project(points) + bias
         left = np.nan_to_num(projected - seen, nan=1e3).reshape(-1)
-        held = hold * (values[6:] - [1.0, nominal.cx_px, nominal.cy_px]) if free > len(_POSE) else np.empty(0)
+        held = hold * (values[6:] - _lens_of(nominal)) if free > len(_POSE) else np.empty(0)
         return np.concatenate([left, held])
 
-    low = np.array([-50.0, -50.0, 1.0, -44.0, -44.0, -np.inf, 0.5, -np.inf, -np.inf])[:free]
-    high = np.array([50.0, 50.0, 999.0, 44.0, 44.0, np.inf, 2.0, np.inf, np.inf])[:free]
-    scale = [1.0, 1.0, 1.0, 1.0, 1.0, 5.0, 0.01, 5.0, 5.0][:free]
+    any_value = np.full(len(refined), np.inf)
+    low = np.array([-50.0, -50.0, 1.0, -44.0, -44.0, -np.inf, 0.5, -np.inf, -np.inf, *-any_value])[:free]
+    high = np.array([50.0, 50.0, 999.0, 44.0, 44.0, np.inf, 2.0, np.inf, np.inf, *any_value])[:free]
+    scale = [1.0, 1.0, 1.0, 1.0, 1.0, 5.0, 0.01, 5.0, 5.0, *refined][:free]
     fit = least_squares(miss, start[:free], bounds=(low, high), loss="soft_l1", f_scale=_FORGIVEN_PX, x_scale=scale)
     left = miss(fit.x)[: seen.size].reshape(-1, 2)
     spread = np.linalg.pinv(fit.jac.T @ fit.jac) * 2.0 * fit.cost / max(left.size - 6, 1)
@@ -155,10 +160,22 @@ def _pose_of(camera: Camera) -> FloatArray:
     return np.array([getattr(camera.spec, name) for name in _POSE])
 
 
+def _lens_of(nominal: CameraSpec) -> FloatArray:
+    """What refining starts from (3 + k,): factor on the focal lengths, centre in px, refinable coefficients."""
+    lens = LENSES.get(nominal.lens)
+    named = dict(zip(lens.parameters(), nominal.distortion, strict=True))
+    return np.array([1.0, nominal.cx_px, nominal.cy_px, *(named[name] for name in lens.refinable)])
+
+
 def _posed(nominal: CameraSpec, values: FloatArray) -> Camera:
-    """The camera of a pose, a factor on the focal lengths and a centre."""
-    chosen = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
+    """The camera of a pose and of what `_lens_of` lists."""
+    chosen: dict[str, Any] = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
     chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0
-    focal, column, row = (float(value) for value in values[6:])
+    focal, column, row, *refined = (float(value) for value in values[6:])
+    lens = LENSES.get(nominal.lens)
+    named = dict(zip(lens.parameters(), nominal.distortion, strict=True)) | dict(
+        zip(lens.refinable, refined, strict=True)
+    )
+    chosen["distortion"] = tuple(named.values())
     chosen |= {"fx_px": focal * nominal.fx_px, "fy_px": focal * nominal.fy_px, "cx_px": column, "cy_px": row}
     return build_camera(nominal.model_copy(update=chosen))

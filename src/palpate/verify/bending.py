@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray
-from palpate.material import Material, neo_hooke
+from palpate.material import Material, NeoHooke
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, follow_load, make_solid, reactions
 from palpate.verify.mapped import Grid, Turn, even, join, map_block, revolve
@@ -172,4 +172,4 @@ def _make_cantilever(length: float) -> tuple[Grid, Material, BoolArray, BoolArra
     fixed[root, 0] = True
     fixed[root & grid.near(2, 0.0), 2] = True
     fixed[grid.near(1, 0.0), 1] = True
-    return grid, Material("stiff neo-Hooke", neo_hooke(1e5), bulk_ratio=4.0), fixed, grid.near(0, length)
+    return grid, Material("stiff neo-Hooke", NeoHooke(1e5), bulk_ratio=4.0), fixed, grid.near(0, length)

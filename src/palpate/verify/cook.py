@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.material import Material, neo_hooke
+from palpate.material import Material, NeoHooke
 from palpate.mechanics import OuterSurface
 from palpate.verify.case import Row, below, compare
 from palpate.verify.equilibrium import follow_load
@@ -36,7 +36,7 @@ def make_panel(cells: int) -> Grid:
 def shear_panel(cells: int, bulk_ratio: float) -> FloatArray:
     """Displacement (3,) mm of the upper right corner."""
     grid = make_panel(cells)
-    material = Material("Cook's", neo_hooke(SHEAR_MODULUS / 2), bulk_ratio=bulk_ratio)
+    material = Material("Cook's", NeoHooke(SHEAR_MODULUS / 2), bulk_ratio=bulk_ratio)
     fixed = np.repeat(grid.near(0, 0.0)[:, None], 3, axis=1)
     fixed[:, 2] = True
     edge = grid.outer_cells(grid.near(0, _WIDTH))

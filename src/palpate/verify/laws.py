@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.design import DomeSpec, build_dome
 from palpate.fea import WallSpec, solve_press
-from palpate.material import Material, neo_hooke
+from palpate.material import Material, NeoHooke
 from palpate.mesh import MeshSpec, mesh_dome
 from palpate.verify.ball import make_ball, make_pressing
 from palpate.verify.case import Row, below, compare
@@ -19,8 +19,8 @@ _DEPTHS = (0.2, 0.5, 1.0)
 
 def scaling() -> list[Row]:
     """Force of a compressed sphere: in proportion to the stiffness, and to the square of the size at equal strain."""
-    stiff = Material("threefold", neo_hooke(3 * 0.0141156))
-    soft = Material("once", neo_hooke(0.0141156))
+    stiff = Material("threefold", NeoHooke(3 * 0.0141156))
+    soft = Material("once", NeoHooke(0.0141156))
     once, thrice, twice_as_large = _compress(soft, 1.0), _compress(stiff, 1.0), _compress(soft, 2.0)
     at = [f"d/R = {0.1 * depth:g}" for depth in _DEPTHS]
     return [

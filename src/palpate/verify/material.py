@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from palpate.core import FloatArray
-from palpate.material import Material, Mode, stretches, trace_curve, yeoh
+from palpate.material import LAWS, Material, Mode, stretches, trace_curve
 from palpate.mechanics import cauchy_stress
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid, reactions
@@ -137,7 +137,14 @@ def drucker_limits() -> list[Row]:
     rows = []
     found = np.array(
         [
-            [_first_unstable(Material("Yeoh", yeoh(*(1e-6 * np.array(c)))), Mode(mode), end) for end in (8.0, 0.1)]
+            [
+                _first_unstable(
+                    Material("Yeoh", LAWS.get("yeoh").from_numbers([1e-6 * float(each) for each in c])),
+                    Mode(mode),
+                    end,
+                )
+                for end in (8.0, 0.1)
+            ]
             for c, mode in zip(coefficients, data.labels("mode"), strict=True)
         ]
     )

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.material import Material, neo_hooke
+from palpate.material import Material, NeoHooke
 from palpate.mechanics import Increment
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
@@ -57,7 +57,7 @@ def make_pressing(ratio: float, poisson: float, cells: int) -> Pressing:
     """Press a shell of R/h = `ratio`."""
     thickness = RADIUS / ratio
     bulk_ratio = 2 * (1 + poisson) / (3 * (1 - 2 * poisson)) if poisson < 0.5 else 2000.0
-    material = Material("shell", neo_hooke(0.5), bulk_ratio=bulk_ratio)
+    material = Material("shell", NeoHooke(0.5), bulk_ratio=bulk_ratio)
     grid = make_shell(thickness, cells)
     fixed = np.stack([grid.near(axis, 0.0) for axis in range(3)], axis=-1)
     top = RADIUS + thickness / 2

@@ -9,7 +9,7 @@ from palpate.bench.photograph import set_scene
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
-from palpate.material import Material, get_material, ogden
+from palpate.material import get_material
 
 DOME = build_dome(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
@@ -54,11 +54,11 @@ def test_a_stiffer_mixture_scales_the_moduli_alone():
     mixed = Deviation(modulus=0.1, stiffening=0.2).material(material)
     assert mixed.law.constants["C10"] == pytest.approx(1.1 * material.law.constants["C10"])
     assert mixed.law.constants["C20"] == pytest.approx(1.32 * material.law.constants["C20"])
-    assert Deviation(modulus=0.1).material(Material("o", ogden(0.02, 2.0))).law.constants["mu1"] == pytest.approx(
+    assert Deviation(modulus=0.1).material(get_material("ogden:0.02,2.0")).law.constants["mu1"] == pytest.approx(
         0.022
     )
     with pytest.raises(PalpateError, match="no constants of higher order"):
-        Deviation(stiffening=0.1).material(Material("o", ogden(0.02, 2.0)))
+        Deviation(stiffening=0.1).material(get_material("ogden:0.02,2.0"))
 
 
 def test_the_camera_is_mounted_off_and_its_lens_not_quite_known():

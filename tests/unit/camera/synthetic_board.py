@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from palpate.camera import board_size, draw_board
+from palpate.camera.draw_board import board_size, draw_board
 from palpate.core import generator
 
 SIZE = (640, 480)

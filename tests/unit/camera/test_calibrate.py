@@ -6,20 +6,20 @@ import pytest
 from synthetic_board import LENS, MATRIX, SIZE, views
 
 from palpate.camera import (
-    BOARDS,
     BoardSpec,
     CalibrateSpec,
-    board_points,
+    CameraSpec,
+    build_camera,
     calibrate_camera,
-    find_board,
     list_images,
     read_board,
     read_calibration,
     read_image,
-    replay_images,
     write_board,
     write_calibration,
 )
+from palpate.camera.board import BOARDS, board_points
+from palpate.camera.find_board import find_board
 from palpate.core import PalpateError, generator
 
 PHOTOS = Path(__file__).parent / "data" / "chessboard_opencv"
@@ -83,7 +83,7 @@ def _calibrate_points(seen, board):
         return calibrate_camera([(str(k), blank) for k in range(len(seen))], CalibrateSpec(board=board, fix_k3=True))
 
 
-def test_a_fisheye_is_found_and_cannot_pass_for_a_pinhole(tmp_path):
+def test_a_fisheye_is_found_used_by_the_camera_and_cannot_pass_for_a_pinhole(tmp_path):
     board = BOARDS["chessboard"]
     points, rng = board_points(board), generator(1, "fisheye")
     lens = np.array([-0.048, 0.011, -0.055, 0.021])
@@ -101,9 +101,17 @@ def test_a_fisheye_is_found_and_cannot_pass_for_a_pinhole(tmp_path):
         found = calibrate_camera([(str(k), blank) for k in range(14)], CalibrateSpec(board=board, lens="fisheye"))
     assert found.model == "equidistant"
     np.testing.assert_allclose(found.intrinsics_px, TRUE, rtol=0.005)
-    with pytest.raises(PalpateError, match="fisheye calibration cannot be used"):
-        found.camera_spec()
     write_calibration(tmp_path / "fisheye.yaml", found)
+    spec = read_calibration(tmp_path / "fisheye.yaml").camera_spec(CameraSpec(distance=30.0))
+    assert spec == found.camera_spec(CameraSpec(distance=30.0))
+    assert spec.lens == "kannala-brandt"
+    domed = rng.uniform([-20, -20, 1], [20, 20, 25], (200, 3))
+    fx, fy, cx, cy = found.intrinsics_px
+    matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    expected, _ = cv2.fisheye.projectPoints(
+        domed[None], np.zeros(3), np.array([0, 0, 30.0]), matrix, found.distortion
+    )
+    np.testing.assert_allclose(build_camera(spec).project(domed), expected[0], atol=1e-3)
     text = (tmp_path / "fisheye.yaml").read_text().replace("equidistant", "plumb_bob")
     (tmp_path / "mixed.yaml").write_text(text)
     with pytest.raises(PalpateError, match="4 coefficients for the lens model plumb_bob"):
@@ -220,9 +228,3 @@ def test_damaged_and_giant_files_are_refused(tmp_path):
         list_images(tmp_path / "empty")
     with pytest.raises(PalpateError, match="is not a folder"):
         list_images(tmp_path / "nowhere")
-
-
-def test_replay_images_gives_them_by_name():
-    shown = list(replay_images(PHOTOS))
-    assert len(shown) == 13
-    np.testing.assert_array_equal(shown[0], read_image(PHOTOS / "left01.jpg"))

@@ -92,7 +92,7 @@ def test_the_rim_hides_what_bulges_beyond_it() -> None:
 
 def test_where_the_lens_folds_nothing_is_seen_and_nothing_traced_back() -> None:
     camera = build_camera(CameraSpec(distortion=(-1.0, 0, 0, 0, 0), distance=20))
-    assert camera.distortion.limit == pytest.approx(1 / np.sqrt(3))
+    assert camera.lens.limit == pytest.approx(1 / np.sqrt(3))
     beyond = [13.0, 0.0, 0.0]
     assert not camera.visible(beyond)
     with pytest.raises(PalpateError, match=r"folds at radius 0\.577"):
@@ -104,3 +104,16 @@ def test_presets_are_known_by_name() -> None:
     assert (preset("davis346").width_px, preset("davis346").height_px) == (346, 260)
     with pytest.raises(PalpateError, match="davis346"):
         preset("gopro")
+
+
+def test_the_dump_of_browns_lens_is_as_before_there_was_another() -> None:
+    assert "lens" not in CameraSpec().model_dump()
+    assert CameraSpec(distortion=BARREL).model_dump()["distortion"] == BARREL
+    fisheye = CameraSpec(lens="kannala-brandt")
+    assert fisheye.distortion == (0.0,) * 4
+    assert fisheye.model_dump()["lens"] == "kannala-brandt"
+
+
+def test_an_unknown_lens_is_refused_with_those_there_are() -> None:
+    with pytest.raises(PalpateError, match=r"no lens 'fish'.*brown, kannala-brandt"):
+        CameraSpec(lens="fish")

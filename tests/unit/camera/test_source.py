@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from palpate.camera import open_source
-from palpate.camera.source import CameraSource
+from palpate.camera.sources.numbered_camera import CameraSource
 from palpate.core import PalpateError, generator
 
 
@@ -94,7 +94,7 @@ class Unplugged:
 def test_a_camera_that_is_unplugged_ends_with_an_error_and_does_not_hang(monkeypatch):
     camera = Unplugged()
     monkeypatch.setattr(cv2, "VideoCapture", lambda _: camera)
-    with CameraSource(0) as source:
+    with CameraSource("0") as source:
         images = list(source.images())
     assert [image[0, 0] for image in images[:3]] == [1, 2, 3]
     assert isinstance(images[3], PalpateError)
@@ -125,11 +125,11 @@ def test_an_event_cameras_recording_gives_its_images(tmp_path):
 
 
 def test_a_recording_of_events_alone_is_refused(tmp_path, monkeypatch):
-    from palpate.camera import source
+    from palpate.camera.sources import event_recording
 
     (tmp_path / "r.aedat4").write_bytes(b"")
     only_events = SimpleNamespace(isFrameStreamAvailable=lambda: False)
     dv = SimpleNamespace(io=SimpleNamespace(MonoCameraRecording=lambda _: only_events))
-    monkeypatch.setattr(source, "load_extra", lambda *_: dv)
+    monkeypatch.setattr(event_recording, "load_extra", lambda *_: dv)
     with pytest.raises(PalpateError, match="events, but no images"):
         open_source(str(tmp_path / "r.aedat4"))

@@ -1,9 +1,11 @@
 """Compiled kernels and where their machine code lies."""
 
+import importlib
 from pathlib import Path
 
 import numba
 import numpy as np
+import pytest
 
 from palpate.core import kernel
 from palpate.core.kernel import kernel_stamp
@@ -38,3 +40,17 @@ def test_any_source_with_a_kernel_changes_the_stamp(tmp_path: Path) -> None:
     (tmp_path / "law.py").write_text("@kernel\ndef law(): return 2\n")
     assert kernel_stamp(tmp_path) != first
     kernel_stamp.cache_clear()
+
+
+def test_a_kernel_of_another_package_lies_in_a_folder_of_both(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "guest_of_kernels"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "one.py").write_text("from palpate.core import kernel\n\n\n@kernel\ndef one(x):\n    return x\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    one = importlib.import_module("guest_of_kernels.one").one
+    assert one(2.0) == 2.0
+    assert f"-{kernel_stamp(package)}" in one.stats.cache_path
+    assert kernel_stamp(package) not in _sum.stats.cache_path

@@ -11,16 +11,17 @@ from scipy.optimize import minimize_scalar
 from palpate.deck import Dialect
 from palpate.deck.material import material_lines
 from palpate.deck.read_results import read_blocks
-from palpate.material import Law, Material, Polynomial, get_material, ogden
+from palpate.material import Material, get_material
 
-LAWS: dict[str, Law] = {
-    "neo-hooke": get_material("neo-hooke:0.02").law,
-    "yeoh": get_material("yeoh:0.0141156,0.003,0.0005").law,
-    "mooney-rivlin": get_material("mooney-rivlin:0.02,0.01").law,
-    "second order": Polynomial("second", c10=0.01, c01=0.005, c20=0.002, c11=0.001, c02=0.0005),
-    "third order": Polynomial("third", c10=0.01, c01=0.005, c20=0.002, c11=0.001, c30=0.0004),
-    "ogden": ogden(0.02, 2.5, -0.004, -1.5),
-    "ogden of three terms": ogden(0.02, 1.3, 0.003, 4.0, -0.004, -2.0),
+LAWS = {
+    "neo-hooke": "neo-hooke:0.02",
+    "yeoh": "yeoh:0.0141156,0.003,0.0005",
+    "mooney-rivlin": "mooney-rivlin:0.02,0.01",
+    "second order": "polynomial:0.01,0.005,0.002,0.001,0.0005,0",
+    "third order": "polynomial:0.01,0.005,0.002,0.001,0,0.0004",
+    "ogden": "ogden:0.02,2.5,-0.004,-1.5",
+    "ogden of three terms": "ogden:0.02,1.3,0.003,4.0,-0.004,-2.0",
+    "arruda-boyce": "arruda-boyce:0.02,2.2",
 }
 STRETCH = 1.6
 
@@ -66,8 +67,9 @@ def nominal_stress(material: Material, stretch: float) -> float:
     def energy(along: float) -> float:
         def of(s: float) -> float:
             F = np.diag([s, s, along])
-            volumetric = 0.5 * material.bulk_modulus * (np.linalg.det(F) - 1) ** 2
-            return float(material.evaluate(F[None])[0][0] + volumetric)
+            J = float(np.linalg.det(F))
+            volume = (J - 1) ** 2 if material.law.name != "arruda-boyce" else (J**2 - 1) / 2 - np.log(J)
+            return float(material.evaluate(F[None])[0][0] + 0.5 * material.bulk_modulus * volume)
 
         return float(minimize_scalar(of, bounds=(0.5, 1.2), options={"xatol": 1e-10}).fun)
 
@@ -77,7 +79,7 @@ def nominal_stress(material: Material, stretch: float) -> float:
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed: apt install calculix-ccx")
 @pytest.mark.parametrize("law", LAWS)
 def test_calculix_reads_the_law_we_mean(law: str, tmp_path: Path) -> None:
-    material = Material(law, LAWS[law], bulk_ratio=20.0)
+    material = Material(law, get_material(LAWS[law]).law, bulk_ratio=20.0)
     text = BRICK.format(material="\n".join(material_lines(material, Dialect.CALCULIX)), travel=STRETCH - 1)
     (tmp_path / "one.inp").write_text(text)
     subprocess.run(["ccx", "one"], cwd=tmp_path, check=True, capture_output=True, timeout=60)

@@ -1,11 +1,11 @@
 from dataclasses import replace
 
 import pytest
-from results import FIRST, make_design
 
 from palpate.core import PalpateError
 from palpate.grid import compare_grids, evaluate_grid
 from palpate.grid.compare import RECORDED, UNRECORDED, VARIES
+from results import FIRST, make_design
 
 SPEC = {"wall": {"contact": "no-slip"}, "dataset": {"seed": 4, "poses": "disc"}}
 

@@ -3,11 +3,11 @@ import sqlite3
 from contextlib import closing
 
 import pytest
-from results import FIRST, LIMITS, make_design
 
 from palpate.core import PalpateError
 from palpate.grid import evaluate_grid, read_grid, write_grid
 from palpate.grid.database import read_database, write_database
+from results import FIRST, LIMITS, make_design
 
 
 def ask(path, question):

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from results import FIRST, PAPER, make_design
 
 from palpate.core import PalpateError
 from palpate.grid import (
@@ -16,6 +15,7 @@ from palpate.grid import (
     unit_of,
     write_grid,
 )
+from results import FIRST, PAPER, make_design
 
 PROMISED = {
     "height_mm",

@@ -1,17 +1,15 @@
-"""Every law: stress is the slope of energy, the tangent the slope of stress, frames do not matter."""
+"""What single laws are known for, and materials by name; what every law must satisfy is in tests/contracts."""
 
 import numpy as np
 import pytest
 
 from palpate.core import PalpateError
 from palpate.material import (
-    MODELS,
     Material,
     Mode,
     get_material,
     list_materials,
     material_from_data,
-    stretches,
     trace_curve,
 )
 
@@ -29,12 +27,6 @@ LAWS = {
     "unstable yeoh": "yeoh:0.1,-0.01,0.001",
 }
 STATES = 1000
-VOIGT = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]
-
-
-def tensor(voigt: np.ndarray) -> np.ndarray:
-    xx, yy, zz, xy, yz, zx = np.moveaxis(voigt, -1, 0)
-    return np.stack([np.stack([xx, xy, zx], -1), np.stack([xy, yy, yz], -1), np.stack([zx, yz, zz], -1)], -2)
 
 
 def random_states(count: int = STATES, seed: int = 0) -> np.ndarray:
@@ -43,94 +35,9 @@ def random_states(count: int = STATES, seed: int = 0) -> np.ndarray:
     return F[np.linalg.det(F) > 0.3][:count]
 
 
-def random_rotations(count: int = STATES, seed: int = 1) -> np.ndarray:
-    q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(count, 3, 3)))
-    return q * np.sign(np.linalg.det(q))[:, None, None]
-
-
 @pytest.fixture(params=LAWS)
 def material(request: pytest.FixtureRequest) -> Material:
     return get_material(LAWS[request.param])
-
-
-def test_every_model_is_among_the_laws_tested() -> None:
-    assert set(MODELS) <= set(LAWS)
-
-
-def test_stress_is_the_slope_of_energy_and_the_tangent_that_of_stress(material: Material) -> None:
-    """Central differences at two steps, extrapolated: their error is of the fourth order."""
-    F = random_states()
-    assert len(F) == STATES
-    _, tau, c = material.evaluate(F)
-    scale, stiffest = np.abs(tau).max(axis=1), np.abs(c).max(axis=(1, 2))
-    for q, (k, l) in enumerate(VOIGT):
-        d = np.zeros((3, 3))
-        d[k, l] += 0.5
-        d[l, k] += 0.5
-        slope, rate = np.zeros(STATES), np.zeros((STATES, 6))
-        for step, weight in ((2e-4, -1 / 3), (1e-4, 4 / 3)):
-            ahead, behind = material.evaluate(F + step * d @ F), material.evaluate(F - step * d @ F)
-            slope += weight * (ahead[0] - behind[0]) / (2 * step)
-            rate += weight * (ahead[1] - behind[1]) / (2 * step)
-        turned = tensor(rate) - d @ tensor(tau) - tensor(tau) @ d
-        assert np.abs(slope - tau[:, q]).max() < 1e-8 * scale.max()
-        assert (np.abs(turned - tensor(c[:, :, q])).max(axis=(1, 2)) < 1e-7 * stiffest).all()
-
-
-def test_the_tangent_is_symmetric(material: Material) -> None:
-    _, _, c = material.evaluate(random_states())
-    assert c == pytest.approx(np.swapaxes(c, 1, 2), abs=1e-12 * np.abs(c).max())
-
-
-def test_the_isochoric_stress_has_no_mean_and_ignores_the_volume(material: Material) -> None:
-    F = random_states()
-    energy, tau, _ = material.evaluate(F)
-    assert np.abs(tau[:, :3].sum(axis=1)).max() < 1e-12 * np.abs(tau).max()
-    swollen = material.evaluate(1.3 * F)
-    assert swollen[0] == pytest.approx(energy, rel=1e-9, abs=1e-15)
-    assert swollen[1] == pytest.approx(tau, abs=1e-10 * np.abs(tau).max())
-
-
-def test_energy_and_stress_do_not_depend_on_the_frame_or_the_grain(material: Material) -> None:
-    F, Q = random_states(), random_rotations()
-    energy, tau, c = material.evaluate(F)
-    turned, isotropic = material.evaluate(Q @ F), material.evaluate(F @ Q)
-    scale = np.abs(tau).max()
-    assert turned[0] == pytest.approx(energy, rel=1e-9, abs=1e-14)
-    assert isotropic[0] == pytest.approx(energy, rel=1e-9, abs=1e-14)
-    expected = Q @ tensor(tau) @ np.swapaxes(Q, 1, 2)
-    assert tensor(turned[1]) == pytest.approx(expected, abs=1e-10 * scale)
-    assert isotropic[1] == pytest.approx(tau, abs=1e-10 * scale)
-    assert isotropic[2] == pytest.approx(c, abs=1e-9 * np.abs(c).max())
-
-
-def test_rest_has_no_energy_no_stress_and_the_shear_modulus_in_every_orientation(material: Material) -> None:
-    energy, tau, c = material.evaluate(random_rotations())
-    mu = material.law.shear_modulus
-    assert np.abs(energy).max() < 1e-14
-    assert np.abs(tau).max() < 1e-13 * max(mu, 1)
-    assert c[:, 3, 3] == pytest.approx(mu)
-    assert c[:, 0, 0] == pytest.approx(4 / 3 * mu)
-
-
-def test_the_closed_form_of_a_fit_is_the_kernel_of_the_elements(material: Material) -> None:
-    """`Model.terms` is written from the textbook for vectors; the kernels are what a press solves."""
-    text = next(name for name, law in LAWS.items() if get_material(law).law == material.law)
-    model = MODELS[text.removeprefix("unstable ")]
-    values = list(material.law.constants.values())
-    linear, shapes = np.array(values), np.empty(0)
-    if model.shapes:
-        linear, shapes = np.array(values[0::2]), np.array(values[1::2])
-    assert model.law(linear, shapes) == material.law
-    for mode in Mode:
-        stretch = np.linspace(0.6, 2.4, 40)
-        curve = trace_curve(material, mode, stretch)
-        principal = stretches(mode, stretch)
-        assert model.terms(principal, shapes) @ linear == pytest.approx(curve.nominal, rel=1e-10, abs=1e-12)
-        if len(shapes):
-            step = 1e-6 * np.abs(shapes)
-            ahead, behind = model.terms(principal, shapes + step), model.terms(principal, shapes - step)
-            assert model.term_slopes(principal, shapes) == pytest.approx((ahead - behind) / (2 * step), rel=1e-6)
 
 
 def test_chains_lock_at_gents_limit() -> None:
@@ -190,7 +97,7 @@ def test_every_library_entry_has_source_licence_range_and_quality() -> None:
 def test_a_material_survives_its_data(material: Material) -> None:
     again = material_from_data({"name": material.name, **material.key_data()})
     assert again.law.constants == material.law.constants
-    assert again.law == material.law or "unstable" in material.name
+    assert again.law == material.law
     assert again.bulk_ratio == material.bulk_ratio
 
 

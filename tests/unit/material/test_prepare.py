@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.material import Loading, PrepareSpec, Sample, average_samples, get_material, prepare_sample, trace_curve
-from palpate.material.prepare import toe_offset
+from palpate.material import Loading, PrepareSpec, Sample, get_material, prepare_sample, trace_curve
+from palpate.material.prepare import average_samples, toe_offset
 
 RAW = PrepareSpec(points=None)
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_chain import DOME, MARKERS, MATERIAL, solve
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.core import PalpateError, generator
@@ -12,6 +11,7 @@ from palpate.design import MarkerSpec, build_dome, place_markers
 from palpate.markers import build_pattern, name_by_press, name_markers
 from palpate.sensor import KnownPress, Unit, read_rest
 from palpate.sensor.known_press import ask_press
+from small_chain import DOME, MARKERS, MATERIAL, solve
 
 BUILT = build_dome(DOME)
 

@@ -103,6 +103,18 @@ def test_a_press_is_read_from_images_whatever_the_camera_and_the_light(predictor
         assert reading.tilt_deg == pytest.approx(np.hypot(reading.rx_deg, reading.ry_deg))
 
 
+def test_a_press_is_read_through_a_fisheye_by_a_model_of_the_nominal_camera(predictor):
+    fisheye = MOVED.model_copy(update={"lens": "kannala-brandt", "distortion": (-0.05, 0.01, -0.05, 0.02)})
+    unit = Unit(DOME, LAYOUT, lens=CameraSpec(lens=fisheye.lens, distortion=fisheye.distortion))
+    sensor = open_sensor([photograph((0, 0, 0), fisheye)], unit, predictor)
+    assert sensor.registration.rms_px < 0.2
+    assert sensor.registration.camera.spec.offset_x == pytest.approx(MOVED.offset_x, abs=0.1)
+    for pose in ((4.0, -3.0, 4.0), (-3.0, 5.0, 6.0)):
+        reading = sensor.read(photograph(pose, fisheye))
+        assert (reading.rx_deg, reading.ry_deg) == pytest.approx(pose[:2], abs=1.0)
+        assert reading.depth_mm == pytest.approx(pose[2], abs=0.3)
+
+
 def test_an_untouched_dome_is_not_touched(predictor):
     sensor = opened(predictor, **SPOILED)
     assert not any(sensor.read(photograph((0, 0, 0), seed=k, **SPOILED)).touching for k in range(1, 6))

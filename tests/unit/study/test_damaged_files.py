@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from palpate.camera import Calibration, read_calibration, write_calibration
+from palpate.camera.lens import make_lens
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.core.store import find_fault
 from palpate.dataset import Dataset, DatasetSpec, read_dataset, sample_poses, write_dataset
@@ -159,11 +160,10 @@ def test_lenses(tmp_path: Path, lens: bytes, changes: list[tuple[int, int, bytes
 @pytest.fixture(scope="module")
 def lens(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     found = Calibration(
-        model="plumb_bob",
+        lens=make_lens("brown", (-0.1, 0.01, 1e-4, 0.0, 0.0)),
         width_px=346,
         height_px=260,
         intrinsics_px=np.array([300.0, 300.0, 173.0, 130.0]),
-        distortion=np.array([-0.1, 0.01, 1e-4, 0.0, 0.0]),
         rms_px=0.2,
         covariance=np.eye(9) * 1e-4,
         image_names=("a.png",),

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from palpate.material import Material, neo_hooke
+from palpate.material import Material, NeoHooke
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Grid, Turn, even, graded, join, map_block, revolve
 
-RUBBER = Material("rubber", neo_hooke(0.5))
+RUBBER = Material("rubber", NeoHooke(0.5))
 
 
 def volume(grid: Grid) -> float:

@@ -13,20 +13,22 @@ D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37 (197
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.camera.lens import Lens, folded
 
 _ITERATIONS = 50
 _TOLERANCE = 1e-10
 
 
+@final
 @dataclass(frozen=True)
-class Distortion:
+class Brown(Lens):
     """Five coefficients of lens distortion.
 
     Attributes
@@ -34,6 +36,9 @@ class Distortion:
     k1, k2, p1, p2, k3
         Radial (k) and tangential (p) coefficients, in OpenCV's order; all zero for an ideal lens.
     """
+
+    name: ClassVar[str] = "brown"
+    model: ClassVar[str] = "plumb_bob"
 
     k1: float = 0.0
     k2: float = 0.0
@@ -50,18 +55,6 @@ class Distortion:
         return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
 
     def distort(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where ideal points appear.
-
-        Parameters
-        ----------
-        points
-            (..., 2) on the plane at unit distance.
-
-        Returns
-        -------
-        ndarray
-            (..., 2) on the same plane.
-        """
         x, y = points[..., 0], points[..., 1]
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
@@ -74,23 +67,7 @@ class Distortion:
         )
 
     def undistort(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Ideal points of observed ones, by Newton's iteration.
-
-        Parameters
-        ----------
-        points
-            (..., 2) observed, on the plane at unit distance.
-
-        Returns
-        -------
-        ndarray
-            (..., 2) on the same plane; `distort` gives `points` back to 1e-10.
-
-        Raises
-        ------
-        PalpateError
-            If a point is not seen by this lens: the distortion folds before it reaches there.
-        """
+        """By Newton's iteration."""
         ideal = np.array(points, dtype=float)
         for _ in range(_ITERATIONS):
             miss = self.distort(ideal) - points
@@ -100,11 +77,11 @@ class Distortion:
         worst = float(np.max(np.abs(self.distort(ideal) - points), initial=0.0))
         radius = float(np.max(np.linalg.norm(ideal, axis=-1), initial=0.0))
         if not worst <= _TOLERANCE * 10.0 or radius > self.limit:
-            raise PalpateError(
-                f"The lens distortion folds at radius {self.limit:.3g}, so a pixel cannot be traced back.",
-                "Use points nearer the middle of the image, or coefficients fitted over the whole image.",
-            )
+            raise folded(self.limit)
         return ideal
+
+    def mirrored(self) -> Brown:
+        return replace(self, p2=-self.p2)
 
     def _slope(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """(..., 2, 2) derivative of `distort`; where it is singular, the identity."""

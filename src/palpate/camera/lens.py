@@ -1,0 +1,120 @@
+"""The contract of a lens: where a direction appears, and which direction a pixel looks in.
+
+A lens maps the plane at unit distance, ``(x/z, y/z)`` of a point before the camera, onto itself; focal lengths and
+principal point then give pixels. Each lens stands in a file of `palpate.camera.lenses` or in another package, which
+names it in its entry points (group ``palpate.lenses``); `palpate.testing.LensSuite` holds it to this contract.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError, Registry
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lens(ABC):
+    """A lens; an implementer is a frozen dataclass whose fields are its coefficients, all zero by default.
+
+    Attributes
+    ----------
+    name
+        In a spec, ``camera: {lens: name}``; the name of its entry point.
+    model
+        In calibration files, as in ROS; the name, if there is no other.
+    refinable
+        Coefficients that one image of the dome at rest may refine with the camera's pose, with the standard deviation
+        of another copy of the lens, to which they are held.
+    """
+
+    name: ClassVar[str]
+    model: ClassVar[str] = ""
+    refinable: ClassVar[Mapping[str, float]] = {}
+
+    @property
+    @abstractmethod
+    def limit(self) -> float:
+        """Greatest radius on the unit plane up to which the lens is valid, infinite for most; beyond it it folds."""
+
+    @abstractmethod
+    def distort(self, points: Array) -> Array:
+        """Where ideal points (..., 2) on the unit plane appear, (..., 2) on the same plane; NaN stays NaN."""
+
+    @abstractmethod
+    def undistort(self, points: Array) -> Array:
+        """Ideal points (..., 2) of observed ones (..., 2), which `distort` gives back to 1e-9.
+
+        Raises
+        ------
+        PalpateError
+            If a point is not seen by this lens; `folded` makes the error.
+        """
+
+    @abstractmethod
+    def mirrored(self) -> Self:
+        """The lens of the same image with left and right exchanged."""
+
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        """Values of the coefficients, in the order of `parameters`."""
+        return astuple(self)
+
+    @classmethod
+    def parameters(cls) -> tuple[str, ...]:
+        """Names of the coefficients."""
+        return tuple(item.name for item in fields(cls))
+
+
+LENSES: Registry[type[Lens]] = Registry(
+    "palpate.lenses",
+    "lens",
+    {
+        "brown": "palpate.camera.lenses.brown:Brown",
+        "kannala-brandt": "palpate.camera.lenses.kannala_brandt:KannalaBrandt",
+    },
+    fits=lambda found: isinstance(found, type) and issubclass(found, Lens),
+)
+"""Lenses by name."""
+
+_ALIASES = {"radtan": "plumb_bob", "fisheye": "equidistant"}
+
+
+def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
+    """Make a lens of its coefficients.
+
+    Raises
+    ------
+    PalpateError
+        If there is no such lens, or it takes another count of coefficients.
+    """
+    kind: Any = LENSES.get(name)
+    names = kind.parameters()
+    if len(coefficients) != len(names):
+        raise PalpateError(
+            f"The lens {name} has {len(names)} coefficients, but {len(coefficients)} are given.",
+            f"Give {', '.join(names)}.",
+        )
+    lens: Lens = kind(*coefficients)
+    return lens
+
+
+def lens_of_model(model: str) -> type[Lens] | None:
+    """The lens of a model's name in a calibration file; `None` where there is none."""
+    wanted = _ALIASES.get(model, model)
+    return next((lens for _, lens in LENSES.loadable() if wanted == (lens.model or lens.name)), None)
+
+
+def folded(limit: float) -> PalpateError:
+    """The error of a pixel that no direction appears at."""
+    return PalpateError(
+        f"The lens distortion folds at radius {limit:.3g}, so a pixel cannot be traced back.",
+        "Use points nearer the middle of the image, or coefficients fitted over the whole image.",
+    )

@@ -1,0 +1,1 @@
+"""Lenses, one file each; `palpate.camera.lens` knows them by name."""

@@ -1,0 +1,82 @@
+"""Fisheyes: the polynomial of Kannala and Brandt in the angle to the axis, with the coefficients of OpenCV.
+
+With ``theta = atan r`` of a point at the distance r from the middle of the unit plane,
+
+    theta_d = theta (1 + k1 theta² + k2 theta⁴ + k3 theta⁶ + k4 theta⁸),   (x_d, y_d) = theta_d / r (x, y)
+
+which holds for directions before the camera (theta < 90°) and up to the first zero of d theta_d / d theta.
+
+J. Kannala, S. S. Brandt, A generic camera model and calibration method for conventional, wide-angle, and fish-eye
+lenses, IEEE Transactions on Pattern Analysis and Machine Intelligence 28 (2006) 1335-1340.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, final
+
+import numpy as np
+
+from palpate.camera.lens import Array, Lens, folded
+
+_HALVINGS = 60
+_SMALL = 1e-12
+
+
+@final
+@dataclass(frozen=True)
+class KannalaBrandt(Lens):
+    """Four coefficients of a fisheye.
+
+    Attributes
+    ----------
+    k1, k2, k3, k4
+        In OpenCV's order; all zero for an image whose radius is proportional to the angle.
+    """
+
+    name: ClassVar[str] = "kannala-brandt"
+    model: ClassVar[str] = "equidistant"
+
+    k1: float = 0.0
+    k2: float = 0.0
+    k3: float = 0.0
+    k4: float = 0.0
+
+    @cached_property
+    def widest(self) -> float:
+        """Greatest angle to the axis, radians, up to which the image grows; at most 90°."""
+        # in 1/theta² the leading coefficient is 1, so vanishing k's do no harm
+        roots = np.roots([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4])
+        inverse = max((root.real for root in roots if abs(root.imag) < _SMALL), default=0.0)
+        return float(min(1.0 / np.sqrt(inverse), np.pi / 2)) if inverse > 1e-9 else float(np.pi / 2)
+
+    @property
+    def limit(self) -> float:
+        return float(np.tan(self.widest)) if self.widest < np.pi / 2 else float("inf")
+
+    def distort(self, points: Array) -> Array:
+        radius = np.linalg.norm(points, axis=-1, keepdims=True)
+        bent = self._bend(np.arctan(radius))
+        return np.asarray(points * np.where(radius > _SMALL, bent / np.maximum(radius, _SMALL), 1.0))
+
+    def undistort(self, points: Array) -> Array:
+        """The angle is found by halving: it grows with the radius of the image as far as the lens is valid."""
+        points = np.asarray(points, float)
+        bent = np.linalg.norm(points, axis=-1, keepdims=True)
+        if not np.all((bent < self._bend(np.float64(self.widest))) | np.isnan(bent)):
+            raise folded(self.limit)
+        low, high = np.zeros_like(bent), np.full_like(bent, self.widest)
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            below = self._bend(middle) < bent
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return np.asarray(points * np.where(bent > _SMALL, np.tan(low) / np.maximum(bent, _SMALL), 1.0))
+
+    def mirrored(self) -> KannalaBrandt:
+        return self
+
+    def _bend(self, angle: Array | np.float64) -> Array:
+        square = angle * angle
+        series = self.k1 + square * (self.k2 + square * (self.k3 + square * self.k4))
+        return np.asarray(angle * (1.0 + square * series))

@@ -1,0 +1,1 @@
+"""Sources of images, one file each; `palpate.camera.source` knows them by name."""

@@ -1,0 +1,48 @@
+"""Cameras that the system knows by a number."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import final
+
+import numpy as np
+
+from palpate.camera.source import Item, Source
+from palpate.camera.sources.capture import open_capture
+from palpate.core import PalpateError
+
+_MISSES = 10
+"""Images in a row that a camera may fail to give before it counts as unplugged."""
+_PATIENCE_S = 0.05
+
+
+@final
+class CameraSource(Source):
+    """A camera that the system knows by a number: UVC and others that OpenCV opens."""
+
+    def __init__(self, text: str) -> None:
+        self._number = int(text)
+        self._capture = open_capture(self._number)
+
+    @classmethod
+    def accepts(cls, text: str) -> bool:
+        return text.isdecimal()
+
+    @property
+    def name(self) -> str:
+        return f"camera {self._number}"
+
+    def images(self) -> Iterator[Item]:
+        misses = 0
+        while misses < _MISSES:
+            read, image = self._capture.read()
+            misses = 0 if read else misses + 1
+            if read:
+                yield np.asarray(image)
+            else:
+                time.sleep(_PATIENCE_S)
+        yield PalpateError(f"Camera {self._number} gives no images any more.", "Is it unplugged?")
+
+    def close(self) -> None:
+        self._capture.release()

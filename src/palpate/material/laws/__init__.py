@@ -1,0 +1,1 @@
+"""Hyperelastic laws, one file each; `palpate.material.make_law` knows them by name."""

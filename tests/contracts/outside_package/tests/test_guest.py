@@ -1,0 +1,77 @@
+"""What the guest adds passes the suites of palpate, and is used like palpate's own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from palpate_guest.carroll import Carroll
+from palpate_guest.division import Division
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.fea import WallSpec, solve_press
+from palpate.markers import build_pattern, name_markers
+from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
+from palpate.mesh import MeshSpec, mesh_dome
+from palpate.sensor import register_dome
+from palpate.testing import LawSuite, LensSuite, SourceSuite
+
+RUBBER = (0.008, 0.00001, 0.006)
+
+
+class TestCarroll(LawSuite):
+    @pytest.fixture
+    def law(self) -> Carroll:
+        return Carroll(*RUBBER)
+
+
+class TestDivision(LensSuite):
+    @pytest.fixture(params=[-0.3, 0.0, 0.2])
+    def lens(self, request: pytest.FixtureRequest) -> Division:
+        return Division(request.param)
+
+
+class TestStack(SourceSuite):
+    @pytest.fixture
+    def text(self, tmp_path: Path) -> str:
+        np.save(tmp_path / "three.npy", np.arange(3 * 48 * 64, dtype=np.uint16).reshape(3, 48, 64))
+        return str(tmp_path / "three.npy")
+
+    @pytest.fixture
+    def missing(self, tmp_path: Path) -> str:
+        return str(tmp_path / "none.npy")
+
+
+def test_a_dome_of_the_guests_law_is_pressed() -> None:
+    material = get_material("carroll:0.008,0.00001,0.006")
+    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=6))
+    press = solve_press(mesh, material, WallSpec(tilt_deg=5.0, depth=2.0))
+    assert press.depth[-1] == pytest.approx(2.0)
+    plain = solve_press(
+        mesh, get_material(f"neo-hooke:{material.law.shear_modulus / 2}"), WallSpec(tilt_deg=5.0, depth=2.0)
+    )
+    assert np.linalg.norm(press.force[-1]) == pytest.approx(np.linalg.norm(plain.force[-1]), rel=0.2)
+
+
+def test_the_guests_law_is_fitted_to_a_curve() -> None:
+    stretch = np.linspace(1.0, 3.0, 60)[1:]
+    curve = trace_curve(get_material("carroll:0.008,0.00001,0.006"), Mode.UNIAXIAL, stretch)
+    fit = fit_material([Sample("made", Loading.TENSION, stretch, curve.nominal)], FitSpec(model="carroll"))
+    assert fit.linear == pytest.approx(RUBBER, rel=1e-6)
+
+
+def test_a_camera_under_a_dome_is_registered_and_the_guests_lens_refined() -> None:
+    dome = build_dome(DomeSpec())
+    layout = place_markers(dome, MarkerSpec(count=169))
+    mark = place_orientation_mark(dome, layout)
+    nominal = CameraSpec(lens="division", distortion=(-0.2,))
+    there = build_camera(nominal.model_copy(update={"distortion": (-0.25,), "offset_x": 0.4, "roll_deg": 3.0}))
+    naming = name_markers(
+        there.project(np.vstack([layout.positions, mark])),
+        build_pattern(layout.positions, build_camera(nominal).project, mark),
+    )
+    held, refined = (register_dome(naming, layout, dome, nominal, refine) for refine in (False, True))
+    assert held.camera.spec.distortion == (-0.2,)
+    assert refined.rms_px < 0.3 * held.rms_px
+    assert refined.camera.spec.distortion[0] == pytest.approx(-0.25, abs=0.02)
+    assert refined.camera.spec.offset_x == pytest.approx(0.4, abs=0.05)

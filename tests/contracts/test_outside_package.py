@@ -1,0 +1,69 @@
+"""Another package adds to palpate by entry points alone: it is installed into an empty folder and tested there."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent / "outside_package"
+SOURCE = Path(__file__).parents[2] / "src"
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `pip install --no-deps --target` leaves: the package, and the entry points of its pyproject."""
+    project = tomllib.loads((HERE / "pyproject.toml").read_text())["project"]
+    site = tmp_path_factory.mktemp("site")
+    shutil.copytree(HERE / "src", site, dirs_exist_ok=True)
+    shutil.copytree(HERE / "tests", site / "tests")
+    info = site / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
+    groups = [
+        f"[{group}]\n" + "".join(f"{name} = {value}\n" for name, value in points.items())
+        for group, points in project["entry-points"].items()
+    ]
+    (info / "entry_points.txt").write_text("\n".join(groups))
+    return site
+
+
+def run(site: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(site), str(SOURCE)])
+    return subprocess.run(
+        [sys.executable, *words],
+        env=os.environ | {"PYTHONPATH": path},
+        cwd=site,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+
+
+def test_the_guest_passes_the_published_suites(installed: Path) -> None:
+    done = run(installed, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests")
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-2000:]
+
+
+def test_the_guests_law_and_lens_are_known_on_the_command_line_and_in_a_study(installed: Path) -> None:
+    shown = run(
+        installed, "-c", "from palpate.cli import main; main()", "material", "show", "carroll:0.008,0.00001,0.006"
+    )
+    assert shown.returncode == 0, shown.stderr
+    assert "carroll" in shown.stdout
+    camera = "from palpate.camera import CameraSpec, build_camera; "
+    made = run(installed, "-c", camera + "print(build_camera(CameraSpec(lens='division', distortion=[-0.2])).lens)")
+    assert made.stdout.strip() == "Division(k=-0.2)"
+    (installed / "mine.yaml").write_text("name: mine\ncamera:\n  lens: division\n  distortion: [-0.2]\n")
+    read = "from palpate.study import read_study; print(read_study('mine.yaml').camera.model_dump_json())"
+    assert '"lens":"division","distortion":[-0.2]' in run(installed, "-c", read).stdout
+
+
+def test_without_the_guest_its_names_are_unknown_and_the_group_is_named(tmp_path: Path) -> None:
+    said = run(tmp_path, "-c", "from palpate.camera import CameraSpec; CameraSpec(lens='division')").stderr
+    assert "There is no lens 'division'" in said
+    assert "palpate.lenses" in said
