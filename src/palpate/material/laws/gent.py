@@ -64,16 +64,7 @@ class Gent(Law):
 class GentModel(ChainModel):
     """Linear in the modulus; the shape is Jm."""
 
-    @property
-    def name(self) -> str:
-        return "gent"
-
-    @property
-    def shapes(self) -> tuple[str, ...]:
-        return ("Jm",)
-
-    def law(self, linear: FloatArray, shapes: FloatArray) -> Law:
-        return Gent(float(linear[0]), float(shapes[0]))
+    form: ClassVar[type[Law]] = Gent
 
     def slope(self, principal: FloatArray, shape: float) -> tuple[FloatArray, FloatArray]:
         x = stretched(principal)

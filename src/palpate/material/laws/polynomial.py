@@ -38,8 +38,7 @@ class PolynomialLaw(Law):
         return energy, tau, c
 
     def scaled(self, modulus: float, stiffening: float = 1.0) -> Self:
-        factors = {item.name: modulus for item in fields(self)}
-        values = {name: getattr(self, name) * factor for name, factor in factors.items()}
+        values = {item.name: getattr(self, item.name) * modulus for item in fields(self)}
         return replace(self, **{n: v if n in _FIRST else v * stiffening for n, v in values.items()})
 
     def deck(self) -> DeckLine:
