@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.deck import CalculixSpec, DeckSpec, Dialect, solve_press_calculix
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
-from palpate.fea import CalculixSpec, DeckSpec, Dialect, Press, WallSpec, solve_press, solve_press_calculix
+from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_dome
 

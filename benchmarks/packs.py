@@ -21,9 +21,10 @@ import lib3mf
 import meshio
 import numpy as np
 
+from palpate.cad import read_step
 from palpate.camera import CameraSpec
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_dome, place_markers, read_step
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_dome, place_markers
 from palpate.fabricate import PackSpec, PadMapping, ProcessSpec, carry_to_dome, write_pack
 from palpate.material import get_material
 
@@ -105,7 +106,8 @@ def check(folder: Path, spec: PackSpec) -> dict[str, float]:
 
 def hollow(parts: dict, spec: PackSpec) -> float:
     """Volume in mm³ that cavity and core leave between them: block minus both, pins and holes left out."""
-    from palpate.design import build_module, cylinder, revolve
+    from palpate.cad import cylinder, revolve
+    from palpate.design import build_module
 
     module = build_module(build_dome(spec.dome), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
     top = module.dome.height + module.dome.thickness

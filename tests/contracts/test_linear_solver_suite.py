@@ -2,7 +2,7 @@
 
 import pytest
 
-from palpate.fea import LinearSolver, make_linear_solver, solver_backends
+from palpate.mechanics import LinearSolver, make_linear_solver, solver_backends
 from palpate.testing import LinearSolverSuite
 
 

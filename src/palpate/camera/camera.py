@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
-from palpate.design import Dome
+from palpate.design import Skin
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class Camera:
         pixels: NDArray[np.float64] = self.lens.distort(plane) * scale + middle
         return pixels
 
-    def visible(self, points: ArrayLike, dome: Dome | None = None) -> NDArray[np.bool_]:
+    def visible(self, points: ArrayLike, dome: Skin | None = None) -> NDArray[np.bool_]:
         """Whether points can be seen.
 
         A point is seen if it is in front of the camera, where the lens does not fold, and inside the image.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from palpate.bench import ToleranceSpec, VirtualBenchSpec
 from palpate.camera import CameraSpec
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.design import DesignFlags
@@ -17,11 +18,10 @@ from palpate.cli.output import print_json, print_table
 from palpate.core import ArtefactStore, PalpateError
 from palpate.design import DomeSpec
 from palpate.fea import WallSpec, read_contact
-from palpate.sensor import ToleranceSpec, VirtualBenchSpec
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
-    from palpate.sensor import Bench
+    from palpate.bench import Bench
 
 _MODEL = "Model of this design, an ONNX file, trained for the nominal camera."
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
@@ -71,7 +71,7 @@ def bench(
     json: JsonFlag = False,
 ) -> None:
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
-    from palpate.sensor import Bench
+    from palpate.bench import Bench
 
     design, flags = design or DesignFlags(), flags or BenchFlags()
     dome = DomeSpec(height=design.height, base_radius=design.base_radius, thickness=design.thickness)
@@ -83,7 +83,7 @@ def bench(
 
 
 def _units(played: Bench, out: Path, json: bool) -> None:
-    from palpate.sensor import describe_bench, run_bench, write_bench
+    from palpate.bench import describe_bench, run_bench, write_bench
 
     results = []
     for result in run_bench(played):
@@ -101,7 +101,7 @@ def _units(played: Bench, out: Path, json: bool) -> None:
 
 
 def _budget(played: Bench, out: Path, json: bool) -> None:
-    from palpate.sensor import describe_budget, run_budget, write_budget
+    from palpate.bench import describe_budget, run_budget, write_budget
 
     lines = []
     for line in run_budget(played):

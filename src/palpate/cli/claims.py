@@ -13,7 +13,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from palpate.grid import Answer
+    from palpate.claims import Answer
 
 _FOLDERS = "Result folders of studies of the paper's designs, and of `palpate convergence --out`."
 
@@ -29,10 +29,10 @@ def claims(
 
     Give one result folder, or one a contact law. A claim whose designs are not there is not decided.
     """
-    from palpate.grid import evaluate_claims, read_evidence, write_claims
+    from palpate.claims import judge_claims, read_evidence, write_claims
 
     grids, meshes = read_evidence(results)
-    answers = evaluate_claims(grids, meshes)
+    answers = judge_claims(grids, meshes)
     if out is not None:
         words = ["palpate", "claims", *(str(folder) for folder in results), "--out", str(out)]
         write_claims(out, answers, grids, shlex.join(words))

@@ -7,7 +7,7 @@ import sys
 
 def announce_compilation() -> None:
     """Say on standard error, once after an installation, why the first press takes longer."""
-    from palpate.fea import kernels_compiled  # here, for it loads the kernels
+    from palpate.mechanics import kernels_compiled
 
     if not kernels_compiled():
         print("Compiling the kernels, once after installation: about half a minute.", file=sys.stderr, flush=True)

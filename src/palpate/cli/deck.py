@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.cli.press import PressFlags
-from palpate.fea import DeckElement, DeckSpec, Dialect, write_deck
+from palpate.deck import DeckElement, DeckSpec, Dialect, write_deck
 
 _ELEMENT = "Bricks through the wall, or shells on the mid surface as in the paper (abaqus only)."
 
@@ -23,4 +23,4 @@ def deck(
     """Write the complete input file of a press in mm, N and MPa."""
     mesh, material, wall = (flags or PressFlags()).problem()
     write_deck(output, mesh, material, wall, DeckSpec(dialect=dialect, element=element))
-    print(f"{output}: a {mesh.dome.shape} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")
+    print(f"{output}: {mesh.dome.name} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")

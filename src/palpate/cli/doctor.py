@@ -109,7 +109,7 @@ def _check_calculix() -> Check:
 
 
 def _check_backends() -> list[Check]:
-    from palpate.fea import solver_backends
+    from palpate.mechanics import solver_backends
 
     return [
         Check(name, available, "installed" if available else "not installed", "" if available else remedy)

@@ -15,19 +15,11 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, default, flag
 from palpate.cli.output import print_json, print_table
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeSpec, build_dome, read_points
-from palpate.fea import (
-    Branch,
-    Press,
-    WallSpec,
-    check_export,
-    export_press,
-    read_contact,
-    solve_press,
-    solve_press_calculix,
-)
+from palpate.deck import solve_press_calculix
+from palpate.design import Dome, DomeSpec, Rim, build_dome, read_points
+from palpate.fea import Branch, Press, WallSpec, check_export, export_press, read_contact, solve_press
 from palpate.material import Material
-from palpate.mesh import Mesh, MeshSpec, Rim, mesh_dome
+from palpate.mesh import Mesh, MeshSpec, mesh_dome
 from palpate.study import MaterialSpec
 
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
@@ -163,7 +155,7 @@ def _read_inner_points(path: Path, dome: Dome) -> NDArray[np.float64]:
         x, y = points[outside[0], :2]
         raise PalpateError(
             f"{path}: point {outside[0] + 1} ({x:g}, {y:g}) mm is outside the dome.",
-            f"Points lie up to {dome.widest_radius:.4g} mm from the axis.",
+            f"Points lie up to {dome.widest[0]:.4g} mm from the axis.",
         )
     return points
 

@@ -122,7 +122,7 @@ def live(
 def _open(source: str, unit: Unit) -> Source:
     if source != "synthetic":
         return open_source(source)
-    from palpate.sensor import SimulatedSource
+    from palpate.bench import SimulatedSource
     from palpate.study import MaterialSpec
 
     announce_compilation()

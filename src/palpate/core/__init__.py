@@ -1,5 +1,6 @@
 """What every stage stands on: parameters, errors, seeds, the artefact store, provenance. No physics."""
 
+from palpate.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, TextArray
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
 from palpate.core.kernel import kernel
@@ -13,7 +14,11 @@ from palpate.core.store_care import Broken, Removal, Stored, check_store, clean_
 
 __all__ = [
     "ArtefactStore",
+    "BoolArray",
     "Broken",
+    "ComplexArray",
+    "FloatArray",
+    "IntArray",
     "MissingExtraError",
     "PalpateError",
     "ParameterNote",
@@ -23,6 +28,7 @@ __all__ = [
     "Spec",
     "StoreError",
     "Stored",
+    "TextArray",
     "check_store",
     "child_seed",
     "clean_store",

@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import ComplexArray, FloatArray
+
 if TYPE_CHECKING:
     from palpate.fea import Press
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 SAMPLES = 96
 """Points on a circle."""
@@ -45,13 +45,13 @@ class MarkerCircles:
         (m,) rad, azimuth of each marker; 0 for one on the axis.
     """
 
-    radius: Array
-    height: Array
+    radius: FloatArray
+    height: FloatArray
     circle: NDArray[np.intp]
-    azimuth: Array
+    azimuth: FloatArray
 
 
-def sort_onto_circles(positions: Array) -> MarkerCircles:
+def sort_onto_circles(positions: FloatArray) -> MarkerCircles:
     """Find the distinct circles on which undeformed markers (m, 3) in mm lie, to within 10⁻⁶ mm."""
     radius = np.hypot(positions[:, 0], positions[:, 1])
     rounded = np.round(np.stack([radius, positions[:, 2]], axis=1), 6)
@@ -77,7 +77,7 @@ def expand_press(press: Press, circles: MarkerCircles) -> tuple[ComplexArray, fl
         between the sampled points and the series.
     """
     psi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    phi = psi + np.deg2rad(press.wall.azimuth_deg) + QUARTER_TURN
+    phi = psi + np.deg2rad(press.wall.turn_deg) + QUARTER_TURN
     cosine, sine = np.cos(phi), np.sin(phi)
     points = np.empty((len(circles.radius), SAMPLES, 3))
     points[..., 0] = circles.radius[:, None] * cosine

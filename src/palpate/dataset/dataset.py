@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
 from palpate.dataset.normalise import Normalisation
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import refuse_leakage
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -51,13 +48,13 @@ class Dataset:
     """
 
     spec: DatasetSpec
-    images_px: Array
-    poses: Array
-    press: NDArray[np.int64]
-    validation: NDArray[np.bool_]
-    branch: NDArray[np.str_]
-    travel_mm: Array
-    rest_px: Array
+    images_px: FloatArray
+    poses: FloatArray
+    press: IntArray
+    validation: BoolArray
+    branch: TextArray
+    travel_mm: FloatArray
+    rest_px: FloatArray
     image_size_px: tuple[int, int]
     solved_presses: int
     dropped: Mapping[str, int]

@@ -20,25 +20,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from palpate.core import PalpateError
-from palpate.dataset.circle import (
-    ORDERS,
-    QUARTER_TURN,
-    ComplexArray,
-    MarkerCircles,
-    expand_press,
-    sort_onto_circles,
-)
+from palpate.core import BoolArray, ComplexArray, FloatArray, PalpateError, TextArray
+from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
 
 if TYPE_CHECKING:
     from palpate.design import MarkerLayout
     from palpate.fea import Press
 
-Array = NDArray[np.float64]
-TextArray = NDArray[np.str_]
 
 SAME_TILT_DEG = 1e-9
 SAME_DEPTH_MM = 1e-6
@@ -63,7 +53,7 @@ class TiltRun:
     branch: str
     spline: CubicSpline
 
-    def covers(self, tilt_deg: Array) -> NDArray[np.bool_]:
+    def covers(self, tilt_deg: FloatArray) -> BoolArray:
         """Whether each tilt (n,) lies in the run."""
         return (tilt_deg >= self.first_deg - SAME_TILT_DEG) & (tilt_deg <= self.last_deg + SAME_TILT_DEG)
 
@@ -92,16 +82,16 @@ class MarkerField:
         Largest distance between a point sampled from a press and the Fourier series there.
     """
 
-    rest: Array
+    rest: FloatArray
     circles: MarkerCircles
-    depths_mm: Array
-    tilts_deg: Array
+    depths_mm: FloatArray
+    tilts_deg: FloatArray
     branch: TextArray
     ended: tuple[str, ...]
     runs: tuple[tuple[TiltRun, ...], ...]
     series_error_mm: float
 
-    def labels(self, tilt_deg: Array, image: int) -> tuple[TextArray, TextArray]:
+    def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
         """Branch of each tilt (n,) at one depth, or why there is none.
 
         Parameters
@@ -124,7 +114,7 @@ class MarkerField:
         reason[missing] = [self._reason(tilt, image) for tilt in tilt_deg[missing]]
         return branch, reason
 
-    def positions(self, rx_deg: Array, ry_deg: Array, image: int) -> Array:
+    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
         """Deformed positions of the markers.
 
         Parameters
@@ -136,7 +126,7 @@ class MarkerField:
 
         Returns
         -------
-        Array
+        FloatArray
             (n, m, 3) mm; NaN for a pose that no run covers (`labels` says why).
         """
         tilt = np.hypot(rx_deg, ry_deg)
@@ -150,7 +140,7 @@ class MarkerField:
         cosine, sine = np.cos(self.circles.azimuth), np.sin(self.circles.azimuth)
         radial, azimuthal, axial = moved[:, 0], moved[:, 1], moved[:, 2]
         displacement = (radial * cosine - azimuthal * sine, radial * sine + azimuthal * cosine, axial)
-        moved_points: Array = self.rest + np.stack(displacement, axis=-1)
+        moved_points: FloatArray = self.rest + np.stack(displacement, axis=-1)
         return moved_points
 
     def _reason(self, tilt_deg: float, image: int) -> str:
@@ -189,9 +179,9 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout) -> MarkerField:
     outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
     if outside:
         raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
-    presses = sorted(presses, key=lambda press: press.wall.tilt_deg)
+    presses = sorted(presses, key=lambda press: press.wall.radial)
     depths = _image_depths(presses)
-    tilts = np.array([press.wall.tilt_deg for press in presses], dtype=float)
+    tilts = np.array([press.wall.radial for press in presses], dtype=float)
     circles = sort_onto_circles(markers.positions)
     series = np.full((len(depths), len(tilts), len(circles.radius), 3, ORDERS), np.nan, dtype=complex)
     branch = np.full((len(depths), len(tilts)), "", dtype="U16")
@@ -214,24 +204,24 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout) -> MarkerField:
     )
 
 
-def _image_depths(presses: Sequence[Press]) -> Array:
+def _image_depths(presses: Sequence[Press]) -> FloatArray:
     """Depths (mm) of the images after rest; a last state between two images is left out."""
     if not presses:
         raise PalpateError("A marker field needs at least one press.", "Solve the straight press first.")
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
-    tilts = [press.wall.tilt_deg for press in presses]
+    tilts = [press.wall.radial for press in presses]
     repeated = next((tilt for tilt, after in pairwise(tilts) if tilt == after), None)
     if repeated is not None:
         raise PalpateError(f"The tilt {repeated:g}° was given twice.", "Keep one press a tilt.")
     step = steps.pop()
     reached = max(float(press.depth[-1]) for press in presses)
-    depths: Array = step * np.arange(1.0, int((reached + SAME_DEPTH_MM) / step) + 1)
+    depths: FloatArray = step * np.arange(1.0, int((reached + SAME_DEPTH_MM) / step) + 1)
     return depths
 
 
-def _cut_into_runs(tilts: Array, branch: TextArray, series: ComplexArray) -> tuple[TiltRun, ...]:
+def _cut_into_runs(tilts: FloatArray, branch: TextArray, series: ComplexArray) -> tuple[TiltRun, ...]:
     """Runs of one depth from the labels (t,) and coefficients (t, c, 3, k) of every solved tilt."""
     starts = [0, *(np.flatnonzero(branch[1:] != branch[:-1]) + 1), len(tilts)]
     return tuple(
@@ -241,7 +231,7 @@ def _cut_into_runs(tilts: Array, branch: TextArray, series: ComplexArray) -> tup
     )
 
 
-def _spline(tilts: Array, series: ComplexArray) -> CubicSpline:
+def _spline(tilts: FloatArray, series: ComplexArray) -> CubicSpline:
     """Cubic spline (not-a-knot) of a run; one that starts at the straight press is continued by parity."""
     if tilts[0] == 0.0 and len(tilts) > 1:
         parity = (-1.0) ** np.arange(ORDERS)
@@ -252,7 +242,7 @@ def _spline(tilts: Array, series: ComplexArray) -> CubicSpline:
     return CubicSpline(tilts, series)
 
 
-def _sum_series(series: ComplexArray, azimuth: Array, circles: MarkerCircles) -> Array:
+def _sum_series(series: ComplexArray, azimuth: FloatArray, circles: MarkerCircles) -> FloatArray:
     """Cylindrical displacement (n, 3, m) from coefficients (n, c, 3, k) and azimuths (n,) of the wall."""
     order = np.arange(ORDERS)
     turned = series * np.exp(-1j * order * (azimuth[:, None] + QUARTER_TURN))[:, None, None, :]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
@@ -19,15 +19,13 @@ from palpate.dataset.vary import Relatives, VariedField, vary_camera, vary_field
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
-    from palpate.design import Dome, MarkerLayout
+    from palpate.design import MarkerLayout, Skin
     from palpate.fea import Press
 
 DATASET_VERSION = "1"
 """Version of the code that decides what a dataset contains; part of an artefact's key."""
 
 UNSEEN = "a marker out of sight"
-
-Array = NDArray[np.float64]
 
 
 def generate_dataset(
@@ -101,11 +99,11 @@ class _View:
     """A camera under the dome whose clamped rim may hide a marker."""
 
     camera: Camera
-    dome: Dome
+    dome: Skin
     spec: DatasetSpec
-    rest: Array
+    rest: FloatArray
 
-    def project(self, points: Array, rest: Array, rows: NDArray[np.intp]) -> Array:
+    def project(self, points: FloatArray, rest: FloatArray, rows: NDArray[np.intp]) -> FloatArray:
         """(k, m, 2) px of markers (k, m, 3) of the virtual presses `rows`, as if each rest looked as designed."""
         varied = self.spec.randomise
         if varied is None or not (varied.of_the_camera or varied.dot):
@@ -120,7 +118,7 @@ class _View:
 
 
 def _images_at(
-    field: VariedField, image: int, rotations: Array, view: _View, dropped: Counter[str]
+    field: VariedField, image: int, rotations: FloatArray, view: _View, dropped: Counter[str]
 ) -> dict[str, NDArray[np.generic]]:
     """Columns of the images at one depth; `dropped` counts the others."""
     branch, reason = field.labels(rotations, image)
@@ -141,7 +139,7 @@ def _images_at(
     }
 
 
-def _refuse_unseen_at_rest(rest: Array, view: _View) -> None:
+def _refuse_unseen_at_rest(rest: FloatArray, view: _View) -> None:
     unseen = np.flatnonzero(~view.camera.visible(rest, view.dome))
     if len(unseen):
         shown = ", ".join(str(number) for number in unseen[:5])

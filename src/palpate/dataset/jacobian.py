@@ -5,22 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.dataset.field import MarkerField
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
 
-Array = NDArray[np.float64]
 
 ANGLE_STEP_DEG = 0.25
 
 
 def image_jacobian(
-    field: MarkerField, camera: Camera, rotations_deg: Array, image: int, step_deg: float = ANGLE_STEP_DEG
-) -> Array:
+    field: MarkerField, camera: Camera, rotations_deg: FloatArray, image: int, step_deg: float = ANGLE_STEP_DEG
+) -> FloatArray:
     """Derivative of every pixel coordinate by the pose, ∂U/∂(rx, ry, depth).
 
     Central differences of the interpolated field: `step_deg` in the angles, one image in depth (the last image:
@@ -41,7 +39,7 @@ def image_jacobian(
 
     Returns
     -------
-    Array
+    FloatArray
         (n, 2m, 3): px per degree, px per degree, px per mm. NaN where a neighbour of the pose is out of reach or
         on the other branch.
     """
@@ -49,10 +47,10 @@ def image_jacobian(
     if not min(2, last) <= image <= last and not 1 <= image < last:
         raise PalpateError(f"Image {image} of {last + 1} has too few neighbours in depth.", "Press deeper.")
 
-    def pixels(turn_x: float, turn_y: float, depth: int) -> Array:
+    def pixels(turn_x: float, turn_y: float, depth: int) -> FloatArray:
         poses = rotations_deg + np.array([turn_x, turn_y])
         labels, _ = field.labels(np.hypot(poses[:, 0], poses[:, 1]), depth)
-        seen: Array = camera.project(field.positions(poses[:, 0], poses[:, 1], depth)).reshape(len(poses), -1)
+        seen: FloatArray = camera.project(field.positions(poses[:, 0], poses[:, 1], depth)).reshape(len(poses), -1)
         seen[labels != here] = np.nan
         return seen
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from palpate.core import FloatArray
 
 
 @dataclass(frozen=True)
@@ -31,12 +30,12 @@ class Normalisation:
             return cls((width_px / 2, height_px / 2), (width_px / 2, height_px / 2))
         return cls((0.0, 0.0), (float(width_px), float(height_px)))
 
-    def apply(self, images_px: Array) -> Array:
+    def apply(self, images_px: FloatArray) -> FloatArray:
         """Normalise pixels (..., 2)."""
-        normalised: Array = (images_px - np.array(self.offset_px)) / np.array(self.scale_px)
+        normalised: FloatArray = (images_px - np.array(self.offset_px)) / np.array(self.scale_px)
         return normalised
 
 
-def draw_jitter(images_px: Array, jitter_px: float, rng: np.random.Generator) -> Array:
+def draw_jitter(images_px: FloatArray, jitter_px: float, rng: np.random.Generator) -> FloatArray:
     """Images (..., 2) with every coordinate moved by an independent uniform draw from ±`jitter_px`."""
     return images_px + rng.uniform(-jitter_px, jitter_px, images_px.shape)

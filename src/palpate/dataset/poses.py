@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import generator
+from palpate.core import FloatArray, generator
 from palpate.dataset.spec import DatasetSpec
-
-Array = NDArray[np.float64]
 
 PLASTIC_NUMBER = 1.3247179572447460
 """Real root of x³ = x + 1; its powers give the evenest two-dimensional Kronecker sequence known
@@ -18,7 +15,7 @@ PAPER_TILTS_DEG = np.arange(0.0, 12.1, 2.0)
 PAPER_AZIMUTHS_DEG = {"paper-91": np.arange(0.0, 60.1, 5.0), "paper-504": np.arange(0.0, 359.9, 5.0)}
 
 
-def sample_poses(spec: DatasetSpec) -> Array:
+def sample_poses(spec: DatasetSpec) -> FloatArray:
     """Rotation of the wall in each virtual press.
 
     Parameters
@@ -28,7 +25,7 @@ def sample_poses(spec: DatasetSpec) -> Array:
 
     Returns
     -------
-    Array
+    FloatArray
         (n, 2): rx and ry in degrees. The paper's protocols repeat the straight press once an azimuth.
     """
     if spec.poses == "disc":
@@ -37,13 +34,13 @@ def sample_poses(spec: DatasetSpec) -> Array:
     return rotation_components(tilt.ravel(), azimuth.ravel())
 
 
-def rotation_components(tilt_deg: Array, azimuth_deg: Array) -> Array:
+def rotation_components(tilt_deg: FloatArray, azimuth_deg: FloatArray) -> FloatArray:
     """Components (rx, ry) = tilt · (cos azimuth, sin azimuth) of the wall's rotation, (n, 2) degrees."""
     azimuth = np.deg2rad(azimuth_deg)
     return np.stack([tilt_deg * np.cos(azimuth), tilt_deg * np.sin(azimuth)], axis=-1)
 
 
-def _disc(n: int, max_tilt_deg: float, seed: int) -> Array:
+def _disc(n: int, max_tilt_deg: float, seed: int) -> FloatArray:
     """Evenly by area: a Kronecker sequence on the unit square, shifted at random, bent into a disc."""
     start = generator(seed, "poses").random(2)
     steps = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])

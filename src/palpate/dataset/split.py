@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError, generator
-
-Array = NDArray[np.float64]
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, generator
 
 SAME_POSE_DEG = 1e-6
 
@@ -25,7 +22,7 @@ class LeakageError(PalpateError):
         super().__init__(what, "Split by press: hold out all images of a press, or none.")
 
 
-def number_presses(rotations_deg: Array) -> NDArray[np.int64]:
+def number_presses(rotations_deg: FloatArray) -> IntArray:
     """Number the presses (n, 2) of rx and ry so that two with the same pose get the same number."""
     rounded = np.round(rotations_deg / SAME_POSE_DEG).astype(np.int64)
     _, first, number = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
@@ -34,7 +31,7 @@ def number_presses(rotations_deg: Array) -> NDArray[np.int64]:
     return rank[number.reshape(-1)]
 
 
-def hold_out(press: NDArray[np.int64], fraction: float, seed: int) -> NDArray[np.bool_]:
+def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     """Choose the presses held out for validation.
 
     Parameters
@@ -48,7 +45,7 @@ def hold_out(press: NDArray[np.int64], fraction: float, seed: int) -> NDArray[np
 
     Returns
     -------
-    NDArray[np.bool_]
+    BoolArray
         (n,) whether each image is for validation.
     """
     distinct = np.unique(press)
@@ -59,7 +56,7 @@ def hold_out(press: NDArray[np.int64], fraction: float, seed: int) -> NDArray[np
     return np.isin(press, chosen)
 
 
-def refuse_leakage(press: NDArray[np.int64], poses: Array, validation: NDArray[np.bool_]) -> None:
+def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray) -> None:
     """Check that no press and no pose has images on both sides.
 
     Parameters

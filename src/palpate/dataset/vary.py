@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError, generator
-from palpate.dataset.field import MarkerField, TextArray, build_field
+from palpate.core import FloatArray, PalpateError, TextArray, generator
+from palpate.dataset.field import MarkerField, build_field
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from palpate.design import MarkerLayout
     from palpate.fea import Press
 
-Array = NDArray[np.float64]
 _STEP = 0.2
 """Distance h of the points from which the surface's motion beside a dot is taken, mm."""
 
@@ -74,16 +73,16 @@ class VariedField:
 
     base: MarkerField
     others: tuple[MarkerField, ...]
-    weights: Array
+    weights: FloatArray
     beside: tuple[MarkerField, ...]
-    off: Array
+    off: FloatArray
 
     @property
-    def rest(self) -> Array:
+    def rest(self) -> FloatArray:
         """(m, 3) markers of the undeformed design, mm."""
         return self.base.rest
 
-    def labels(self, rotations: Array, image: int) -> tuple[TextArray, TextArray]:
+    def labels(self, rotations: FloatArray, image: int) -> tuple[TextArray, TextArray]:
         """Branch of every virtual press at one depth, or why there is none; see `MarkerField.labels`."""
         tilt = np.hypot(rotations[:, 0], rotations[:, 1])
         branch, reason = self.base.labels(tilt, image)
@@ -94,13 +93,13 @@ class VariedField:
             branch[apart] = ""
         return branch, reason
 
-    def rest_of(self, rows: NDArray[np.intp]) -> Array:
+    def rest_of(self, rows: NDArray[np.intp]) -> FloatArray:
         """(k, m, 3) markers at rest of the virtual presses `rows`, mm."""
         if not self.beside:
             return np.broadcast_to(self.rest, (len(rows), *self.rest.shape))
         return self.rest + self._aside(rows, [field.rest for field in self.beside], self.rest)
 
-    def positions(self, rotations: Array, rows: NDArray[np.intp], image: int) -> Array:
+    def positions(self, rotations: FloatArray, rows: NDArray[np.intp], image: int) -> FloatArray:
         """(k, m, 3) deformed markers of the virtual presses `rows` at one depth, mm."""
         rx, ry = rotations[rows].T
         base = self.base.positions(rx, ry, image)
@@ -112,7 +111,7 @@ class VariedField:
             moved += self._aside(rows, [field.positions(rx, ry, image) for field in self.beside], base)
         return moved
 
-    def _aside(self, rows: NDArray[np.intp], beside: Sequence[Array], base: Array) -> Array:
+    def _aside(self, rows: NDArray[np.intp], beside: Sequence[FloatArray], base: FloatArray) -> FloatArray:
         steps = zip(np.moveaxis(self.off[rows], -1, 0), beside, strict=True)
         return np.asarray(sum(off[..., None] * (points - base) / _STEP for off, points in steps))
 
@@ -153,7 +152,7 @@ def vary_field(
     return VariedField(base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off)
 
 
-def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> Array:
+def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
     """(count, frictions and thicknesses) shares of the others in every virtual press."""
     frictions = len(spec.frictions)
     weights = np.zeros((count, frictions + (2 if spec.thickness else 0)))
@@ -200,15 +199,6 @@ def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec)
     if not spec.dot:
         return ()
     dome = presses[0].mesh.dome
-    centre = np.array([0.0, 0.0, dome.center_z])
-    normals = (layout.positions - centre) / dome.radius
-    round_about = np.cross([0.0, 0.0, 1.0], normals)
-    on_axis = np.linalg.norm(round_about, axis=1, keepdims=True) < 1e-9
-    round_about = np.where(on_axis, [[0.0, 1.0, 0.0]], round_about)
-    round_about /= np.linalg.norm(round_about, axis=1, keepdims=True)
-    fields = []
-    for tangent in (np.cross(round_about, normals), round_about):
-        arms = dome.radius * normals + _STEP * tangent
-        moved = centre + dome.radius * arms / np.linalg.norm(arms, axis=1, keepdims=True)
-        fields.append(build_field(presses, replace(layout, positions=moved)))
-    return tuple(fields)
+    _, along, around = dome.tangents(layout.positions)
+    moved = [dome.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
+    return tuple(build_field(presses, replace(layout, positions=points)) for points in moved)

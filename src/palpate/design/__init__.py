@@ -3,62 +3,45 @@
 from palpate.design.build_dome import build_dome
 from palpate.design.check_design import check_design, refuse_errors
 from palpate.design.dome import Dome, DomeShape
+from palpate.design.ellipsoid import Ellipsoid
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
-from palpate.design.module import Module, build_module, build_solid, follow_meridian
+from palpate.design.module import Module, build_module, build_solid
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
+from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
 from palpate.design.rings import markers_in_rings, ring_count, ring_diameters
-from palpate.design.solid import (
-    Arc,
-    Outline,
-    Point,
-    Solid,
-    SurfaceMesh,
-    box,
-    cylinder,
-    extrude,
-    gather,
-    read_step,
-    revolve,
-    write_step,
-)
+from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import DomeSpec, MarkerSpec, MountSpec
 
 __all__ = [
     "PRINT_TOLERANCE",
-    "Arc",
     "Dome",
     "DomeShape",
     "DomeSpec",
+    "Ellipsoid",
     "Finding",
     "MarkerLayout",
     "MarkerSpec",
     "Module",
     "MountSpec",
-    "Outline",
-    "Point",
+    "Rim",
     "Severity",
-    "Solid",
-    "SurfaceMesh",
-    "box",
+    "Skin",
+    "Symmetry",
     "build_dome",
     "build_module",
     "build_solid",
     "check_design",
-    "cylinder",
-    "extrude",
-    "follow_meridian",
-    "gather",
     "markers_in_rings",
     "place_markers",
     "place_orientation_mark",
     "read_points",
-    "read_step",
     "refuse_errors",
-    "revolve",
     "ring_count",
     "ring_diameters",
-    "write_step",
+    "rotation_vector",
+    "turn_about_axis",
+    "wall_normal",
 ]

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.design.dome import Dome, DomeShape
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import MarkerLayout
+from palpate.design.skin import Skin
 
 
-def check_design(dome: Dome, markers: MarkerLayout) -> tuple[Finding, ...]:
+def check_design(dome: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
     """Report the limits that a dome and its markers meet.
 
     Parameters
@@ -45,7 +45,7 @@ def refuse_errors(findings: Iterable[Finding]) -> None:
             raise PalpateError(finding.message, finding.remedy)
 
 
-def _check_wall(dome: Dome) -> Iterator[Finding]:
+def _check_wall(dome: Skin) -> Iterator[Finding]:
     if dome.thickness >= dome.radius:
         yield Finding(
             Severity.WARNING,
@@ -53,17 +53,17 @@ def _check_wall(dome: Dome) -> Iterator[Finding]:
             f"The wall is {dome.thickness:g} mm thick, its inner radius only {dome.radius:.4g} mm.",
             f"Take less than {dome.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a shell.",
         )
-    if dome.shape is DomeShape.CAP:
+    if dome.bulges:
         yield Finding(
             Severity.WARNING,
             "undercut",
-            f"The dome bulges over its base: {2 * dome.radius:.4g} mm wide at z = {dome.center_z:.4g} mm, "
+            f"The dome bulges over its base: {2 * dome.widest[0]:.4g} mm wide at z = {dome.widest[1]:.4g} mm, "
             f"{2 * dome.base_radius:g} mm at the base.",
             f"A rigid core cannot be pulled: use a soft or split core, or a height up to {dome.base_radius:g} mm.",
         )
 
 
-def _check_markers(dome: Dome, markers: MarkerLayout) -> Iterator[Finding]:
+def _check_markers(dome: Skin, markers: MarkerLayout) -> Iterator[Finding]:
     outside = ~markers.on_dome
     if outside.any():
         farthest = float(np.hypot(markers.positions[outside, 0], markers.positions[outside, 1]).max())
@@ -71,8 +71,8 @@ def _check_markers(dome: Dome, markers: MarkerLayout) -> Iterator[Finding]:
             Severity.ERROR,
             "ring-outside-dome",
             f"{int(outside.sum())} markers are up to {farthest:.4g} mm from the axis, outside the dome, "
-            f"which reaches {dome.widest_radius:.4g} mm.",
-            f"Keep ring diameters below {2 * dome.widest_radius:.4g} mm.",
+            f"which reaches {dome.widest[0]:.4g} mm.",
+            f"Keep ring diameters below {2 * dome.widest[0]:.4g} mm.",
         )
     pair = markers.closest_pair()
     if pair is not None and pair[2] < markers.diameter:

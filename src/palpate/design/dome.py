@@ -14,9 +14,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Self, final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from palpate.cad.outline import Arc, Outline
+from palpate.core import FloatArray
+from palpate.design.skin import Rim, Skin, Symmetry
+
+_PAPER_BASE = 20.0
+"""Base radius of the paper's domes in mm; a name does not repeat it."""
 
 
 class DomeShape(StrEnum):
@@ -27,8 +35,9 @@ class DomeShape(StrEnum):
     CAP = "spherical cap"
 
 
+@final
 @dataclass(frozen=True)
-class Dome:
+class Dome(Skin):
     """Geometry of one dome.
 
     Attributes
@@ -69,67 +78,109 @@ class Dome:
         return float(np.arctan2(self.base_radius, -self.center_z))
 
     @property
-    def widest_radius(self) -> float:
-        """Greatest distance of the inner surface from the axis, mm: B, or r where the dome bulges."""
-        return self.radius if self.height > self.base_radius else self.base_radius
+    def name(self) -> str:
+        base = "" if self.base_radius == _PAPER_BASE else f" B{self.base_radius:g}"
+        return f"H{self.height:g}{base} T{self.thickness:g}"
+
+    @property
+    def symmetry(self) -> Symmetry:
+        return Symmetry.REVOLVED
+
+    @property
+    def widest(self) -> tuple[float, float]:
+        if self.height > self.base_radius:
+            return self.radius, self.center_z
+        return self.base_radius, 0.0
 
     @property
     def outer_base_radius(self) -> float:
         """Radius of the outer surface's rim in the base plane, mm."""
         return float(np.sqrt(self.outer_radius**2 - self.center_z**2))
 
-    def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> NDArray[np.float64]:
-        """Points of the base plane carried along the axis to the inner surface.
+    @property
+    def centre(self) -> FloatArray:
+        """(3,) mm, centre of both spheres."""
+        return np.array([0.0, 0.0, self.center_z])
 
-        z = (H - r) + √(r² - ρ²): the upper of the two crossings, where a dome bulges over its base.
+    def scaled(self, factor: float) -> Self:
+        return type(self)(factor * self.height, factor * self.base_radius, factor * self.thickness)
 
-        Parameters
-        ----------
-        rho
-            (...) distance from the axis, mm.
-        azimuth
-            (...) angle about the axis from x, rad.
+    def rim_angle(self, radius: float, rim: Rim) -> float:
+        """Polar angle in rad at which the sphere of this radius (mm) ends at the base."""
+        on = radius if rim is Rim.FLAT else self.radius
+        return float(np.arccos(np.clip((self.radius - self.height) / on, -1.0, 1.0)))
 
-        Returns
-        -------
-        ndarray
-            (..., 3) points, mm; z is NaN where `rho` is beyond the dome's widest radius.
-        """
+    def point(self, disc: FloatArray, layer: float, rim: Rim = Rim.FLAT) -> FloatArray:
+        radius = self.radius + layer * self.thickness
+        s = np.hypot(disc[:, 0], disc[:, 1])
+        polar = s * self.rim_angle(radius, rim)
+        direction = np.divide(disc, s[:, None], out=np.zeros_like(disc), where=s[:, None] > 0)
+        across = radius * np.sin(polar)[:, None] * direction
+        return np.column_stack([across, self.center_z + radius * np.cos(polar)])
+
+    def disc(self, points: FloatArray) -> FloatArray:
+        arm = points - [0.0, 0.0, self.center_z]
+        rho = np.hypot(arm[:, 0], arm[:, 1])
+        s = np.arctan2(rho, arm[:, 2]) / self.rim_angle(self.radius, Rim.FLAT)
+        direction = np.divide(arm[:, :2], rho[:, None], out=np.zeros((len(points), 2)), where=rho[:, None] > 0)
+        return np.asarray(s[:, None] * direction)
+
+    def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+        """``z = (H - r) + √(r² - ρ²)``."""
         rho, azimuth = np.broadcast_arrays(np.asarray(rho, float), np.asarray(azimuth, float))
-        inside = rho <= self.widest_radius * (1.0 + 1e-12)
+        inside = rho <= self.widest[0] * (1.0 + 1e-12)
         drop = np.sqrt(np.where(inside, np.maximum(self.radius**2 - rho**2, 0.0), np.nan))
         return np.stack([rho * np.cos(azimuth), rho * np.sin(azimuth), self.center_z + drop], axis=-1)
 
-    def distance_to_inner(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Signed distance of points from the inner sphere, positive outward.
+    def normal(self, points: FloatArray) -> FloatArray:
+        arm = np.asarray(points, float) - self.centre
+        return np.asarray(arm / np.linalg.norm(arm, axis=-1, keepdims=True))
 
-        Parameters
-        ----------
-        points
-            (..., 3) mm.
+    def nearest(self, points: FloatArray) -> FloatArray:
+        return self.centre + self.radius * self.normal(points)
 
-        Returns
-        -------
-        ndarray
-            (...) mm.
-        """
-        arm = np.asarray(points, float) - np.array([0.0, 0.0, self.center_z])
-        distance: NDArray[np.float64] = np.linalg.norm(arm, axis=-1) - self.radius
-        return distance
+    def distance(self, points: ArrayLike) -> FloatArray:
+        arm = np.asarray(points, float) - self.centre
+        return np.asarray(np.linalg.norm(arm, axis=-1) - self.radius)
 
-    def distance_to_rim(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Distance along the meridian from points of the inner surface to the rim; negative below it.
-
-        Parameters
-        ----------
-        points
-            (..., 3) mm.
-
-        Returns
-        -------
-        ndarray
-            (...) mm.
-        """
+    def distance_to_rim(self, points: ArrayLike) -> FloatArray:
         points = np.asarray(points, float)
         polar = np.arctan2(np.hypot(points[..., 0], points[..., 1]), points[..., 2] - self.center_z)
         return np.asarray(self.radius * (self.rim_polar_angle - polar))
+
+    def arc_length(self, points: FloatArray) -> FloatArray:
+        rho = np.hypot(points[:, 0], points[:, 1])
+        return np.asarray(self.radius * np.arctan2(rho, points[:, 2] - self.center_z))
+
+    def at_arc_length(self, length: FloatArray) -> FloatArray:
+        return np.asarray(self.radius * np.sin(length / self.radius))
+
+    def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
+        """The farther crossing of ``|o + s d - c| = r``."""
+        start = origin - self.centre
+        along, square = rays @ start, (rays**2).sum(axis=1)
+        root = along**2 - square * (start @ start - self.radius**2)
+        far = (-along + np.sqrt(np.where(root >= 0, root, np.nan))) / square
+        return np.asarray(origin + far[:, None] * rays)
+
+    def touch(self, normal: FloatArray) -> FloatArray:
+        return self.centre + self.outer_radius * normal
+
+    @property
+    def inner_slope(self) -> float:
+        return self.rim_angle(self.radius, Rim.FLAT)
+
+    def rim_slope(self, rim: Rim) -> float:
+        return self.rim_angle(self.outer_radius, rim)
+
+    def clamp_depth(self, tilt: float, rim: Rim) -> float:
+        """``d = R (1 - cos(theta_rim - t)) / cos t`` with the polar angle theta_rim of the outer rim."""
+        theta = self.rim_angle(self.outer_radius, rim)
+        return float(self.outer_radius * (1.0 - np.cos(theta - tilt)) / np.cos(tilt))
+
+    def meridian(self, offset: float, *, down: bool) -> Outline:
+        radius = self.radius + offset
+        angle = float(np.arccos(-self.center_z / radius))
+        half = float(radius * np.sin(angle / 2)), float(self.center_z + radius * np.cos(angle / 2))
+        end = (float(radius * np.sin(angle)), 0.0) if down else (0.0, self.center_z + radius)
+        return [Arc(half, end)]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+
+from palpate.core import BoolArray, FloatArray
 
 PRINT_TOLERANCE = 0.2
 """How far from its place a dot may be printed, mm; our choice, for instructions and inspection."""
@@ -26,14 +27,14 @@ class MarkerLayout:
         Diameter of a dot, mm.
     """
 
-    positions: NDArray[np.float64]
+    positions: FloatArray
     diameter: float
 
     def __len__(self) -> int:
         return len(self.positions)
 
     @property
-    def on_dome(self) -> NDArray[np.bool_]:
+    def on_dome(self) -> BoolArray:
         """(n,) whether the marker lies on the dome."""
         return np.isfinite(self.positions[:, 2])
 

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.design.dome import Dome
-from palpate.design.solid import Arc, Outline, Solid, revolve
+from palpate.cad.outline import Outline
+from palpate.cad.solid import Solid, revolve
+from palpate.design.skin import Skin
 from palpate.design.spec import MountSpec
 
 
@@ -36,7 +37,7 @@ class Module:
         The same at the foot of the flange, wider by the draft.
     """
 
-    dome: Dome
+    dome: Skin
     flange_thickness: float
     flange_radius: float
     opening_radius: float
@@ -52,13 +53,13 @@ class Module:
         """Half the section of the module, (x, z) mm."""
         dome = self.dome
         return [
-            (0.0, dome.height + dome.thickness),
-            follow_meridian(dome, dome.outer_radius, down=True),
+            (0.0, dome.outer_height),
+            *dome.meridian(dome.thickness, down=True),
             (self.flange_radius, 0.0),
             (self.flange_foot, self.foot),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
-            follow_meridian(dome, dome.radius, down=False),
+            *dome.meridian(0.0, down=False),
         ]
 
     def outside(self) -> Outline:
@@ -69,20 +70,13 @@ class Module:
         """Half the section of the hollow."""
         return [
             (0.0, self.dome.height),
-            follow_meridian(self.dome, self.dome.radius, down=True),
+            *self.dome.meridian(0.0, down=True),
             (self.opening_foot, self.foot),
             (0.0, self.foot),
         ]
 
 
-def follow_meridian(dome: Dome, radius: float, *, down: bool) -> Arc:
-    """Arc (x, z) of a sphere of this radius about the dome's centre: apex to base plane (`down`), or back."""
-    angle = float(np.arccos(-dome.center_z / radius))
-    half = float(radius * np.sin(angle / 2)), float(dome.center_z + radius * np.cos(angle / 2))
-    return Arc(half, (float(radius * np.sin(angle)), 0.0) if down else (0.0, dome.center_z + radius))
-
-
-def build_module(dome: Dome, mount: MountSpec, scale: float = 1.0) -> Module:
+def build_module(dome: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     """Lay out a module.
 
     Parameters
@@ -94,7 +88,7 @@ def build_module(dome: Dome, mount: MountSpec, scale: float = 1.0) -> Module:
     scale
         Factor on every length, for a mold whose part shrinks.
     """
-    dome = Dome(scale * dome.height, scale * dome.base_radius, scale * dome.thickness)
+    dome = dome.scaled(scale)
     thickness = scale * mount.flange_thickness
     outer = dome.outer_base_radius + scale * mount.flange_width
     draft = thickness * float(np.tan(np.radians(mount.draft_deg)))

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
-from palpate.design.dome import Dome
+from palpate.core import FloatArray, PalpateError
 from palpate.design.markers import MarkerLayout
 from palpate.design.points_file import read_points
 from palpate.design.rings import ring_diameters
+from palpate.design.skin import Skin
 from palpate.design.spec import MarkerSpec
 
 
-def place_markers(dome: Dome, spec: MarkerSpec) -> MarkerLayout:
+def place_markers(dome: Skin, spec: MarkerSpec) -> MarkerLayout:
     """Place the markers of `spec` on the inner surface, carried there along the dome's axis.
 
     Parameters
@@ -49,7 +48,7 @@ def place_markers(dome: Dome, spec: MarkerSpec) -> MarkerLayout:
     return MarkerLayout(positions=positions, diameter=spec.diameter)
 
 
-def _rings(dome: Dome, diameters: Sequence[float]) -> NDArray[np.float64]:
+def _rings(dome: Skin, diameters: Sequence[float]) -> FloatArray:
     counts = [1, *(6 * k for k in range(1, len(diameters) + 1))]
     rho = np.repeat([0.0, *diameters], counts) / 2.0
     azimuth = np.concatenate([2.0 * np.pi * np.arange(count) / count for count in counts])

@@ -6,16 +6,15 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
-from palpate.design.dome import Dome
+from palpate.core import FloatArray, PalpateError
+from palpate.design.skin import Skin
 
 ON_SURFACE = 0.05
 """A point given with its height must lie this near the inner surface, mm."""
 
 
-def read_points(path: Path, dome: Dome) -> NDArray[np.float64]:
+def read_points(path: Path, dome: Skin) -> FloatArray:
     """Read points of the inner surface from a CSV file with a header.
 
     Parameters
@@ -39,19 +38,18 @@ def read_points(path: Path, dome: Dome) -> NDArray[np.float64]:
     table = _read_table(path)
     if table.shape[1] == 2:
         return dome.inner_point(np.hypot(table[:, 0], table[:, 1]), np.arctan2(table[:, 1], table[:, 0]))
-    off = np.abs(dome.distance_to_inner(table))
+    off = np.abs(dome.distance(table))
     below = dome.distance_to_rim(table) < -ON_SURFACE
     for row in np.flatnonzero((off > ON_SURFACE) | below):
         where = "below the base plane" if below[row] else f"{off[row]:.3g} mm off the inner surface"
         raise PalpateError(
             f"{path}: point {row + 1} ({', '.join(f'{value:g}' for value in table[row])}) mm is {where}.",
-            f"The inner surface is the sphere of radius {dome.radius:.4g} mm about z = {dome.center_z:.4g} "
-            "mm, z >= 0; leave out z_mm to have points carried there along the axis.",
+            f"The inner surface is that of {dome.name}, z >= 0; leave out z_mm to have points carried there.",
         )
     return table
 
 
-def _read_table(path: Path) -> NDArray[np.float64]:
+def _read_table(path: Path) -> FloatArray:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = [(number, row) for number, row in enumerate(csv.reader(file), start=1) if any(row)]

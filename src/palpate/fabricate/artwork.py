@@ -13,12 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from palpate.core import FloatArray
 from palpate.design import Dome, MarkerLayout, place_orientation_mark
 from palpate.fabricate.spec import PadMapping
-
-FloatArray = NDArray[np.float64]
 
 _MARGIN = 6.0
 """Distance of the alignment crosses from the rim, mm."""
@@ -70,7 +68,7 @@ def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
     rho = np.hypot(points[:, 0], points[:, 1])
     if mapping is PadMapping.ARC:
-        length = dome.radius * np.arctan2(rho, points[:, 2] - dome.center_z)
+        length = dome.arc_length(points)
         scale = np.divide(length, rho, out=np.ones_like(rho), where=rho > 0)
     else:
         scale = np.ones_like(rho)
@@ -80,5 +78,5 @@ def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
 def carry_to_dome(dome: Dome, page: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
     reach = np.hypot(page[:, 0], page[:, 1])
-    rho = dome.radius * np.sin(reach / dome.radius) if mapping is PadMapping.ARC else reach
+    rho = dome.at_arc_length(reach) if mapping is PadMapping.ARC else reach
     return dome.inner_point(rho, np.arctan2(page[:, 1], -page[:, 0]))

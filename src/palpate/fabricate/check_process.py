@@ -7,9 +7,10 @@ from itertools import combinations
 
 import numpy as np
 
+from palpate.cad import Solid
 from palpate.camera import Camera
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeShape, Finding, MarkerLayout, Module, Severity, Solid, check_design
+from palpate.design import Dome, DomeShape, Finding, MarkerLayout, Module, Severity, check_design
 from palpate.fabricate.artwork import flatten
 from palpate.fabricate.enclosure import Enclosure, free_travel
 from palpate.fabricate.mold import Mold

@@ -10,11 +10,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
-from numpy.typing import NDArray
 
-from palpate.design import Arc, Module, Outline, Solid
-
-FloatArray = NDArray[np.float64]
+from palpate.cad import Arc, Curve, Outline, Solid
+from palpate.core import FloatArray
+from palpate.design import Module
 
 _EYE = (300.0, -500.0, 400.0)
 """Where bodies are looked at from, mm."""
@@ -80,6 +79,8 @@ def follow_outline(outline: Outline) -> FloatArray:
     for item in outline[1:]:
         if isinstance(item, Arc):
             points.append(_follow_arc(points[-1][-1], item))
+        elif isinstance(item, Curve):
+            points.append(np.array(item.through))
         else:
             points.append(np.array([item], float))
     return np.concatenate(points)

@@ -20,8 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.cad import Solid, box, cylinder, revolve
 from palpate.core import PalpateError
-from palpate.design import Module, Solid, box, cylinder, revolve
+from palpate.design import Module, wall_normal
 from palpate.fabricate.spec import CameraBody, ProcessSpec
 
 WALL, SHELF = 3.0, 4.0
@@ -125,8 +126,9 @@ def build_enclosure(module: Module, camera_distance: float, spec: ProcessSpec) -
 
 def free_travel(module: Module, enclosure: Enclosure, tilt_deg: float) -> float:
     """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring."""
-    dome, tilt = module.dome, np.radians(tilt_deg)
-    touch = dome.center_z + dome.outer_radius / np.cos(tilt)  # height of the wall over the axis at first touch
+    tilt = np.radians(tilt_deg)
+    normal = wall_normal(tilt, 0.0)
+    touch = module.dome.touch(normal) @ normal / np.cos(tilt)  # height of the wall over the axis at first touch
     return float(min(touch - radius * np.tan(tilt) - z for radius, z in enclosure.ring))
 
 
@@ -184,9 +186,7 @@ def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> Solid:
 
 def _ring_opening(module: Module) -> float:
     """Radius of the clamp ring's opening, mm: two fifths of the flange's width beyond the dome."""
-    dome = module.dome
-    widest = dome.outer_radius if dome.center_z > 0 else dome.outer_base_radius
-    return module.flange_radius - 0.6 * (module.flange_radius - widest)
+    return module.flange_radius - 0.6 * (module.flange_radius - module.dome.outer_widest[0])
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> Solid:

@@ -6,12 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError, load_extra
-from palpate.design import SurfaceMesh
-
-FloatArray = NDArray[np.float64]
+from palpate.cad import SurfaceMesh
+from palpate.core import FloatArray, PalpateError, load_extra
 
 _WELD_MM = 1e-4
 """Distance of points that a file of single precision may not keep apart."""

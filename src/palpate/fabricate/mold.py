@@ -20,8 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.cad import Solid, box, cylinder, revolve
 from palpate.core import PalpateError
-from palpate.design import DomeShape, Module, Solid, box, cylinder, revolve
+from palpate.design import Module
 from palpate.fabricate.spec import ProcessSpec
 
 PIN_AZIMUTHS_DEG = (30.0, 150.0, 280.0)
@@ -87,7 +88,7 @@ def build_mold(module: Module, spec: ProcessSpec) -> Mold:
         )
     radius = module.flange_foot + spec.mold_wall
     dowel = DOWEL_DIAMETER + 2 * spec.printer_wall
-    if module.dome.shape is DomeShape.CAP and min(spec.mold_floor, radius - module.dome.outer_radius) < dowel:
+    if module.dome.bulges and min(spec.mold_floor, radius - module.dome.outer_widest[0]) < dowel:
         raise PalpateError(
             f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
             f"{spec.mold_floor:g} mm.",
@@ -95,7 +96,7 @@ def build_mold(module: Module, spec: ProcessSpec) -> Mold:
         )
     cavity = _build_cavity(module, spec, radius)
     core = _build_core(module, spec, radius)
-    if module.dome.shape is not DomeShape.CAP:
+    if not module.dome.bulges:
         return Mold(module, {"mold_core": core, "mold_cavity": cavity}, radius)
     return Mold(module, {"mold_core": core, **_split(cavity, module, radius, spec)}, radius)
 
@@ -139,9 +140,9 @@ def vent_azimuths(count: int) -> list[float]:
 def _split(cavity: Solid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, Solid]:
     """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
     low, high = module.foot - spec.pin_height, module.dome.height + module.dome.thickness + spec.mold_floor
-    across = (module.dome.outer_radius + radius) / 2
+    across = (module.dome.outer_widest[0] + radius) / 2
     floor = high - spec.mold_floor / 2
-    height = module.dome.center_z
+    height = module.dome.outer_widest[1]
     places = [(-across, height), (across, height + 2 * DOWEL_DIAMETER), (0.0, floor)]
     dowels = [_dowel(x, z, (DOWEL_DIAMETER + spec.clearance) / 2) for x, z in places]
     margin = 2 * radius

@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.cad import SurfaceMesh, revolve
 from palpate.core import PalpateError
-from palpate.design import (
-    Dome,
-    DomeShape,
-    MarkerLayout,
-    SurfaceMesh,
-    follow_meridian,
-    place_orientation_mark,
-    revolve,
-)
+from palpate.design import MarkerLayout, Skin, place_orientation_mark
+from palpate.fabricate.draw import follow_outline
 from palpate.fabricate.mesh_file import drill
 from palpate.fabricate.spec import ProcessSpec
 
@@ -21,7 +15,7 @@ THICKNESS = 1.2
 """Of the shell, mm."""
 
 
-def build_template(dome: Dome, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
+def build_template(dome: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
     """Build the shell, a gap smaller than the dome's inside, with a hole along the normal at every marker.
 
     Raises
@@ -29,9 +23,9 @@ def build_template(dome: Dome, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     PalpateError
         If it could not be set into a dome that bulges, or neighbouring holes would leave too little between them.
     """
-    if dome.shape is DomeShape.CAP:
+    if dome.bulges:
         raise PalpateError(
-            f"A template is {2 * dome.radius:.4g} mm wide and does not pass a base of {2 * dome.base_radius:g} mm.",
+            f"A template {2 * dome.widest[0]:.4g} mm wide does not pass a base of {2 * dome.base_radius:g} mm.",
             "Print by the pad.",
         )
     pair = layout.closest_pair()
@@ -44,10 +38,11 @@ def build_template(dome: Dome, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     points = layout.positions
     if spec.orientation_mark:
         points = np.vstack([points, place_orientation_mark(dome, layout)])
-    center, radius = np.array([0.0, 0.0, dome.center_z]), dome.radius - spec.clearance
-    out = (points - center) / np.linalg.norm(points - center, axis=1, keepdims=True)
-    outside = follow_meridian(dome, radius, down=True)
-    inside = follow_meridian(dome, radius - THICKNESS, down=False)
-    foot = (float(np.sqrt((radius - THICKNESS) ** 2 - dome.center_z**2)), 0.0)
-    shell = revolve([(0.0, dome.center_z + radius), outside, foot, inside]).mesh()
-    return drill(shell, center + (radius - 3 * THICKNESS) * out, center + (radius + THICKNESS) * out, layout.diameter)
+    out, top = dome.normal(points), -spec.clearance
+    outside = dome.meridian(top, down=True)
+    foot = follow_outline([(0.0, 0.0), *dome.meridian(top - THICKNESS, down=True)])[-1]
+    shell = revolve(
+        [(0.0, dome.height + top), *outside, (float(foot[0]), 0.0), *dome.meridian(top - THICKNESS, down=False)]
+    ).mesh()
+    start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out
+    return drill(shell, start, end, layout.diameter)

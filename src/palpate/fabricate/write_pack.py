@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.cad import Solid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError, provenance
 from palpate.design import (
@@ -17,15 +18,11 @@ from palpate.design import (
     MarkerLayout,
     Module,
     Severity,
-    Solid,
-    SurfaceMesh,
     build_dome,
     build_module,
     build_solid,
-    gather,
     place_markers,
     refuse_errors,
-    write_step,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
 from palpate.fabricate.check_process import check_enclosure, check_mold, check_process, refuse_interference

@@ -1,66 +1,57 @@
-"""Fea: press a dome by a rigid wall and say what it does: displacement, force, contact, stress, branch."""
+"""Fea: press a skin by a rigid obstacle and say what it does: displacement, force, contact, stress, branch."""
 
-from palpate.fea.calculix import CalculixSpec, solve_press_calculix
-from palpate.fea.compiled import kernels_compiled
-from palpate.fea.contact import ContactLaw, OuterSurface, Plane, Touch, untouched
+from palpate.fea.ball import Ball, BallSpec
 from palpate.fea.convergence import CELLS, MeshResult, study_convergence
-from palpate.fea.deck import deck_text, write_deck
-from palpate.fea.deck_spec import DeckElement, DeckSpec, Dialect
-from palpate.fea.element import System
+from palpate.fea.cylinder import Cylinder, CylinderSpec
 from palpate.fea.export import check_export, export_press
 from palpate.fea.io import read_press, write_press
-from palpate.fea.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
-from palpate.fea.newton import ContactProblem, Damping, Equilibrium
+from palpate.fea.monitor import SkinMonitor
+from palpate.fea.nodal_stress import nodal_von_mises
+from palpate.fea.obstacles import OBSTACLES, obstacle_from_data
 from palpate.fea.plot_convergence import plot_convergence
-from palpate.fea.press import FEA_VERSION, Branch, Ended, Press
-from palpate.fea.solid import Solid, State
-from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import SolverSpec, WallSpec, read_contact
+from palpate.fea.plot_press import html_table, picture_press, plot_press, tabulate_press
+from palpate.fea.press import FEA_VERSION, Branch, Press
+from palpate.fea.solve_press import image_depths, solve_press
+from palpate.fea.spec import FRICTIONLESS, NO_SLIP, ObstacleSpec, contact_text, read_contact
 from palpate.fea.stability import Stability, find_stability
-from palpate.fea.stress import cauchy_stress
+from palpate.fea.wall import Plane, WallSpec
+from palpate.mechanics import Ended, SolverSpec
 
 __all__ = [
     "CELLS",
     "FEA_VERSION",
+    "FRICTIONLESS",
+    "NO_SLIP",
+    "OBSTACLES",
+    "Ball",
+    "BallSpec",
     "Branch",
-    "CalculixSpec",
-    "ContactLaw",
-    "ContactProblem",
-    "Damping",
-    "DeckElement",
-    "DeckSpec",
-    "Dialect",
+    "Cylinder",
+    "CylinderSpec",
     "Ended",
-    "Equilibrium",
-    "LinearSolver",
     "MeshResult",
-    "OuterSurface",
-    "Pattern",
+    "ObstacleSpec",
     "Plane",
     "Press",
-    "SingularMatrixError",
-    "Solid",
+    "SkinMonitor",
     "SolverSpec",
     "Stability",
-    "State",
-    "System",
-    "Touch",
     "WallSpec",
-    "cauchy_stress",
     "check_export",
-    "deck_text",
+    "contact_text",
     "export_press",
     "find_stability",
-    "kernels_compiled",
-    "make_linear_solver",
+    "html_table",
+    "image_depths",
+    "nodal_von_mises",
+    "obstacle_from_data",
+    "picture_press",
     "plot_convergence",
+    "plot_press",
     "read_contact",
     "read_press",
     "solve_press",
-    "solve_press_calculix",
-    "solver_backends",
     "study_convergence",
-    "untouched",
-    "write_deck",
+    "tabulate_press",
     "write_press",
 ]

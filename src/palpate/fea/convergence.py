@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.fea.arrays import FloatArray
+from palpate.core import FloatArray, PalpateError
 from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import WallSpec
+from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mesh import Mesh, MeshSpec, mesh_dome
 
@@ -61,7 +60,7 @@ class MeshResult:
 def study_convergence(
     mesh: Mesh,
     material: Material,
-    wall: WallSpec,
+    wall: ObstacleSpec,
     points: FloatArray,
     cells: Sequence[int] = CELLS,
     on_press: Callable[[int, Press], None] = lambda cells, press: None,

@@ -22,14 +22,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from palpate.core import PalpateError, load_extra, provenance
-from palpate.fea.arrays import FloatArray
-from palpate.fea.press import Press, azimuth_rotation
-from palpate.fea.serendipity import BRICK
-from palpate.fea.solid import GAUSS, Solid, State
-from palpate.fea.stress import cauchy_stress, von_mises
-from palpate.fea.wall import normal_in_mesh, wall_at
-from palpate.mesh import gauss_points, shape_hexahedron
+from palpate.core import FloatArray, PalpateError, load_extra, provenance
+from palpate.fea.nodal_stress import held_solid, nodal_stress
+from palpate.fea.press import Press
+from palpate.mechanics import BRICK, Solid, von_mises
 
 _VTK = np.concatenate([BRICK, [12, 14, 10, 16, 4, 22, 13]])
 """Nodes of a cell in VTK's order: brick, then the middles of faces -x, +x, -y, +y, -z, +z, and of the cell."""
@@ -89,30 +85,20 @@ def _meshio() -> Any:
 
 def _write_images(folder: Path, press: Press) -> list[str]:
     meshio = _meshio()
-    mesh, turn = press.mesh, _turn(press)
+    mesh, turn = press.mesh, press.wall.turn(press.mesh)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
-    normal = normal_in_mesh(mesh, press.wall)
-    solid = None if press.solver.backend == "calculix" else _solid(press)
+    obstacle, _ = press.wall.at_touch(mesh)
+    solid = None if press.solver.backend == "calculix" else held_solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):
-        plane = wall_at(mesh.dome, normal, float(depth))
-        fields = {"displacement_mm": u @ turn.T, "wall_gap_mm": (plane.point - mesh.nodes - u) @ plane.normal}
+        gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).reach(mesh.nodes + u)
+        fields = {"displacement_mm": u @ turn.T, "wall_gap_mm": gap}
         if solid is not None:
             fields |= _stress_fields(solid, u, turn)
         names.append(f"press_{k:04d}.vtu")
         image = meshio.Mesh(mesh.nodes @ turn.T, cells, {name: np.ascontiguousarray(f) for name, f in fields.items()})
         meshio.write(folder / names[-1], image)
     return names
-
-
-def _turn(press: Press) -> FloatArray:
-    """Rotation (3, 3) from the frame of the press's displacement to the dome's."""
-    return np.eye(3) if press.mesh.spec.whole else azimuth_rotation(press.wall.azimuth_deg)
-
-
-def _solid(press: Press) -> Solid:
-    """The press's body with every node held: nothing is solved, so no pattern of a matrix is made."""
-    return Solid(press.mesh.nodes, press.mesh.cells, press.material, np.ones_like(press.mesh.nodes, bool))
 
 
 def _stress_fields(solid: Solid, u: FloatArray, turn: FloatArray) -> dict[str, FloatArray]:
@@ -125,34 +111,6 @@ def _stress_fields(solid: Solid, u: FloatArray, turn: FloatArray) -> dict[str, F
         "von_mises_mpa": von_mises(stress),
         "pressure_mpa": -stress[:, :3].mean(axis=1),
     }
-
-
-def nodal_von_mises(press: Press) -> FloatArray:
-    """Von Mises stress (n, n_nodes) in MPa of every image; errors as of `Press.von_mises`."""
-    if press.solver.backend == "calculix":
-        raise PalpateError("A press solved by CalculiX has no stress at nodes.", "Solve it with palpate.")
-    solid = _solid(press)
-    return np.stack([von_mises(nodal_stress(solid, u)) for u in press.displacement])
-
-
-def nodal_stress(solid: Solid, u: FloatArray) -> FloatArray:
-    """Cauchy stress (n, 6) MPa at the nodes, order xx, yy, zz, xy, yz, zx, for a displacement (n, 3) mm.
-
-    The pressure of each cell is that of equilibrium, ``p = K M^-1 ∫ q (J - 1) dV`` (`palpate.fea.element`); the 27
-    Gauss points define a triquadratic field in each cell, taken at its nodes.
-    """
-    cells = solid.cells
-    F = np.eye(3) + np.einsum("eai,eqaj->eqij", u[cells.nodes], cells.gradient)
-    swelling = np.einsum("eq,qk,eq->ek", cells.weight, cells.basis, np.linalg.det(F) - 1.0)
-    p = solid.material.bulk_modulus * np.einsum("ekm,em->ek", cells.inverse_mass, swelling)
-    at_points = cauchy_stress(solid, State(np.ascontiguousarray(u), p))
-    to_nodes = np.linalg.inv(shape_hexahedron(gauss_points(GAUSS)[0])[0])
-    at_nodes = np.einsum("aq,eqk->eak", to_nodes, at_points)
-    total, count = np.zeros((len(solid.nodes), 6)), np.zeros(len(solid.nodes))
-    np.add.at(total, cells.nodes, at_nodes)
-    np.add.at(count, cells.nodes, 1.0)
-    mean: FloatArray = total / count[:, None]
-    return mean
 
 
 def _write_series(path: Path, names: list[str], depth: FloatArray) -> None:

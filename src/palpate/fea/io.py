@@ -11,9 +11,10 @@ import numpy as np
 
 from palpate.core import PalpateError, refuse_outside_links
 from palpate.design import DomeSpec, build_dome
-from palpate.fea.press import FEA_VERSION, Ended, Press
-from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.fea.obstacles import obstacle_from_data
+from palpate.fea.press import FEA_VERSION, Press
 from palpate.material import material_from_data
+from palpate.mechanics import Ended, SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
 
 _ARRAYS = {
@@ -75,7 +76,7 @@ def read_press(path: Path) -> Press:
             return Press(
                 mesh=mesh_dome(dome, MeshSpec.model_validate_json(file.attrs["mesh"])),
                 material=material_from_data(json.loads(file.attrs["material"])),
-                wall=WallSpec.model_validate_json(file.attrs["wall"]),
+                wall=obstacle_from_data(json.loads(file.attrs["wall"])),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),
                 **_read_arrays(file),
                 branch=np.array(file["branch"].asstr()[()], dtype=np.str_),

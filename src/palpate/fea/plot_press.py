@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError, load_extra
+from palpate.fea.nodal_stress import nodal_von_mises
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,8 +48,7 @@ def plot_press(press: Press) -> Figure:
     curve.legend(frameon=False)
     for axis in (section, curve):
         axis.spines[["top", "right"]].set_visible(False)
-    dome, tilt = press.mesh.dome, press.wall.tilt_deg
-    title = f"H {dome.height:g}, T {dome.thickness:g} mm, wall tilted {tilt:g}°: {press.ended}"
+    title = f"{press.mesh.dome.name}, {press.wall.words}: {press.ended}"
     figure.suptitle(title, fontsize=11)
     return figure
 
@@ -136,7 +136,7 @@ def _surface(pyvista: Any, press: Press, image: int) -> Any:
     faces = np.concatenate([mesh.outer_faces, mesh.inner_faces])[:, quads].reshape(-1, 4)
     cells = np.column_stack([np.full(len(faces), 4), faces])
     points = mesh.nodes + press.displacement[image]
-    stress = press.von_mises()[image]
+    stress = nodal_von_mises(press)[image]
     halves = []
     for side in (1.0,) if mesh.spec.whole else (1.0, -1.0):
         half = pyvista.PolyData(points * [side, 1.0, 1.0], cells.ravel())
@@ -152,7 +152,7 @@ def _draw_section(axis: Any, press: Press, image: int, shade: str) -> None:
     moved = mesh.nodes + press.displacement[image]
     for faces in (mesh.inner_faces, mesh.outer_faces):
         line = np.intersect1d(inside, faces)
-        line = line[np.argsort(np.arctan2(mesh.nodes[line, 1], mesh.nodes[line, 2] - mesh.dome.center_z))]
+        line = line[np.argsort(mesh.inner_disc[line, 1])]
         label = f"{press.depth[image]:.1f} mm" if faces is mesh.inner_faces else None
         axis.plot(moved[line, 1], moved[line, 2], color=shade, linewidth=1.4, label=label)
     axis.legend(frameon=False, fontsize=8, loc="lower center", ncols=2)

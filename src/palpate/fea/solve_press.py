@@ -1,4 +1,4 @@
-"""Press a dome by a rigid flat wall."""
+"""Press a skin by a rigid obstacle."""
 
 from __future__ import annotations
 
@@ -11,19 +11,31 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from palpate.fea.arrays import FloatArray
-from palpate.fea.contact import ContactLaw, OuterSurface, Plane, untouched
-from palpate.fea.linear import make_linear_solver
-from palpate.fea.newton import ContactProblem, Loads
-from palpate.fea.path import Path, Point
-from palpate.fea.press import Branch, Ended, Press, azimuth_rotation
-from palpate.fea.solid import Solid
-from palpate.fea.spec import SolverSpec, WallSpec
-from palpate.fea.stress import cauchy_stress, von_mises
-from palpate.fea.wall import clamp_depth, normal_in_mesh, touch_point, wall_at
+from palpate.core import FloatArray
+from palpate.fea.monitor import SkinMonitor
+from palpate.fea.press import Branch, Press
+from palpate.fea.spec import ObstacleSpec
+from palpate.fea.wall import WallSpec
 from palpate.material import Material
+from palpate.mechanics import (
+    ContactLaw,
+    ContactLoading,
+    Continuation,
+    Ended,
+    Increment,
+    Obstacle,
+    OuterSurface,
+    Problem,
+    Solid,
+    SolverSpec,
+    cauchy_stress,
+    make_linear_solver,
+    von_mises,
+)
 from palpate.mesh import Mesh
 
+_BASE_RADIUS = 20.0
+"""Base radius in mm for which the lengths of a `SolverSpec` are given: that of the paper's domes."""
 _PUSHES = (1.0, 2.0, 3.0)
 """Pushes of the apex over the thickness that are tried to find the inverted state."""
 
@@ -31,7 +43,7 @@ _PUSHES = (1.0, 2.0, 3.0)
 def solve_press(
     mesh: Mesh,
     material: Material,
-    wall: WallSpec | None = None,
+    wall: ObstacleSpec | None = None,
     solver: SolverSpec | None = None,
     branch: Branch = Branch.FLAT,
     observe: Callable[[float], None] | None = None,
@@ -46,7 +58,7 @@ def solve_press(
     material
         The elastomer.
     wall
-        Tilt, azimuth, depth, image step and contact law.
+        The obstacle: where it is, how far it goes, image step and contact law; a flat wall by default.
     solver
         How to solve.
     branch
@@ -63,14 +75,12 @@ def solve_press(
     Raises
     ------
     PalpateError
-        If the wall would touch the clamped rim before the dome.
+        If the obstacle would touch the clamped rim before the skin, or miss it.
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
-    normal = normal_in_mesh(mesh, wall)
-    problem = make_problem(mesh, material, wall.friction, solver)
-    path = start_path(problem, mesh, normal, solver)
-    reachable = clamp_depth(mesh.dome, np.radians(wall.tilt_deg), mesh.spec.rim)
+    path = start_press(mesh, material, wall, solver)
+    reachable = wall.clamp_depth(mesh)
     goals = image_depths(wall, min(wall.depth, reachable))
     images = _press_down(path, goals, observe)
     if wall.unload and path.ended is Ended.DEPTH_REACHED:
@@ -81,8 +91,8 @@ def solve_press(
     if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
         message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
-    fields = _fields(path, images, mesh, wall.azimuth_deg)
-    jumps = [point.depth for point in path.points if point.jumped]
+    fields = _fields(path, images, mesh, wall)
+    jumps = [increment.depth for increment in path.increments if increment.jumped]
     return Press(
         mesh=mesh,
         material=material,
@@ -90,58 +100,58 @@ def solve_press(
         solver=solver,
         **fields,
         ended=ended,
-        ended_depth=path.points[-1].depth,
+        ended_depth=path.last.depth,
         jump_depth=jumps[0] if jumps else float("nan"),
         cpu_s=time.process_time() - started,
-        unknowns=problem.solid.unknowns,
+        unknowns=len(path.problem.body.free),
         newton_iterations=path.iterations,
         message=message,
     )
 
 
-def _press_down(path: Path, goals: list[float], observe: Callable[[float], None] | None) -> list[int]:
+def _press_down(path: Continuation, goals: list[float], observe: Callable[[float], None] | None) -> list[int]:
     """Press to the depths (mm) of the images as far as they go; the points of the path that are images."""
     images = [0]
     for goal in goals:
         if not path.advance(goal):
-            if path.points[-1].depth > path.points[images[-1]].depth:
-                images.append(len(path.points) - 1)
+            if path.last.depth > path.increments[images[-1]].depth:
+                images.append(len(path.increments) - 1)
             break
-        images.append(len(path.points) - 1)
+        images.append(len(path.increments) - 1)
         if observe is not None:
             observe(goal)
     return images
 
 
-def _draw_back(path: Path, goals: list[float]) -> list[int]:
+def _draw_back(path: Continuation, goals: list[float]) -> list[int]:
     """Draw the wall back through the depths (mm) of the images to first touch; the points that are images."""
     images = []
     for goal in [*reversed(goals[:-1]), 0.0]:
         if not path.advance(goal):
             break
-        images.append(len(path.points) - 1)
+        images.append(len(path.increments) - 1)
     return images
 
 
-def _follow_back(path: Path, goals: list[float], thickness: float) -> list[int]:
+def _follow_back(path: Continuation, goals: list[float], thickness: float) -> list[int]:
     """Invert the apex at the depth reached and follow that branch back; its points, and those that are images."""
-    rest, deepest = path.points[0], path.points[-1].depth
+    rest, deepest = path.increments[0], path.last.depth
     if not any(path.invert(push * thickness) for push in _PUSHES):
-        path.points = [rest]
+        path.increments = [rest]
         path.ended, path.message = Ended.NO_BRANCH, f"No inverted state was found at {deepest:.4g} mm."
         return [0]
     path.ended, path.message, images = Ended.DEPTH_REACHED, "", [0]
     for goal in reversed([goal for goal in goals if goal < deepest - 1e-6]):
         reached = path.advance(goal)
-        if len(path.points) - 1 > images[-1]:
-            images.append(len(path.points) - 1)
+        if len(path.increments) - 1 > images[-1]:
+            images.append(len(path.increments) - 1)
         if not reached:
             break
-    path.points = [replace(point, jumped=False) for point in reversed(path.points)]
-    return [len(path.points) - 1 - image for image in reversed(images)]
+    path.increments = [replace(increment, jumped=False) for increment in reversed(path.increments)]
+    return [len(path.increments) - 1 - image for image in reversed(images)]
 
 
-def image_depths(wall: WallSpec, deepest: float) -> list[float]:
+def image_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
     """Depths in mm of the images after rest: every image step, and the deepest."""
     count = int(np.floor(deepest / wall.image_step + 1e-9))
     depths = [wall.image_step * (k + 1) for k in range(count)]
@@ -150,8 +160,8 @@ def image_depths(wall: WallSpec, deepest: float) -> list[float]:
     return depths
 
 
-def make_problem(mesh: Mesh, material: Material, friction: float, solver: SolverSpec) -> ContactProblem:
-    """Set up the solid of a mesh with its fixed base, its outer surface and the contact law."""
+def start_press(mesh: Mesh, material: Material, wall: ObstacleSpec, solver: SolverSpec) -> Continuation:
+    """Start the flat branch: the skin at rest with its base fixed, the obstacle at first touch."""
     fixed = np.zeros((len(mesh.nodes), 3), bool)
     fixed[mesh.base] = True
     fixed[mesh.mirror, 0] = True
@@ -164,58 +174,54 @@ def make_problem(mesh: Mesh, material: Material, friction: float, solver: Solver
         stiffness=stiffness,
         width=solver.smoothing_ratio * thickness,
         tangential_stiffness=solver.tangential_ratio * stiffness,
-        friction=friction,
+        friction=wall.friction,
     )
+    obstacle, touched = wall.at_touch(mesh)
+
+    def at(depth: float) -> Obstacle:
+        return obstacle.moved(np.array([0.0, 0.0, -depth]))
+
+    loading = ContactLoading(mesh.nodes, surface, law, at)
+    probe = int(np.argmin(np.linalg.norm(surface.points - touched, axis=1)))
+    unit = mesh.dome.base_radius / _BASE_RADIUS
+    monitor = SkinMonitor(solid, loading, probe, obstacle.gap(touched[None]).normal[0], thickness, unit)
     tolerance = solver.tolerance * material.law.shear_modulus * thickness**2
-    return ContactProblem(solid, surface, law, make_linear_solver(solver.backend), tolerance, thickness)
+    problem = Problem(solid, make_linear_solver(solver.backend), tolerance, thickness)
+    return Continuation(problem, loading, monitor, solver, unit)
 
 
-def start_path(problem: ContactProblem, mesh: Mesh, normal: FloatArray, solver: SolverSpec) -> Path:
-    """Start the flat branch: the dome at rest, the wall at first touch."""
-
-    def plane(depth: float) -> Plane:
-        return wall_at(mesh.dome, normal, depth)
-
-    rest = problem.solid.rest()
-    touch = untouched(len(problem.surface.points))
-    outer = problem.surface.points
-    probe = int(np.argmin(np.linalg.norm(outer - touch_point(mesh.dome, normal), axis=1)))
-    return Path(problem, plane, probe, solver, [Point(0.0, rest, Loads(0.0, 0.0, np.zeros(3)), touch)])
-
-
-def _fields(path: Path, images: list[int], mesh: Mesh, azimuth_deg: float) -> dict[str, Any]:
+def _fields(path: Continuation, images: list[int], mesh: Mesh, wall: ObstacleSpec) -> dict[str, Any]:
     """Arrays of the `Press` at the images."""
-    problem = path.problem
-    points = [path.points[k] for k in images]
+    monitor = path.monitor
+    assert isinstance(monitor, SkinMonitor)
+    points = [path.increments[k] for k in images]
     parts = 1.0 if mesh.spec.whole else 2.0
     side = np.ones(3) if mesh.spec.whole else np.array([0.0, 1.0, 1.0])
     area, peak = [], []
     for point in points:
-        plane = path.wall(point.depth)
-        reach = (problem.surface.interpolate(mesh.nodes + point.state.u) - plane.point) @ plane.normal
-        area.append(parts * problem.surface.current_area(mesh.nodes + point.state.u, reach > 0))
-        peak.append(von_mises(cauchy_stress(problem.solid, point.state)).max())
-    inverted = [path.inverted(point.state, point.depth) for point in points]
-    turn = np.eye(3) if mesh.spec.whole else azimuth_rotation(azimuth_deg)
-    force = np.array([parts * side * point.loads.force for point in points]) @ turn.T
+        touching = monitor.loading.touching(point.depth, point.state)
+        area.append(parts * monitor.loading.surface.current_area(mesh.nodes + point.state.u, touching))
+        peak.append(von_mises(cauchy_stress(monitor.solid, point.state)).max())
+    inverted = [monitor.inverted(point.depth, point.state) for point in points]
+    force = np.array([parts * side * point.loads.force for point in points]) @ wall.turn(mesh).T
     return {
         "depth": np.array([point.depth for point in points]),
         "displacement": np.array([point.state.u for point in points]),
         "force": force,
         "energy": np.array([parts * point.loads.elastic for point in points]),
-        "contact_energy": np.array([parts * point.loads.contact for point in points]),
+        "contact_energy": np.array([parts * point.loads.potential for point in points]),
         "dissipation": np.array([parts * point.dissipated for point in points]),
-        "work": parts * _work(path.points)[images],
+        "work": parts * _work(path.increments)[images],
         "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.array(peak),
         "contact_area": np.array(area),
-        "apex_gap": np.array([path.gap(point.state, point.depth) for point in points]),
+        "apex_gap": np.array([monitor.gap(point.depth, point.state) for point in points]),
         "hold_tension": np.array([point.tension for point in points]),
         "negative_pivots": np.array([point.negative_pivots for point in points]),
     }
 
 
-def _work(points: list[Point]) -> FloatArray:
+def _work(points: list[Increment]) -> FloatArray:
     """Work (n,) mJ of the wall at every equilibrium, from the energy stored at the first.
 
     The axial force is integrated by cubic splines between jumps and turns of the wall, by the trapezoid in a jump.

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fea.arrays import FloatArray
-from palpate.fea.press import Branch, Ended, Press
+from palpate.core import FloatArray
+from palpate.fea.press import Branch, Press
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import SolverSpec, WallSpec
+from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
+from palpate.mechanics import Ended, SolverSpec
 from palpate.mesh import Mesh
 
 
@@ -42,7 +43,7 @@ class Stability:
         One sentence for a person.
     """
 
-    wall: WallSpec
+    wall: ObstacleSpec
     depth: FloatArray
     flat_energy: FloatArray
     inverted_energy: FloatArray
@@ -54,7 +55,7 @@ class Stability:
 
 
 def find_stability(
-    mesh: Mesh, material: Material, wall: WallSpec | None = None, solver: SolverSpec | None = None
+    mesh: Mesh, material: Material, wall: ObstacleSpec | None = None, solver: SolverSpec | None = None
 ) -> Stability:
     """Follow both branches of a dome.
 

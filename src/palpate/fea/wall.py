@@ -1,62 +1,112 @@
-"""Where the wall is: a plane turned by (rx, ry) that moves along the dome's axis from first touch."""
+"""The flat wall: a rigid plane turned by (rx, ry) that moves along the skin's axis from first touch."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Self, final
+
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.design import Dome
-from palpate.fea.arrays import FloatArray
-from palpate.fea.contact import Plane
-from palpate.fea.spec import WallSpec
-from palpate.mesh import Mesh, Rim, rim_angle
+from palpate.core import FloatArray, IntArray, PalpateError, kernel, parameter
+from palpate.design import rotation_vector, wall_normal
+from palpate.fea.spec import ObstacleSpec
+from palpate.mechanics import Gap, Obstacle, tangents
+from palpate.mesh import Mesh
 
 
-def wall_normal(rx: float, ry: float) -> FloatArray:
-    """Outward normal (3,) of the wall for its rotation vector (rx, ry) in radians.
+@final
+class WallSpec(ObstacleSpec):
+    """A rigid flat wall turned by a tilt about an axis of the base plane and moved along the dome's axis."""
 
-    ``n = cos(t) e_z + sin(t) (ry, -rx, 0) / t`` with ``t = |(rx, ry)|``: e_z turned by the rotation vector.
+    tilt_deg: float = parameter(0.0, unit="deg", meaning="angle between wall normal and dome axis", ge=0, le=30)
+    azimuth_deg: float = parameter(
+        0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
+    )
+
+    @property
+    def words(self) -> str:
+        return f"tilt {self.tilt_deg:g}°"
+
+    @property
+    def radial(self) -> float:
+        return self.tilt_deg
+
+    @property
+    def turn_deg(self) -> float:
+        return self.azimuth_deg
+
+    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        normal = self.normal(mesh)
+        touched = mesh.dome.touch(normal)
+        return Plane(normal, touched), touched
+
+    def normal(self, mesh: Mesh) -> FloatArray:
+        """Outward normal (3,) in the frame of the mesh: a half model lies in the tilt plane.
+
+        Raises
+        ------
+        PalpateError
+            If the wall touches the clamped rim before the skin.
+        """
+        tilt, azimuth = np.radians(self.tilt_deg), np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
+        rim = mesh.dome.rim_slope(mesh.spec.rim)
+        if tilt >= rim:
+            raise PalpateError(
+                f"A wall tilted by {self.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the "
+                "axis) before the dome.",
+                "Tilt it less, or make the dome higher.",
+            )
+        return wall_normal(*rotation_vector(tilt, azimuth))
+
+    def clamp_depth(self, mesh: Mesh) -> float:
+        return mesh.dome.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim)
+
+
+@final
+@dataclass(frozen=True)
+class Plane(Obstacle):
+    """A rigid half space: ``delta = n·(x - p)``.
+
+    Attributes
+    ----------
+    normal
+        (3,) unit normal, away from the body and into the half space.
+    point
+        (3,) mm, a point that moves with the plane.
     """
-    tilt = float(np.hypot(rx, ry))
-    if tilt == 0.0:
-        return np.array([0.0, 0.0, 1.0])
-    return np.array([np.sin(tilt) * ry / tilt, -np.sin(tilt) * rx / tilt, np.cos(tilt)])
+
+    normal: FloatArray
+    point: FloatArray
+
+    def moved(self, by: FloatArray) -> Self:
+        return type(self)(self.normal, self.point + by)
+
+    def gap(self, points: FloatArray) -> Gap:
+        return Gap(_height(points, self.point, self.normal), np.tile(self.normal, (len(points), 1)), None)
+
+    def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
+        along, across = tangents(self.normal)
+        sides = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+        return np.array([at + half * (a * along + b * across) for a, b in sides]), np.array([[0, 1, 2, 3]])
+
+    def reach(self, points: FloatArray) -> FloatArray:
+        reach: FloatArray = (points - self.point) @ self.normal
+        return reach
+
+    def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        reach = self.reach(points)
+        return reach, points - self.point - reach[:, None] * self.normal
 
 
-def normal_in_mesh(mesh: Mesh, wall: WallSpec) -> FloatArray:
-    """Outward normal (3,) of the wall in the frame of the mesh: a half model lies in the tilt plane.
-
-    Raises
-    ------
-    PalpateError
-        If the wall touches the clamped rim before the dome.
-    """
-    tilt, azimuth = np.radians(wall.tilt_deg), np.radians(wall.azimuth_deg) if mesh.spec.whole else 0.0
-    rim = rim_angle(mesh.dome, mesh.dome.outer_radius, mesh.spec.rim)
-    if tilt >= rim:
-        raise PalpateError(
-            f"A wall tilted by {wall.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
-            "before the dome.",
-            "Tilt it less, or make the dome higher.",
-        )
-    return wall_normal(tilt * np.cos(azimuth), tilt * np.sin(azimuth))
-
-
-def wall_at(dome: Dome, normal: FloatArray, depth: float) -> Plane:
-    """Wall at a depth in mm; depth 0 is tangent to the outer sphere at the tilted touch point."""
-    return Plane(normal=normal, point=touch_point(dome, normal) - np.array([0.0, 0.0, depth]))
-
-
-def touch_point(dome: Dome, normal: FloatArray) -> FloatArray:
-    """First point (3,) mm of the outer surface that a wall of this normal touches."""
-    return np.array([0.0, 0.0, dome.center_z]) + dome.outer_radius * normal
-
-
-def clamp_depth(dome: Dome, tilt: float, rim: Rim) -> float:
-    """Depth in mm at which a wall of this tilt (rad) reaches the clamped outer rim.
-
-    ``d = R (1 - cos(theta_rim - t)) / cos t`` with the polar angle theta_rim of the outer rim; infinite where the
-    dome bulges so far that the wall would have to pass its widest circle first.
-    """
-    theta = rim_angle(dome, dome.outer_radius, rim)
-    return float(dome.outer_radius * (1.0 - np.cos(theta - tilt)) / np.cos(tilt))
+@kernel
+def _height(points: FloatArray, point: FloatArray, normal: FloatArray) -> FloatArray:
+    """Height (n,) mm of points over a plane, along its normal."""
+    height = np.empty(len(points))
+    x = np.empty(3)
+    for k in range(len(points)):
+        delta = 0.0
+        for i in range(3):
+            x[i] = points[k, i] - point[i]
+            delta += normal[i] * x[i]
+        height[k] = delta
+    return height

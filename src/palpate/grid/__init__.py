@@ -1,57 +1,43 @@
 """Grid: the specification grid of a study, its questions and its pictures."""
 
-from palpate.grid.claim import Answer, Claim, Finding, Verdict
 from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
-from palpate.grid.evaluate_claims import evaluate_claims, read_evidence
+from palpate.grid.draw import write_picture
 from palpate.grid.evaluate_grid import evaluate_grid
-from palpate.grid.evidence import Evidence
 from palpate.grid.export import export_grid
 from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, unit_of
 from palpate.grid.io import read_grid, write_grid
 from palpate.grid.model import copy_model
-from palpate.grid.panel import (
-    CurvePanel,
-    Panel,
-    cut_depth_panels,
-    cut_marker_panels,
-    cut_panels,
-    cut_tilt_panels,
-)
-from palpate.grid.plot import KINDS, plot_grid
+from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
+from palpate.grid.plot import KINDS, draw_plot, name_plot, plot_grid, refuse_unknown
 from palpate.grid.query import filter_rows, sort_rows
-from palpate.grid.write_claims import write_claims
 
 __all__ = [
     "KINDS",
     "MAIN_COLUMNS",
     "METRICS",
-    "Answer",
     "Cell",
-    "Claim",
     "Comparison",
     "CurvePanel",
     "Difference",
-    "Evidence",
-    "Finding",
     "Panel",
     "Row",
     "SpecificationGrid",
-    "Verdict",
     "compare_grids",
     "copy_model",
     "cut_depth_panels",
     "cut_marker_panels",
     "cut_panels",
     "cut_tilt_panels",
-    "evaluate_claims",
+    "draw_plot",
     "evaluate_grid",
     "export_grid",
     "filter_rows",
+    "name_plot",
     "plot_grid",
-    "read_evidence",
     "read_grid",
+    "refuse_unknown",
     "sort_rows",
     "unit_of",
-    "write_claims",
     "write_grid",
+    "write_picture",
 ]

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import child_seed, generator
+from palpate.core import BoolArray, FloatArray, IntArray, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter, hold_out
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import Interval, TrainedRange, press_quantile
-
-Array = NDArray[np.float64]
 
 LEVEL = 0.9
 """Share of true values that an interval covers."""
@@ -134,14 +131,14 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
     )
 
 
-def _jittered(held: Dataset, rows: NDArray[np.bool_], seed: int) -> tuple[Array, Array, NDArray[np.int64]]:
+def _jittered(held: Dataset, rows: BoolArray, seed: int) -> tuple[FloatArray, FloatArray, IntArray]:
     """Images, poses and presses of some rows, with `DRAWS` draws of jitter each."""
     images = np.tile(held.images_px[rows], (DRAWS, 1, 1))
     jittered = draw_jitter(images, held.spec.jitter_px, generator(seed))
     return jittered, np.tile(held.poses[rows], (DRAWS, 1)), np.tile(held.press[rows], DRAWS)
 
 
-def _measure_scale(estimator: Estimator, kept: Dataset, seed: int) -> tuple[Array, Array]:
+def _measure_scale(estimator: Estimator, kept: Dataset, seed: int) -> tuple[FloatArray, FloatArray]:
     """Depths (d,) and RMS error (d, 3) on training images with jitter that the training did not see."""
     rng = generator(seed, "scale")
     rows = rng.permutation(len(kept.poses))[:MOST_IMAGES]

@@ -14,9 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from palpate.core import FloatArray
 
 SMALLEST_SCALE = 1e-6
 """Least standard deviation of a component, in normalised units: guards a layout at rest without jitter."""
@@ -34,16 +33,16 @@ class Components:
         (2m, k).
     """
 
-    mean: Array
-    projection: Array
+    mean: FloatArray
+    projection: FloatArray
 
-    def fold(self, weight: Array, bias: Array) -> tuple[Array, Array]:
+    def fold(self, weight: FloatArray, bias: FloatArray) -> tuple[FloatArray, FloatArray]:
         """First layer that reads x in place of z: from weights (r, k, h), bias (r, h) to (r, 2m, h), (r, h)."""
-        folded: Array = self.projection @ weight
+        folded: FloatArray = self.projection @ weight
         return folded, bias - self.mean @ folded
 
 
-def find_components(inputs: Array, jitter: Array, count: int) -> Components:
+def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> Components:
     """Find the leading principal components of clean inputs.
 
     Parameters

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import generator
+from palpate.core import BoolArray, generator
 from palpate.dataset import Dataset
 from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainSpec
@@ -81,7 +80,7 @@ def _errors(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int) -> Metrics
     return measure_errors(train_on(kept, held, spec, seed).predict(held.images_px), held.poses)
 
 
-def _rows(dataset: Dataset, rows: NDArray[np.bool_], *, held_out: bool) -> Dataset:
+def _rows(dataset: Dataset, rows: BoolArray, *, held_out: bool) -> Dataset:
     """Some images, all on one side, as a dataset of their own."""
     return replace(
         dataset,

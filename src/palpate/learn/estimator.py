@@ -7,13 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.dataset import Normalisation
 from palpate.learn.interval import Interval, Prediction
-
-Array = NDArray[np.float64]
 
 LEARN_VERSION = "5"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
@@ -55,12 +52,12 @@ class Estimator:
     """
 
     normalisation: Normalisation
-    weights: tuple[Array, ...]
-    biases: tuple[Array, ...]
+    weights: tuple[FloatArray, ...]
+    biases: tuple[FloatArray, ...]
     activation: str
-    output_mean: Array
-    output_sd: Array
-    rest_px: Array
+    output_mean: FloatArray
+    output_sd: FloatArray
+    rest_px: FloatArray
     seed: int
     made_by: Mapping[str, Any]
     training_images: int
@@ -75,7 +72,7 @@ class Estimator:
         """Number of networks that are averaged."""
         return len(self.weights[0])
 
-    def predict(self, images_px: Array) -> Array:
+    def predict(self, images_px: FloatArray) -> FloatArray:
         """Estimate poses.
 
         Parameters
@@ -85,7 +82,7 @@ class Estimator:
 
         Returns
         -------
-        Array
+        FloatArray
             (n, 3): rx and ry (degrees), depth (mm); the mean over the members.
 
         Raises
@@ -93,10 +90,10 @@ class Estimator:
         PalpateError
             If the images have another number of markers.
         """
-        mean: Array = self.predict_members(images_px).mean(axis=0)
+        mean: FloatArray = self.predict_members(images_px).mean(axis=0)
         return mean
 
-    def estimate(self, images_px: Array) -> Prediction:
+    def estimate(self, images_px: FloatArray) -> Prediction:
         """Estimate poses of images (n, m, 2), see `predict`, with half-widths and the flag of the trained range.
 
         Without an interval the half-widths are infinite and no image is called outside.
@@ -108,7 +105,7 @@ class Estimator:
         moved = (images_px - self.rest_px).reshape(len(images_px), -1)
         return Prediction(poses, self.interval.half_width(members), self.interval.outside(moved, members))
 
-    def predict_members(self, images_px: Array) -> Array:
+    def predict_members(self, images_px: FloatArray) -> FloatArray:
         """Estimates (r, n, 3) of every member for images (n, m, 2), see `predict`."""
         if images_px.shape[1:] != self.rest_px.shape:
             raise PalpateError(
@@ -120,7 +117,7 @@ class Estimator:
             hidden = hidden @ weight + bias[:, None, :]
             if number < len(self.weights) - 1:
                 hidden = _activate(hidden, self.activation)
-        poses: Array = hidden * self.output_sd + self.output_mean
+        poses: FloatArray = hidden * self.output_sd + self.output_mean
         return poses
 
     def keep_members(self, rows: list[int]) -> Estimator:
@@ -134,9 +131,9 @@ class Estimator:
         )
 
 
-def _activate(values: Array, name: str) -> Array:
+def _activate(values: FloatArray, name: str) -> FloatArray:
     if name == "relu":
         return np.maximum(values, 0.0)
     with np.errstate(over="ignore"):  # exp overflows to infinity where silu is 0
-        activated: Array = values / (1.0 + np.exp(-values))
+        activated: FloatArray = values / (1.0 + np.exp(-values))
     return activated

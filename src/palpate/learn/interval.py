@@ -17,10 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from palpate.core import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +35,9 @@ class Prediction:
         (n,) whether the markers moved as in no image of the training, so that neither estimate nor interval holds.
     """
 
-    poses: Array
-    half_width: Array
-    outside: Flags
+    poses: FloatArray
+    half_width: FloatArray
+    outside: BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +69,10 @@ class TrainedRange:
         Share of images of new presses, at most, that are called outside.
     """
 
-    centre: Array
-    directions: Array
-    low: Array
-    high: Array
+    centre: FloatArray
+    directions: FloatArray
+    low: FloatArray
+    high: FloatArray
     noise_px: float
     rest_mean_px: float
     rest_sd_px: float
@@ -84,7 +82,7 @@ class TrainedRange:
     threshold: float
     false_alarm: float
 
-    def score(self, displacement_px: Array, poses: Array, scale: Array) -> Array:
+    def score(self, displacement_px: FloatArray, poses: FloatArray, scale: FloatArray) -> FloatArray:
         """Score (n,) from displacements (n, 2m) from rest (px), poses (n, 3) and their expected errors (n, 3)."""
         moved = displacement_px - self.centre
         coordinates = moved @ self.directions
@@ -98,7 +96,7 @@ class TrainedRange:
             (self.least_depth_mm - poses[:, 2]) / scale[:, 2],
             (poses[:, 2] - self.greatest_depth_mm) / scale[:, 2],
         )
-        score: Array = np.max(parts, axis=0)
+        score: FloatArray = np.max(parts, axis=0)
         return score
 
 
@@ -121,34 +119,34 @@ class Interval:
     """
 
     level: float
-    factor: Array
-    depths_mm: Array
-    error: Array
+    factor: FloatArray
+    depths_mm: FloatArray
+    error: FloatArray
     trained: TrainedRange
     presses: tuple[int, ...]
 
-    def scale(self, member_poses: Array) -> Array:
+    def scale(self, member_poses: FloatArray) -> FloatArray:
         """Expected error (n, 3) before calibration, from the members' poses (r, n, 3)."""
         depth = member_poses.mean(axis=0)[:, 2]
         error = np.stack([np.interp(depth, self.depths_mm, column) for column in self.error.T], axis=1)
-        scale: Array = np.sqrt(member_poses.var(axis=0) + error**2)
+        scale: FloatArray = np.sqrt(member_poses.var(axis=0) + error**2)
         return scale
 
-    def half_width(self, member_poses: Array) -> Array:
+    def half_width(self, member_poses: FloatArray) -> FloatArray:
         """Half-widths (n, 3) in degrees, degrees, mm, from the members' poses (r, n, 3)."""
         return self.factor * self.scale(member_poses)
 
-    def score(self, displacement_px: Array, member_poses: Array) -> Array:
+    def score(self, displacement_px: FloatArray, member_poses: FloatArray) -> FloatArray:
         """How far (n,) images are beside the training, from displacements (n, 2m) in px and poses (r, n, 3)."""
         return self.trained.score(displacement_px, member_poses.mean(axis=0), self.scale(member_poses))
 
-    def outside(self, displacement_px: Array, member_poses: Array) -> Flags:
+    def outside(self, displacement_px: FloatArray, member_poses: FloatArray) -> BoolArray:
         """Whether images are out of the trained range; parameters as of `score`."""
-        flags: Flags = self.score(displacement_px, member_poses) > self.trained.threshold
+        flags: BoolArray = self.score(displacement_px, member_poses) > self.trained.threshold
         return flags
 
 
-def press_quantile(scores: Array, press: NDArray[np.int64], level: float) -> float:
+def press_quantile(scores: FloatArray, press: IntArray, level: float) -> float:
     """Least number that at least a share of new presses' scores stays below.
 
     Parameters

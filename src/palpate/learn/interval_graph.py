@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import FloatArray
 from palpate.learn.interval import Interval, TrainedRange
 
 if TYPE_CHECKING:
     from onnx import NodeProto
 
-Array = NDArray[np.float64]
 Arrays = dict[str, NDArray[Any]]
 
 POSE, MEMBERS, HALF_WIDTH, OUTSIDE = "pose", "member_poses", "half_width", "outside"
@@ -152,18 +152,18 @@ def _pose_nodes() -> list[NodeProto]:
     ]
 
 
-def _to_hinges(depths: Array, values: Array) -> Array:
+def _to_hinges(depths: FloatArray, values: FloatArray) -> FloatArray:
     """Changes of slope (d, 3) at the depths of a function that is linear between them and level outside."""
     slope = np.diff(values, axis=0) / np.diff(depths)[:, None]
     level = np.zeros((1, values.shape[1]))
     return np.diff(np.concatenate([level, slope, level]), axis=0)
 
 
-def _from_hinges(depths: Array, first: Array, hinges: Array) -> Array:
+def _from_hinges(depths: FloatArray, first: FloatArray, hinges: FloatArray) -> FloatArray:
     """Values (d, 3) at the depths: what `_to_hinges` was made from."""
-    beyond: Array = np.maximum(depths[:, None] - depths, 0.0)
+    beyond: FloatArray = np.maximum(depths[:, None] - depths, 0.0)
     return first + beyond @ hinges
 
 
-def _single(values: Array) -> NDArray[np.float32]:
+def _single(values: FloatArray) -> NDArray[np.float32]:
     return values.astype(np.float32)

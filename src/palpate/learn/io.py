@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import FloatArray, MissingExtraError, PalpateError
 from palpate.dataset import Normalisation
 from palpate.learn.estimator import OUTPUTS, Estimator
 from palpate.learn.interval_graph import (
@@ -35,7 +35,6 @@ from palpate.learn.interval_graph import (
 if TYPE_CHECKING:
     from onnx import ModelProto, NodeProto
 
-Array = NDArray[np.float64]
 
 FORMAT, FORMAT_VERSION = "palpate estimator", "1"
 INPUT = "markers_px"
@@ -164,7 +163,7 @@ def _activation(name: str, number: int) -> list[NodeProto]:
     return [gate, helper.make_node("Mul", [values, f"gate_{number}"], [hidden])]
 
 
-def _rest_input(normalisation: Normalisation, rest_px: Array) -> Array:
+def _rest_input(normalisation: Normalisation, rest_px: FloatArray) -> FloatArray:
     """What the first layer reads at rest, (2m,)."""
     return normalisation.apply(rest_px).reshape(-1)
 

@@ -19,16 +19,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import generator
+from palpate.core import FloatArray, generator
 from palpate.dataset import DatasetSpec, MarkerField, image_jacobian, sample_poses
 from palpate.learn.posterior import BURN_IN, walk_polytopes
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
 
-Array = NDArray[np.float64]
 
 LIMIT_VERSION = "1"
 """Version of the code that decides a limit; part of an artefact's key."""
@@ -123,7 +121,9 @@ def _reach(field: MarkerField, image: int) -> float:
     return max((run.last_deg for run in field.runs[image] if run.last_deg > run.first_deg), default=0.0)
 
 
-def _limit(depth_mm: float, share: float, jacobians: Array, discs: Array, jitter_px: float, seed: int) -> DepthLimit:
+def _limit(
+    depth_mm: float, share: float, jacobians: FloatArray, discs: FloatArray, jitter_px: float, seed: int
+) -> DepthLimit:
     covariance = jitter_px**2 / 3 * np.linalg.inv(np.swapaxes(jacobians, 1, 2) @ jacobians)
     variance = np.diagonal(covariance, axis1=1, axis2=2).mean(axis=0)
     rng = generator(seed, "limit", depth_mm)
@@ -144,7 +144,7 @@ def _limit(depth_mm: float, share: float, jacobians: Array, discs: Array, jitter
 
 
 def posterior_rmse(
-    jacobians: Array, jitter_px: float, discs: Array, rng: np.random.Generator, draws: int = DRAWS
+    jacobians: FloatArray, jitter_px: float, discs: FloatArray, rng: np.random.Generator, draws: int = DRAWS
 ) -> tuple[float, float]:
     """Root mean square error of the posterior mean of rx and ry, and its standard error (degrees).
 

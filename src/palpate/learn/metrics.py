@@ -15,11 +15,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
-
-Array = NDArray[np.float64]
+from palpate.core import FloatArray, PalpateError
 
 TILT_STEP_DEG = 2.0
 """Width of the intervals of tilt, as the paper's step."""
@@ -46,7 +43,7 @@ class ErrorSummary:
     bias: float
 
     @classmethod
-    def of(cls, errors: Array) -> Self:
+    def of(cls, errors: FloatArray) -> Self:
         """Summarise errors of any shape, at least one."""
         if errors.size == 0:
             raise PalpateError("There is no image to measure an error on.", "Hold out at least one press.")
@@ -165,7 +162,7 @@ class Metrics:
 _AXES = ("angle", "rx", "ry", "depth")
 
 
-def measure_errors(estimates: Array, poses: Array) -> Metrics:
+def measure_errors(estimates: FloatArray, poses: FloatArray) -> Metrics:
     """Compare estimates with the truth.
 
     Parameters
@@ -201,7 +198,7 @@ def measure_errors(estimates: Array, poses: Array) -> Metrics:
     return Metrics(images=len(errors), by_depth=by_depth, by_tilt=by_tilt, **every)
 
 
-def _by_tilt(errors: Array, tilt_deg: Array) -> Iterator[TiltErrors]:
+def _by_tilt(errors: FloatArray, tilt_deg: FloatArray) -> Iterator[TiltErrors]:
     last = max(int(np.ceil(tilt_deg.max() / TILT_STEP_DEG - ROUNDING)), 1) - 1
     interval = np.minimum(np.floor(tilt_deg / TILT_STEP_DEG + ROUNDING), last)
     for number in np.unique(interval):
@@ -210,6 +207,6 @@ def _by_tilt(errors: Array, tilt_deg: Array) -> Iterator[TiltErrors]:
         yield TiltErrors(*ends, images=len(angle), angle=ErrorSummary.of(angle))
 
 
-def _by_axis(errors: Array) -> dict[str, ErrorSummary]:
+def _by_axis(errors: FloatArray) -> dict[str, ErrorSummary]:
     parts = (errors[:, :2], errors[:, 0], errors[:, 1], errors[:, 2])
     return {name: ErrorSummary.of(part) for name, part in zip(_AXES, parts, strict=True)}

@@ -12,10 +12,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from palpate.core import MissingExtraError, PalpateError
+from palpate.core import FloatArray, MissingExtraError, PalpateError
 from palpate.learn.spec import TrainSpec
 
 try:
@@ -26,7 +23,6 @@ except ImportError as error:  # pragma: no cover - exercised in a process withou
 if TYPE_CHECKING:
     from torch import Tensor
 
-Array = NDArray[np.float64]
 
 BETA_1, BETA_2, EPSILON = 0.9, 0.999, 1e-8
 """Adam's constants (Kingma & Ba 2015)."""
@@ -52,13 +48,13 @@ class TrainingData:
         ``"cpu"`` or ``"cuda"``: where tensors and random streams live; another device draws other numbers.
     """
 
-    inputs: Array
-    targets: Array
-    jitter: Array
-    mean: Array
-    projection: Array
-    held_inputs: Array
-    held_targets: Array
+    inputs: FloatArray
+    targets: FloatArray
+    jitter: FloatArray
+    mean: FloatArray
+    projection: FloatArray
+    held_inputs: FloatArray
+    held_targets: FloatArray
     device: str = "cpu"
 
 
@@ -76,8 +72,8 @@ class TrainedNetwork:
         For each repeat, the epoch (from 0) whose weights were kept.
     """
 
-    weights: tuple[Array, ...]
-    biases: tuple[Array, ...]
+    weights: tuple[FloatArray, ...]
+    biases: tuple[FloatArray, ...]
     history: tuple[tuple[float, ...], ...]
     best_epoch: tuple[int, ...]
 
@@ -129,7 +125,7 @@ class _Training:
     """The loop over epochs. `active` lists the repeats that still train, in the order of the tensors' rows."""
 
     def __init__(self, data: TrainingData, spec: TrainSpec, seeds: Sequence[int]) -> None:
-        def tensor(array: Array) -> Tensor:
+        def tensor(array: FloatArray) -> Tensor:
             return torch.as_tensor(array, dtype=torch.float32, device=data.device)
 
         self.spec, self.device = spec, data.device

@@ -13,11 +13,8 @@ the noise (Rao–Blackwell).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import kernel
-
-Array = NDArray[np.float64]
+from palpate.core import FloatArray, kernel
 
 BURN_IN = 20
 """Steps that let a walk forget that it starts at the true pose."""
@@ -25,8 +22,13 @@ BURN_IN = 20
 
 @kernel
 def walk_polytopes(
-    jacobian: Array, noise: Array, half_width: float, directions: Array, places: Array, disc: Array
-) -> Array:
+    jacobian: FloatArray,
+    noise: FloatArray,
+    half_width: float,
+    directions: FloatArray,
+    places: FloatArray,
+    disc: FloatArray,
+) -> FloatArray:
     """Mean pose offset of one walk for each draw of noise.
 
     Parameters
@@ -47,7 +49,7 @@ def walk_polytopes(
 
     Returns
     -------
-    Array
+    FloatArray
         (w, d) mean offset.
     """
     walks, steps, dimensions = directions.shape

@@ -8,14 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError, load_extra
+from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +33,7 @@ class Predictor:
     markers: int
     level: float | None
 
-    def predict(self, images_px: Array) -> Prediction:
+    def predict(self, images_px: FloatArray) -> Prediction:
         """Estimate poses, how far they may be wrong, and whether the markers moved as the training knew.
 
         Parameters

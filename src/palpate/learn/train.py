@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import child_seed, generator
+from palpate.core import FloatArray, child_seed, generator
 from palpate.dataset import Dataset, draw_jitter
 from palpate.learn.components import find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainSpec
-
-Array = NDArray[np.float64]
 
 
 def train(
@@ -155,11 +152,11 @@ def _judge_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
     return tuple(measure_errors(poses, held.poses).rmse_deg for poses in estimator.predict_members(held.images_px))
 
 
-def _normalised(dataset: Dataset, images_px: Array) -> Array:
+def _normalised(dataset: Dataset, images_px: FloatArray) -> FloatArray:
     return dataset.normalisation.apply(images_px).reshape(len(images_px), -1)
 
 
-def _standard(poses: Array) -> tuple[Array, Array]:
+def _standard(poses: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean and standard deviation (3,) of poses; an output that never changes keeps its unit."""
     sd = poses.std(axis=0)
     return poses.mean(axis=0), np.where(sd > 1e-9, sd, 1.0)

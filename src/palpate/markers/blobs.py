@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from palpate.core import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +27,11 @@ class Blobs:
         Standard deviation of a pixel, grey levels.
     """
 
-    positions_px: NDArray[np.float64]
-    diameter_px: NDArray[np.float64]
-    contrast: NDArray[np.float64]
-    sigma_px: NDArray[np.float64]
-    at_border: NDArray[np.bool_]
+    positions_px: FloatArray
+    diameter_px: FloatArray
+    contrast: FloatArray
+    sigma_px: FloatArray
+    at_border: BoolArray
     noise: float
 
     def __len__(self) -> int:

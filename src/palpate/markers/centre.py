@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import kernel
+from palpate.core import FloatArray, kernel
 
 _UNKNOWNS = 6
 _ROOM = 4096
@@ -25,10 +25,10 @@ def fit_centres(
     image: NDArray[np.float32],
     labels: NDArray[np.int32],
     own: NDArray[np.int32],
-    start: NDArray[np.float64],
+    start: FloatArray,
     edge: float,
     rounds: tuple[int, int],
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Fit blobs one by one.
 
     Parameters
@@ -64,11 +64,11 @@ def _fit_one(
     image: NDArray[np.float32],
     labels: NDArray[np.int32],
     own: int,
-    start: NDArray[np.float64],
+    start: FloatArray,
     edge: float,
     rounds: tuple[int, int],
-    rows: NDArray[np.float64],
-    result: NDArray[np.float64],
+    rows: FloatArray,
+    result: FloatArray,
 ) -> None:
     column, row, scale, blur = start[0], start[1], 1.0, edge
     contrast, spread, residual = 0.0, np.inf, 0.0
@@ -118,10 +118,10 @@ def _gather(
     image: NDArray[np.float32],
     labels: NDArray[np.int32],
     own: int,
-    start: NDArray[np.float64],
+    start: FloatArray,
     state: tuple[float, float, float, float],
     free: int,
-    rows: NDArray[np.float64],
+    rows: FloatArray,
 ) -> int:
     """Rows of one step: slopes by contrast times column and row, contrast, ground, size, blur; and the grey level."""
     column, row, scale, blur = state
@@ -159,7 +159,7 @@ def _gather(
 
 
 @kernel
-def _solve(moments: NDArray[np.float64], free: int) -> NDArray[np.float64]:
+def _solve(moments: FloatArray, free: int) -> FloatArray:
     """Least squares by Cholesky's factors of the lower triangle; the last row is the right side. Zero if singular."""
     factor = np.zeros((free, free))
     step = np.zeros(free)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from palpate.core import BoolArray, FloatArray
 from palpate.markers.opencv import blur
 from palpate.markers.segment import Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
@@ -143,7 +144,7 @@ def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     return Field(dark, typical, len(chosen), float(between.mean()), float(score))
 
 
-def lie_half_way(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def lie_half_way(points: FloatArray) -> BoolArray:
     """(n,) whether each of some points (n, 2) lies half way between two of its nearest neighbours."""
     if len(points) < 3:
         return np.zeros(len(points), bool)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.markers.blobs import Blobs
 from palpate.markers.centre import fit_centres
 from palpate.markers.choose_field import choose_dots, choose_field
@@ -49,7 +49,7 @@ class Detector:
     spec: DetectSpec
     dark: bool
     diameter_px: float
-    mask: NDArray[np.bool_] | None
+    mask: BoolArray | None
     edge_px: float = _EDGE_PX
 
     def find(self, image: NDArray[Any]) -> Blobs:
@@ -85,7 +85,7 @@ class Detector:
         rows, columns = np.flatnonzero(self.mask.any(axis=1)), np.flatnonzero(self.mask.any(axis=0))
         return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
-    def _within(self, points_px: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _within(self, points_px: FloatArray) -> BoolArray:
         return np.ones(len(points_px), bool) if self.mask is None else inside(self.mask, points_px)
 
     def _fit(self, grey: Image, rounds: tuple[int, int]) -> tuple[Blobs, float]:
@@ -145,7 +145,7 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Det
     return Detector(spec, dark, rough.diameter_px, mask, edge)
 
 
-def inside(mask: NDArray[np.bool_], points_px: NDArray[np.float64]) -> NDArray[np.bool_]:
+def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:
     """(n,) whether points lie in a mask."""
     column = np.clip(np.rint(points_px[:, 0]).astype(int), 0, mask.shape[1] - 1)
     row = np.clip(np.rint(points_px[:, 1]).astype(int), 0, mask.shape[0] - 1)
@@ -176,7 +176,7 @@ def _refine(
     return blobs, float(np.median(fitted[:, 4])) if len(fitted) else fit[0]
 
 
-def _calm(spread: NDArray[np.float64], clarity: NDArray[np.float64]) -> NDArray[np.float64]:
+def _calm(spread: FloatArray, clarity: FloatArray) -> FloatArray:
     """Shapes drawn towards a circle where the noise would shape them (`clarity`: contrast over noise of the sum)."""
     weight = 1.0 / (1.0 + (clarity / _CLEAR) ** 2)
     middle = (spread[:, 0] + spread[:, 2]) / 2.0
@@ -184,11 +184,11 @@ def _calm(spread: NDArray[np.float64], clarity: NDArray[np.float64]) -> NDArray[
     return np.asarray(spread + weight[:, None] * (circle - spread))
 
 
-def _determinant(spread: NDArray[np.float64]) -> NDArray[np.float64]:
+def _determinant(spread: FloatArray) -> FloatArray:
     return np.asarray(spread[:, 0] * spread[:, 2] - spread[:, 1] ** 2)
 
 
-def _find_mask(blobs: Blobs, shape: tuple[int, int]) -> NDArray[np.bool_] | None:
+def _find_mask(blobs: Blobs, shape: tuple[int, int]) -> BoolArray | None:
     """Where the largest group of neighbouring dots is, and one spacing more."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

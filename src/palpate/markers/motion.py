@@ -10,9 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from palpate.core import BoolArray, FloatArray
+
 _NEIGHBOURS = 14
 _QUADRATIC_FROM = 9
 """Neighbours from which on the smooth motion is a quadratic function of the place at rest, else a linear one."""
@@ -32,10 +32,10 @@ class Motion:
         (k, m, 2) directions of motion, each as long as its standard deviation; `None` for any smooth motion.
     """
 
-    rest_px: Array
-    modes_px: Array | None = None
+    rest_px: FloatArray
+    modes_px: FloatArray | None = None
 
-    def fill(self, seen_px: Array, found: NDArray[np.bool_]) -> Array:
+    def fill(self, seen_px: FloatArray, found: BoolArray) -> FloatArray:
         """Estimate all markers from those that are seen.
 
         Parameters
@@ -56,14 +56,14 @@ class Motion:
         modes = self.modes_px[:, found].reshape(len(self.modes_px), -1)
         normal = modes @ modes.T + _NOISE_PX**2 * np.eye(len(modes))
         weights = np.linalg.solve(normal, modes @ moved.reshape(-1))
-        estimate: Array = self.rest_px + np.tensordot(weights, self.modes_px, axes=1)
+        estimate: FloatArray = self.rest_px + np.tensordot(weights, self.modes_px, axes=1)
         if found.sum() >= 4:  # what the modes leave over is smooth too
             left = (seen_px - estimate)[found]
             if not found.all():
                 estimate = estimate + self._smooth(left, found)
         return estimate
 
-    def _smooth(self, moved: Array, found: NDArray[np.bool_]) -> Array:
+    def _smooth(self, moved: FloatArray, found: BoolArray) -> FloatArray:
         if found.sum() < 4:
             return np.broadcast_to(moved.mean(axis=0) if len(moved) else 0.0, self.rest_px.shape).copy()
         result = np.empty_like(self.rest_px)
@@ -87,7 +87,7 @@ class Motion:
         return result
 
 
-def learn_motion(rest_px: Array, images_px: Array, share: float = 0.9999) -> Motion:
+def learn_motion(rest_px: FloatArray, images_px: FloatArray, share: float = 0.9999) -> Motion:
     """The mode model of simulated images.
 
     Parameters

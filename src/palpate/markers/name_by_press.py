@@ -10,13 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.markers.name_markers import Naming
 
-Array = NDArray[np.float64]
 _GAINS = np.linspace(0.5, 1.5, 15)
 """Factors on the motion: a touch point 1 mm off at 4 mm depth is a quarter."""
 _REACH = 0.45
@@ -53,12 +51,12 @@ class PressFit:
     """
 
     naming: Naming
-    misfit_px: Array
-    sureness: Array
+    misfit_px: FloatArray
+    sureness: FloatArray
     gain: float
 
 
-def name_by_press(naming: Naming, motions_px: Array, pressed_px: Array, spacing_px: float) -> PressFit:
+def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray, spacing_px: float) -> PressFit:
     """Choose among the numberings that fit the image at rest.
 
     Parameters
@@ -114,12 +112,12 @@ def name_by_press(naming: Naming, motions_px: Array, pressed_px: Array, spacing_
     return PressFit(replace(choices[best], alternatives=others), misfit, sureness, gain)
 
 
-def _by_dot(choice: Naming, values: Array) -> Array:
+def _by_dot(choice: Naming, values: FloatArray) -> FloatArray:
     """(n, 2) values of the found markers in the order of their dots, which is the same under every numbering."""
     return np.asarray(values[choice.found][np.argsort(choice.blob[choice.found])])
 
 
-def _begin(rest: Array, motions: Array, pressed: Array, reach: float) -> tuple[int, float]:
+def _begin(rest: FloatArray, motions: FloatArray, pressed: FloatArray, reach: float) -> tuple[int, float]:
     """The numbering and the factor on its motion whose markers lie nearest to dots."""
     if not len(pressed):
         return 0, 1.0
@@ -132,7 +130,7 @@ def _begin(rest: Array, motions: Array, pressed: Array, reach: float) -> tuple[i
     return best[1:]
 
 
-def _match(expected: Array, pressed: Array, reach: float) -> Array:
+def _match(expected: FloatArray, pressed: FloatArray, reach: float) -> FloatArray:
     """(n, 2) the dot of each marker; NaN where there is none, or another marker's."""
     if not len(pressed):
         return np.full_like(expected, np.nan)
@@ -141,7 +139,7 @@ def _match(expected: Array, pressed: Array, reach: float) -> Array:
     return np.where(near[:, None], pressed[dot], np.nan)
 
 
-def _gains(seen: Array, motions: Array) -> Array:
+def _gains(seen: FloatArray, motions: FloatArray) -> FloatArray:
     """(k,) factor on the motion (k, n, 2) of each numbering that fits what was seen (n, 2) best, within bounds."""
     gains = (motions * seen).sum(axis=(1, 2)) / np.maximum((motions**2).sum(axis=(1, 2)), 1e-12)
     return np.asarray(np.clip(gains, _GAINS[0], _GAINS[-1]))

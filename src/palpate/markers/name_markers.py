@@ -17,11 +17,10 @@ from scipy.ndimage import distance_transform_edt
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.markers.pattern import MarkerPattern
 from palpate.markers.warp import Warp, fit_warp
 
-Array = NDArray[np.float64]
 _REACH = 0.45
 """How near a dot is, over the spacing of the markers."""
 _PRINT_REACH = 0.15
@@ -61,8 +60,8 @@ class Naming:
     """
 
     blob: NDArray[np.intp]
-    positions_px: Array
-    found: NDArray[np.bool_]
+    positions_px: FloatArray
+    found: BoolArray
     turn_deg: float
     mirrored: bool
     alternatives: tuple[Naming, ...]
@@ -75,7 +74,7 @@ class Naming:
         return len(self.alternatives) > 0
 
 
-def name_markers(blobs_px: Array, pattern: MarkerPattern) -> Naming:
+def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
     """Give every marker its dot.
 
     Parameters
@@ -110,7 +109,7 @@ def name_markers(blobs_px: Array, pattern: MarkerPattern) -> Naming:
     return _resolve(blobs_px, pattern, best[2], best[3], (best[4], best[1]))
 
 
-def _coarse(blobs: Array, template: Array, spacing: float) -> list[Array]:
+def _coarse(blobs: FloatArray, template: FloatArray, spacing: float) -> list[FloatArray]:
     """The template laid over the dots by the best turns and shifts, best first."""
     margin = 4 * int(np.ceil(np.ptp(template, axis=0).max() / 4)) + 40
     origin = np.floor(blobs.min(axis=0)) - margin
@@ -135,7 +134,7 @@ def _coarse(blobs: Array, template: Array, spacing: float) -> list[Array]:
 
 
 def _fit(
-    template: Array, laid: Array, blobs: Array, tree: cKDTree, spacing: float
+    template: FloatArray, laid: FloatArray, blobs: FloatArray, tree: cKDTree, spacing: float
 ) -> tuple[Warp, NDArray[np.intp], float]:
     """Neighbours and map in turn; the map gains freedom as it settles."""
     freedom = [3, 3, 3, 6, 6, 6] + ([10, 10] if len(template) > 60 else [6])
@@ -154,7 +153,7 @@ def _fit(
     return warp, blob, float(np.sqrt(np.mean(miss**2))) if have.any() else np.inf
 
 
-def _neighbours(laid: Array, blobs: Array, tree: cKDTree, reach: float) -> NDArray[np.intp]:
+def _neighbours(laid: FloatArray, blobs: FloatArray, tree: cKDTree, reach: float) -> NDArray[np.intp]:
     """Nearest dot of each marker, where the marker is also the nearest of the dot."""
     distance, blob = tree.query(laid, distance_upper_bound=reach)
     back = cKDTree(laid).query(blobs)[1]
@@ -163,7 +162,7 @@ def _neighbours(laid: Array, blobs: Array, tree: cKDTree, reach: float) -> NDArr
     return np.where(mutual, blob, -1)
 
 
-def _assign(laid: Array, blobs: Array, tree: cKDTree, reach: float) -> NDArray[np.intp]:
+def _assign(laid: FloatArray, blobs: FloatArray, tree: cKDTree, reach: float) -> NDArray[np.intp]:
     """The assignment of least total squared distance, none longer than `reach`."""
     cost = np.full((len(laid), len(blobs)), reach**2)
     for marker, near in enumerate(tree.query_ball_point(laid, reach)):
@@ -175,7 +174,7 @@ def _assign(laid: Array, blobs: Array, tree: cKDTree, reach: float) -> NDArray[n
 
 
 def _resolve(
-    blobs: Array, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], seen: tuple[bool, float]
+    blobs: FloatArray, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], seen: tuple[bool, float]
 ) -> Naming:
     """Choose among the turns and mirrors that fit as well: by the mark, else the smallest turn, and say so."""
     flip = np.array([1.0, -1.0 if seen[0] else 1.0])
@@ -206,7 +205,7 @@ def _resolve(
 
 
 def _find_mark(
-    blobs: Array, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], flip: Array
+    blobs: FloatArray, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], flip: FloatArray
 ) -> tuple[NDArray[np.intp], int]:
     """Numbers of the symmetries that the orientation mark leaves, and its dot: -1 where it does not decide.
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import kernel
-
-Array = NDArray[np.float64]
+from palpate.core import FloatArray, IntArray, kernel
 
 
 @kernel
-def nearest(points: Array, others: Array) -> tuple[NDArray[np.int64], Array]:
+def nearest(points: FloatArray, others: FloatArray) -> tuple[IntArray, FloatArray]:
     """Number of the nearest of `others` (k, 2) to each of `points` (n, 2), and its distance."""
     number = np.full(len(points), -1)
     distance = np.full(len(points), np.inf)
@@ -26,7 +23,7 @@ def nearest(points: Array, others: Array) -> tuple[NDArray[np.int64], Array]:
 
 
 @kernel
-def room(points: Array, most: float) -> Array:
+def room(points: FloatArray, most: float) -> FloatArray:
     """(n,) distance of each point to the nearest other one, at most `most`."""
     distance = np.full(len(points), most)
     for i in range(len(points)):
@@ -38,7 +35,7 @@ def room(points: Array, most: float) -> Array:
 
 
 @kernel
-def agree(predicted: Array, blobs: Array, near: NDArray[np.int64], reach: Array, rounds: int) -> Array:
+def agree(predicted: FloatArray, blobs: FloatArray, near: IntArray, reach: FloatArray, rounds: int) -> FloatArray:
     """Predictions (m, 2) moved, round by round, by the median miss of those in the neighbourhood that found a dot.
 
     A marker has found a dot if each is the nearest of the other and they are within `reach` (m,); `near` (m, k) are

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import load_opencv
+from palpate.core import BoolArray, FloatArray, load_opencv
 
 Image = NDArray[np.float32]
 
@@ -27,7 +27,7 @@ def close(image: Image, size_px: int) -> Image:
     return np.asarray(cv2.morphologyEx(image, cv2.MORPH_CLOSE, kernel), np.float32)
 
 
-def local_maxima(image: Image, size_px: int) -> NDArray[np.bool_]:
+def local_maxima(image: Image, size_px: int) -> BoolArray:
     """Pixels that are the greatest of the square about them."""
     return np.asarray(image >= dilate(image, size_px))
 
@@ -39,13 +39,13 @@ def dilate(image: Image, size_px: int) -> Image:
     return np.asarray(cv2.dilate(image, kernel), np.float32)
 
 
-def components(mask: NDArray[np.bool_]) -> tuple[int, NDArray[np.int32]]:
+def components(mask: BoolArray) -> tuple[int, NDArray[np.int32]]:
     """Number of 8-connected components and (h, w) labels, 0 outside them."""
     count, labels = load_opencv().connectedComponents(mask.astype(np.uint8), connectivity=8, ltype=4)
     return int(count) - 1, np.asarray(labels, np.int32)
 
 
-def grow(mask: NDArray[np.bool_], margin_px: int) -> NDArray[np.bool_]:
+def grow(mask: BoolArray, margin_px: int) -> BoolArray:
     """The mask and what lies within a margin of it."""
     cv2 = load_opencv()
     size = 2 * margin_px + 1
@@ -53,7 +53,7 @@ def grow(mask: NDArray[np.bool_], margin_px: int) -> NDArray[np.bool_]:
     return np.asarray(cv2.dilate(mask.astype(np.uint8), kernel)) > 0
 
 
-def fill_hull(points_px: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.bool_]:
+def fill_hull(points_px: FloatArray, shape: tuple[int, int]) -> BoolArray:
     """Mask of the convex hull of points (n, 2), n ≥ 3."""
     cv2 = load_opencv()
     mask = np.zeros(shape, np.uint8)
@@ -62,7 +62,7 @@ def fill_hull(points_px: NDArray[np.float64], shape: tuple[int, int]) -> NDArray
     return mask > 0
 
 
-def simple_blobs(image: NDArray[np.uint8], diameter_px: float, dark: bool) -> NDArray[np.float64]:
+def simple_blobs(image: NDArray[np.uint8], diameter_px: float, dark: bool) -> FloatArray:
     """Centres and diameters (n, 3) by OpenCV's `SimpleBlobDetector`."""
     cv2 = load_opencv()
     spec = cv2.SimpleBlobDetector_Params()

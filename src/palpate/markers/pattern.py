@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Array = NDArray[np.float64]
+from palpate.core import BoolArray, FloatArray
+
 _SAME = 1e-6
 """Distance over the layout's size at which two markers are at one place."""
 
@@ -31,11 +32,11 @@ class MarkerPattern:
         (g, 2) where the orientation mark is then expected; `None` without a mark.
     """
 
-    expected_px: Array
+    expected_px: FloatArray
     symmetries: NDArray[np.intp]
-    turns_deg: Array
-    mirrored: NDArray[np.bool_]
-    marks_px: Array | None
+    turns_deg: FloatArray
+    mirrored: BoolArray
+    marks_px: FloatArray | None
 
     def __len__(self) -> int:
         return len(self.expected_px)
@@ -46,7 +47,9 @@ class MarkerPattern:
         return float(cKDTree(self.expected_px).query(self.expected_px, 2)[0][:, 1].min())
 
 
-def build_pattern(positions: Array, project: Callable[[Array], Array], mark: Array | None = None) -> MarkerPattern:
+def build_pattern(
+    positions: FloatArray, project: Callable[[FloatArray], FloatArray], mark: FloatArray | None = None
+) -> MarkerPattern:
     """The pattern of a layout.
 
     Parameters
@@ -70,13 +73,13 @@ def build_pattern(positions: Array, project: Callable[[Array], Array], mark: Arr
     )
 
 
-def _move(points: Array, turn: float, mirror: bool) -> Array:
+def _move(points: FloatArray, turn: float, mirror: bool) -> FloatArray:
     x, y, z = np.moveaxis(np.asarray(points, float), -1, 0)
     y = -y if mirror else y
     return np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y, z], axis=-1)
 
 
-def _candidate_turns(positions: Array, mirror: bool) -> list[float]:
+def _candidate_turns(positions: FloatArray, mirror: bool) -> list[float]:
     """Turns that bring the first of the outermost markers to the place of another; no turn comes first."""
     rho = np.hypot(positions[:, 0], positions[:, 1])
     outermost = int(np.argmax(rho))
@@ -88,7 +91,7 @@ def _candidate_turns(positions: Array, mirror: bool) -> list[float]:
     return sorted(float(turn) if turn < 2.0 * np.pi - _SAME else 0.0 for turn in turns)
 
 
-def _order(positions: Array, turn: float, mirror: bool) -> NDArray[np.intp] | None:
+def _order(positions: FloatArray, turn: float, mirror: bool) -> NDArray[np.intp] | None:
     distance, place = cKDTree(positions).query(_move(positions, turn, mirror))
     if distance.max() > 10.0 * _SAME * np.abs(positions).max() or len(set(place)) != len(positions):
         return None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import kernel
+from palpate.core import BoolArray, FloatArray, kernel
 from palpate.markers.opencv import blur, box, close, components, dilate, local_maxima
 
 Image = NDArray[np.float32]
@@ -36,29 +36,29 @@ class Segments:
     """
 
     labels: NDArray[np.int32]
-    area_px: NDArray[np.float64]
-    middle_px: NDArray[np.float64]
-    spread: NDArray[np.float64]
-    contrast: NDArray[np.float64]
-    at_border: NDArray[np.bool_]
+    area_px: FloatArray
+    middle_px: FloatArray
+    spread: FloatArray
+    contrast: FloatArray
+    at_border: BoolArray
 
     @property
-    def diameter_px(self) -> NDArray[np.float64]:
+    def diameter_px(self) -> FloatArray:
         """(n,) diameter of the disc of equal area."""
         return np.sqrt(4.0 / np.pi * self.area_px)
 
     @property
-    def roundness(self) -> NDArray[np.float64]:
+    def roundness(self) -> FloatArray:
         """(n,) ratio of the axes, at most 1."""
         return np.sqrt(self._variances()[0] / self._variances()[1])
 
     @property
-    def fullness(self) -> NDArray[np.float64]:
+    def fullness(self) -> FloatArray:
         """(n,) area over that of the ellipse of equal spread: 1 for a disc, less for what is hollow or bent."""
         small, large = self._variances()
         return self.area_px / (4.0 * np.pi * np.sqrt(small * large))
 
-    def _variances(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _variances(self) -> tuple[FloatArray, FloatArray]:
         xx, xy, yy = self.spread.T
         middle, half = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
         return np.maximum(middle - half, 1.0 / 12.0), middle + half
@@ -124,7 +124,7 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
     return _describe(labels, height, level)
 
 
-def _ridge(height: Image, peak: NDArray[np.bool_], size: int) -> Image:
+def _ridge(height: Image, peak: BoolArray, size: int) -> Image:
     """The height of the nearest strong peak, spread over the dot about it."""
     spread = dilate(np.where(peak, height, np.float32(0.0)), 2 * size + 1)
     return np.where(spread > 0.0, spread, np.float32(np.inf))
@@ -148,7 +148,7 @@ def _describe(labels: NDArray[np.int32], height: Image, level: float) -> Segment
 
 
 @kernel
-def _add_up(labels: NDArray[np.int32], height: Image, count: int) -> NDArray[np.float64]:
+def _add_up(labels: NDArray[np.int32], height: Image, count: int) -> FloatArray:
     """(count, 8) of every label: pixels, sums of x, y, x², xy, y², greatest height, pixels at the border."""
     sums = np.zeros((count, 8))
     rows, columns = labels.shape

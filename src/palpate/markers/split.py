@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import BoolArray, FloatArray
 from palpate.markers.segment import Segments
 
 Image = NDArray[np.float32]
@@ -26,7 +27,7 @@ _BETWEEN_PX = 1.0
 """Half width of the strip between the two that belongs to neither: there both blur into each other."""
 
 
-def split_merged(segments: Segments, height: Image, wanted: NDArray[np.bool_]) -> Segments:
+def split_merged(segments: Segments, height: Image, wanted: BoolArray) -> Segments:
     """The candidates with every blob of two dots parted.
 
     Parameters
@@ -76,7 +77,7 @@ def split_merged(segments: Segments, height: Image, wanted: NDArray[np.bool_]) -
     )
 
 
-def _part(segments: Segments, height: Image, blob: int) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+def _part(segments: Segments, height: Image, blob: int) -> tuple[FloatArray, FloatArray] | None:
     """Centres of the two dots of a blob; `None` where it has no waist."""
     xx, xy, yy = segments.spread[blob]
     large, small = (xx + yy) / 2.0 + np.hypot((xx - yy) / 2.0, xy), (xx + yy) / 2.0 - np.hypot((xx - yy) / 2.0, xy)
@@ -98,9 +99,7 @@ def _part(segments: Segments, height: Image, blob: int) -> tuple[NDArray[np.floa
     return middle - half * way, middle + half * way
 
 
-def _relabel(
-    labels: NDArray[np.int32], names: tuple[int, int, int], centres: NDArray[np.float64], radius: float
-) -> None:
+def _relabel(labels: NDArray[np.int32], names: tuple[int, int, int], centres: FloatArray, radius: float) -> None:
     """Give pixels of a blob, and the ground about it, to the nearer of two dots, those between them to nobody."""
     own, other, nobody = names
     apart = centres[1] - centres[0]
@@ -115,7 +114,7 @@ def _relabel(
     part[rows[near], columns[near]] = side[near]
 
 
-def _window(shape: tuple[int, ...], middle: NDArray[np.float64], reach: float) -> tuple[int, int, int, int]:
+def _window(shape: tuple[int, ...], middle: FloatArray, reach: float) -> tuple[int, int, int, int]:
     """Rows and columns about a place: top, left, bottom, right."""
     column, row = middle
     top, left = max(int(row - reach), 0), max(int(column - reach), 0)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.markers.blobs import Blobs
 from palpate.markers.detector import Detector
 from palpate.markers.motion import Motion
@@ -24,7 +24,6 @@ from palpate.markers.name_markers import Naming
 from palpate.markers.neighbours import agree, nearest, room
 from palpate.markers.tracks import Sighting, Tracks
 
-Array = NDArray[np.float64]
 _REACH = 0.45
 """How far from its prediction a dot may lie, over the distance to the nearest other marker."""
 _JUMP = 0.25
@@ -63,7 +62,7 @@ class Tracker:
         )
         self._space = np.maximum(room(self.motion.rest_px, _ALONE_PX), _LEAST_ROOM_PX)
 
-    def step(self, blobs_px: Array) -> Sighting:
+    def step(self, blobs_px: FloatArray) -> Sighting:
         """Find every marker among the dots (n, 2) of the next image."""
         blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
         predicted = 2.0 * self._last - self._before
@@ -84,7 +83,7 @@ class Tracker:
         self._before, self._last = self._last, positions
         return Sighting(positions, found, blob, jumped)
 
-    def _try(self, predicted: Array, blobs_px: Array) -> tuple[Array, NDArray[np.intp], float]:
+    def _try(self, predicted: FloatArray, blobs_px: FloatArray) -> tuple[FloatArray, NDArray[np.intp], float]:
         """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""
         space = np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
         number, distance = nearest(predicted, blobs_px)
@@ -101,7 +100,7 @@ class Tracker:
             positions = np.where(found[:, None], positions, self.motion.fill(positions, found))
         return positions, blob, offset
 
-    def _roughness(self, positions: Array) -> float:
+    def _roughness(self, positions: FloatArray) -> float:
         """Greatest difference of a marker's motion from the mean of its neighbours, over the spacing at rest."""
         if len(positions) < _NEIGHBOURS:
             return 0.0
@@ -110,7 +109,7 @@ class Tracker:
         return float(np.max(own / self._space))
 
     @staticmethod
-    def _assign(predicted: Array, blobs: Array) -> NDArray[np.intp]:
+    def _assign(predicted: FloatArray, blobs: FloatArray) -> NDArray[np.intp]:
         reach = _REACH * np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
         number, distance = nearest(predicted, np.ascontiguousarray(blobs))
         result = np.where(distance < reach, number, -1)
@@ -148,5 +147,5 @@ def find_markers(
     )
 
 
-def _centres(blobs: Blobs) -> Array:
+def _centres(blobs: Blobs) -> FloatArray:
     return blobs.positions_px

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import BoolArray, FloatArray
+
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
@@ -24,8 +26,8 @@ class Sighting:
         Whether the markers moved further than the prediction allows: a snap, a lost image or another sensor.
     """
 
-    positions_px: NDArray[np.float64]
-    found: NDArray[np.bool_]
+    positions_px: FloatArray
+    found: BoolArray
     blob: NDArray[np.intp]
     jumped: bool
 
@@ -44,9 +46,9 @@ class Tracks:
         (n,) whether the markers jumped (see `Sighting`).
     """
 
-    positions_px: NDArray[np.float64]
-    found: NDArray[np.bool_]
-    jumped: NDArray[np.bool_]
+    positions_px: FloatArray
+    found: BoolArray
+    jumped: BoolArray
 
     def __len__(self) -> int:
         return len(self.positions_px)

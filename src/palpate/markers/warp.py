@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from palpate.core import FloatArray
+
 _POWERS = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
 _FEW = 6
 """Dots more than unknowns from which on the residuals tell the spread."""
@@ -29,18 +29,18 @@ class Warp:
         Standard deviation of a coordinate of a dot about the map; infinite where too few dots tell it.
     """
 
-    middle: Array
+    middle: FloatArray
     size: float
-    weights: Array
-    inverse: Array
+    weights: FloatArray
+    inverse: FloatArray
     spread_px: float
 
-    def __call__(self, points: Array) -> Array:
+    def __call__(self, points: FloatArray) -> FloatArray:
         """Pixels (n, 2) of points (n, 2) of the pattern."""
-        moved: Array = self._terms(points) @ self.weights
+        moved: FloatArray = self._terms(points) @ self.weights
         return moved
 
-    def deviation_px(self, points: Array) -> Array:
+    def deviation_px(self, points: FloatArray) -> FloatArray:
         """(n,) standard deviation of a coordinate of one more dot at points (n, 2) of the pattern.
 
         It is s √(1 + aᵀ (AᵀA)⁻¹ a) with a the terms there: beyond the outermost dots the map itself is less sure.
@@ -48,11 +48,11 @@ class Warp:
         terms = self._terms(points)
         return np.asarray(self.spread_px * np.sqrt(1.0 + np.einsum("ni,ij,nj->n", terms, self.inverse, terms)))
 
-    def _terms(self, points: Array) -> Array:
+    def _terms(self, points: FloatArray) -> FloatArray:
         return _terms((points - self.middle) / self.size, len(self.weights))
 
 
-def fit_warp(points: Array, pixels: Array, terms: int, whole: Array) -> Warp:
+def fit_warp(points: FloatArray, pixels: FloatArray, terms: int, whole: FloatArray) -> Warp:
     """Fit the map.
 
     Parameters
@@ -75,6 +75,6 @@ def fit_warp(points: Array, pixels: Array, terms: int, whole: Array) -> Warp:
     return Warp(middle, size, weights, inverse, spread)
 
 
-def _terms(points: Array, count: int) -> Array:
+def _terms(points: FloatArray, count: int) -> FloatArray:
     x, y = points[:, 0], points[:, 1]
     return np.stack([np.ones(len(points)), *(x**a * y**b for a, b in _POWERS[: count - 1])], axis=-1)

@@ -8,7 +8,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.material.law import FloatArray, Law, Model
+from palpate.core import FloatArray
+from palpate.material.law import Law, Model
 from palpate.material.laws.invariants import drive
 
 

@@ -3,21 +3,19 @@
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
 from palpate.mesh.locate import SurfacePoints, locate_inner
 from palpate.mesh.mesh import Mesh
-from palpate.mesh.mesh_dome import mesh_dome, rim_angle
+from palpate.mesh.mesh_dome import mesh_dome
 from palpate.mesh.quality import MeshQuality, measure_quality
-from palpate.mesh.spec import MeshSpec, Rim
+from palpate.mesh.spec import MeshSpec
 
 __all__ = [
     "Mesh",
     "MeshQuality",
     "MeshSpec",
-    "Rim",
     "SurfacePoints",
     "gauss_points",
     "locate_inner",
     "measure_quality",
     "mesh_dome",
-    "rim_angle",
     "shape_hexahedron",
     "shape_quadrilateral",
 ]

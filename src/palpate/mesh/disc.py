@@ -16,9 +16,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.mesh.hexahedron import FloatArray
+from palpate.core import FloatArray, IntArray
 
 _BULGE = 0.25
 """Share of the square-to-ellipse map in the core; ½ would make the core a disc with flat corners."""
@@ -37,7 +36,7 @@ class DiscGrid:
     """
 
     points: FloatArray
-    cells: NDArray[np.int64]
+    cells: IntArray
 
 
 def grid_disc(core: int, rings: int, *, whole: bool) -> DiscGrid:

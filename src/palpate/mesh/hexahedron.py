@@ -10,9 +10,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from palpate.core import FloatArray
 
 INNER_FACE = np.arange(9)
 OUTER_FACE = np.arange(18, 27)

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from palpate.core import PalpateError
-from palpate.mesh.hexahedron import FloatArray, shape_quadrilateral
-from palpate.mesh.mesh import IntArray, Mesh
-from palpate.mesh.mesh_dome import rim_angle
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.mesh.hexahedron import shape_quadrilateral
+from palpate.mesh.mesh import Mesh
 
 _OFF_SURFACE_MM = 0.05
 _CANDIDATES = 6
@@ -66,26 +65,23 @@ def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
 
 
 def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
-    dome = mesh.dome
-    arm = points - [0.0, 0.0, dome.center_z]
-    off = np.abs(np.linalg.norm(arm, axis=1) - dome.radius)
+    off = np.abs(mesh.dome.distance(points))
     if off.max(initial=0.0) > _OFF_SURFACE_MM:
         worst = int(np.argmax(off))
         raise PalpateError(
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the inner "
-            f"surface (sphere of radius {dome.radius:.4g} mm about z = {dome.center_z:.4g} mm).",
+            f"surface of {mesh.dome.name}.",
             f"Give points within {_OFF_SURFACE_MM} mm of it.",
         )
-    rho = np.hypot(arm[:, 0], arm[:, 1])
-    s = np.arctan2(rho, arm[:, 2]) / rim_angle(dome, dome.radius, mesh.spec.rim)
-    if s.max(initial=0.0) > 1 + 1e-6:
-        worst = int(np.argmax(s))
+    place = mesh.dome.disc(points)
+    beyond = np.maximum(np.hypot(place[:, 0], place[:, 1]), 1.0)
+    if beyond.max(initial=0.0) > 1 + 1e-6:
+        worst = int(np.argmax(beyond))
         raise PalpateError(
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies below the base plane z = 0.",
-            "Give points of the dome itself.",
+            "Give points of the skin itself.",
         )
-    direction = np.divide(arm[:, :2], rho[:, None], out=np.zeros((len(points), 2)), where=rho[:, None] > 0)
-    return np.minimum(s, 1.0)[:, None] * direction
+    return np.asarray(place / beyond[:, None])
 
 
 def _invert(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from palpate.design import Dome
-from palpate.mesh.hexahedron import FloatArray
+from palpate.core import FloatArray, IntArray
+from palpate.design import Skin
 from palpate.mesh.spec import MeshSpec
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -38,7 +33,7 @@ class Mesh:
         Node at the apex of each surface.
     """
 
-    dome: Dome
+    dome: Skin
     spec: MeshSpec
     nodes: FloatArray
     cells: IntArray
@@ -49,8 +44,3 @@ class Mesh:
     mirror: IntArray
     apex_inner: int
     apex_outer: int
-
-    @property
-    def cells_to_rim(self) -> int:
-        """Cells along a meridian from pole to rim."""
-        return self.spec.cells or 0

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.design import Dome
+from palpate.core import FloatArray
+from palpate.design import Skin
 from palpate.mesh.disc import grid_disc
-from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE, FloatArray
+from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
-from palpate.mesh.spec import MeshSpec, Rim
+from palpate.mesh.spec import MeshSpec
 
 _CORE_SHARE = 0.25
 """Share of the cells of a meridian that lies in the square core of the O-grid."""
@@ -22,7 +23,7 @@ _CELLS, _MORE_CELLS, _THICK = 10.0, 20.0, 0.1
 (docs/decisions/0016)."""
 
 
-def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
+def mesh_dome(dome: Skin, spec: MeshSpec | None = None) -> Mesh:
     """Mesh a dome with 27-node hexahedra.
 
     Parameters
@@ -46,8 +47,7 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
     place = _grade(dome, grid.points)
     steps = 2 * spec.layers + 1
     n = len(grid.points)
-    rho = np.linspace(dome.radius, dome.outer_radius, steps)
-    nodes = np.concatenate([_on_sphere(dome, place, radius, spec.rim) for radius in rho])
+    nodes = np.concatenate([dome.point(place, layer, spec.rim) for layer in np.linspace(0.0, 1.0, steps)])
     layer_cells = [
         np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
     ]
@@ -71,32 +71,18 @@ def mesh_dome(dome: Dome, spec: MeshSpec | None = None) -> Mesh:
     )
 
 
-def default_cells(dome: Dome) -> int:
+def default_cells(dome: Skin) -> int:
     """Cells from pole to rim that keep a press within about 1 % of a mesh twice as fine.
 
     The cell is a fixed angle, for the wall presses a patch of some tenths of a radian; thinner walls need no smaller
     ones, thicker ones do, for they shear at the edge of the patch.
     """
     thick = max(dome.thickness / dome.radius - _THICK, 0.0)
-    return int(np.clip(round(rim_angle(dome, dome.radius, Rim.FLAT) * (_CELLS + _MORE_CELLS * thick)), 16, 48))
+    return int(np.clip(round(dome.inner_slope * (_CELLS + _MORE_CELLS * thick)), 16, 48))
 
 
-def rim_angle(dome: Dome, radius: float, rim: Rim) -> float:
-    """Polar angle in radians at which the sphere of this radius (mm) ends at the base."""
-    on = radius if rim is Rim.FLAT else dome.radius
-    return float(np.arccos(np.clip((dome.radius - dome.height) / on, -1.0, 1.0)))
-
-
-def _grade(dome: Dome, disc: FloatArray) -> FloatArray:
+def _grade(dome: Skin, disc: FloatArray) -> FloatArray:
     """Draw the points (n, 2) of the unit disc to where contact is; middle and rim stay."""
     height = dome.height / dome.base_radius
     share = float(np.interp(height, [0.5, 1.0], [_GRADING_LOW, _GRADING_HIGH]))
     return disc * (1 - share + share * np.hypot(disc[:, 0], disc[:, 1])[:, None])
-
-
-def _on_sphere(dome: Dome, disc: FloatArray, radius: float, rim: Rim) -> FloatArray:
-    s = np.hypot(disc[:, 0], disc[:, 1])
-    polar = s * rim_angle(dome, radius, rim)
-    direction = np.divide(disc, s[:, None], out=np.zeros_like(disc), where=s[:, None] > 0)
-    across = radius * np.sin(polar)[:, None] * direction
-    return np.column_stack([across, dome.center_z + radius * np.cos(polar)])

@@ -2,17 +2,8 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
-from typing import Any
-
 from palpate.core import Spec, parameter
-
-
-class Rim(StrEnum):
-    """How the dome ends at its base: cut flat at z = 0 as molded, or radially from the sphere's centre."""
-
-    FLAT = "flat"
-    RADIAL = "radial"
+from palpate.design import Rim
 
 
 class MeshSpec(Spec):
@@ -29,11 +20,3 @@ class MeshSpec(Spec):
     layers: int = parameter(1, unit="1", meaning="cells through the thickness", ge=1, le=8)
     rim: Rim = Rim.FLAT
     whole: bool = False
-
-    def refined(self, factor: float, cells: int) -> MeshSpec:
-        """Return the same mesh with `factor` times the cells along a meridian that has `cells` now."""
-        return self.model_copy(update={"cells": round(cells * factor)})
-
-    def key_data(self) -> dict[str, Any]:
-        """Return the identity of this spec as plain values."""
-        return self.model_dump(mode="json")

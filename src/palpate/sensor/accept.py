@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError, Spec, parameter, provenance
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
 from palpate.sensor.recording import Truth
 from palpate.sensor.score import COMPONENTS, Score, score_readings
 from palpate.sensor.touch import TouchZero, find_zero
 
-Array = NDArray[np.float64]
 PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, Table 3"
 
 
@@ -85,9 +83,9 @@ class Acceptance:
     spec: AcceptSpec
     checks: tuple[Check, ...]
     scores: tuple[Score, ...]
-    press: NDArray[np.int64]
-    truth: Array
-    estimates: Array
+    press: IntArray
+    truth: FloatArray
+    estimates: FloatArray
     zero: TouchZero | None
     left_out: int
     flagged: int
@@ -114,7 +112,7 @@ class Acceptance:
 
 
 def accept_unit(
-    truth: Truth, estimates: Array, flagged: NDArray[np.bool_] | None = None, spec: AcceptSpec | None = None
+    truth: Truth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptSpec | None = None
 ) -> Acceptance:
     """Hold a unit's readings against the truth.
 

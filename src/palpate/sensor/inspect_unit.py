@@ -15,14 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import Camera, centre_bias, dot_edges
-from palpate.core import Spec, parameter
+from palpate.core import FloatArray, Spec, parameter
 from palpate.design import PRINT_TOLERANCE, Dome
 from palpate.markers import DetectSpec
 from palpate.sensor.register import Registration
 from palpate.sensor.sensor import read_rest
 from palpate.sensor.unit import Unit
-
-Array = NDArray[np.float64]
 
 
 class InspectSpec(Spec):
@@ -52,12 +50,12 @@ class Inspection:
 
     unit: Unit
     registration: Registration
-    error: Array
-    mm_per_px: Array
+    error: FloatArray
+    mm_per_px: FloatArray
     tolerance: float
 
     @property
-    def distance(self) -> Array:
+    def distance(self) -> FloatArray:
         """(m,) distance of each dot from its marker, mm; NaN without a dot."""
         return np.asarray(np.linalg.norm(self.error, axis=1))
 
@@ -112,11 +110,11 @@ def inspect_unit(
     )
 
 
-def _outward(dome: Dome, points: Array) -> Array:
+def _outward(dome: Dome, points: FloatArray) -> FloatArray:
     return np.asarray((points - np.array([0.0, 0.0, dome.center_z])) / dome.radius)
 
 
-def _on_dome(camera: Camera, dome: Dome, pixels: Array) -> Array:
+def _on_dome(camera: Camera, dome: Dome, pixels: FloatArray) -> FloatArray:
     """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
     rays = camera.back_project(pixels)
     start = camera.origin - np.array([0.0, 0.0, dome.center_z])
@@ -126,7 +124,7 @@ def _on_dome(camera: Camera, dome: Dome, pixels: Array) -> Array:
     return np.asarray(camera.origin + reach[:, None] * rays)
 
 
-def _surface_axes(points: Array, outward: Array) -> Array:
+def _surface_axes(points: FloatArray, outward: FloatArray) -> FloatArray:
     """(m, 2, 3) unit vectors along the meridian, away from the apex, and along the ring; x and y at the apex."""
     rho = np.linalg.norm(points[:, :2], axis=1)
     at_apex = rho < 1e-9
@@ -136,7 +134,7 @@ def _surface_axes(points: Array, outward: Array) -> Array:
     return np.stack([np.cross(ring, outward), ring], axis=1)
 
 
-def _scale(camera: Camera, dome: Dome, pixels: Array) -> Array:
+def _scale(camera: Camera, dome: Dome, pixels: FloatArray) -> FloatArray:
     """(m,) greatest motion on the surface that a pixel stands for, mm."""
     half = 0.5
     steps = [

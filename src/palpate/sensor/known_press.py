@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.fea import WallSpec, solve_press
 from palpate.markers import Naming, PressFit, name_by_press
 from palpate.material import Material
@@ -18,7 +18,6 @@ from palpate.mesh import MeshSpec, mesh_dome
 from palpate.sensor.register import register_dome
 from palpate.sensor.unit import Unit
 
-Array = NDArray[np.float64]
 _CELLS = 10
 """A coarse mesh is solved in seconds; friction costs more than it does."""
 _IMAGE_STEP = 0.5
@@ -37,7 +36,7 @@ class KnownPress:
     """
 
     image: NDArray[Any]
-    positions: Array
+    positions: FloatArray
 
     @classmethod
     def simulate(cls, image: NDArray[Any], pose: tuple[float, float, float], unit: Unit, material: Material) -> Self:
@@ -75,7 +74,7 @@ class KnownPress:
         return cls(image, press.positions(unit.layout.positions)[-1])
 
 
-def ask_press(naming: Naming, pressed_px: Array, positions: Array, unit: Unit) -> PressFit:
+def ask_press(naming: Naming, pressed_px: FloatArray, positions: FloatArray, unit: Unit) -> PressFit:
     """Choose among the numberings of a rest image by the dots (n, 2) of a known press.
 
     Each numbering gives the camera another pose; the markers at `positions` (m, 3) are seen from there.
@@ -93,7 +92,7 @@ def ask_press(naming: Naming, pressed_px: Array, positions: Array, unit: Unit) -
     return name_by_press(naming, motions, pressed_px, spacing)
 
 
-def _motion(choice: Naming, positions: Array, unit: Unit, nominal: CameraSpec) -> Array:
+def _motion(choice: Naming, positions: FloatArray, unit: Unit, nominal: CameraSpec) -> FloatArray:
     """(m, 2) motion of the markers in the image under one numbering; a mirrored image is flipped for it and back."""
     flip = np.array([-1.0 if choice.mirrored else 1.0, 1.0])
     if choice.mirrored:

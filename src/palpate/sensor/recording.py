@@ -18,11 +18,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 
-Array = NDArray[np.float64]
 REST = "rest"
 _TRUTH = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
 _ESTIMATE = ("rx_deg", "ry_deg", "depth_mm")
@@ -47,8 +45,8 @@ class Truth:
 
     rest: tuple[str, ...]
     images: tuple[str, ...]
-    press: NDArray[np.int64]
-    poses: Array
+    press: IntArray
+    poses: FloatArray
 
 
 def read_truth(path: Path) -> Truth:
@@ -73,12 +71,12 @@ def read_truth(path: Path) -> Truth:
     return Truth(rest, tuple(row["image"] for _, row in pressed), press, poses)
 
 
-def read_readings(path: Path, truth: Truth) -> tuple[Array, NDArray[np.bool_]]:
+def read_readings(path: Path, truth: Truth) -> tuple[FloatArray, BoolArray]:
     """Read what `palpate live --out` wrote about the images of a truth.
 
     Returns
     -------
-    Array, ndarray of bool
+    FloatArray, ndarray of bool
         (n, 3) poses, NaN where there is none, and (n,) whether the reading is flagged.
 
     Raises

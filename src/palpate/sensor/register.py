@@ -18,16 +18,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
 from palpate.camera import LENSES, Camera, CameraSpec, build_camera, centre_bias, dot_edges
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design import Dome, MarkerLayout
 from palpate.markers import Naming
 
-Array = NDArray[np.float64]
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
@@ -59,17 +57,17 @@ class Registration:
 
     camera: Camera
     rms_px: float
-    print_error_px: Array
-    sd: Array
+    print_error_px: FloatArray
+    sd: FloatArray
     held_rms_px: float
-    lens_sd: Array
+    lens_sd: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
     camera: Camera
-    left: Array
-    sd: Array
+    left: FloatArray
+    sd: FloatArray
 
     @property
     def rms_px(self) -> float:
@@ -131,14 +129,16 @@ def register_dome(
     return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd)
 
 
-def _fit(nominal: CameraSpec, start: Array, where: tuple[Array, Array, Array], dot_px: float = 0.0) -> _Fit:
+def _fit(
+    nominal: CameraSpec, start: FloatArray, where: tuple[FloatArray, FloatArray, FloatArray], dot_px: float = 0.0
+) -> _Fit:
     """Fit the pose to dots, and the lens as well where it is said how far dots are off; it counts as three more."""
     points, seen, bias = where
     free = len(start) if dot_px else len(_POSE)
     refined = np.array(list(LENSES.get(nominal.lens).refinable.values()))
     hold = dot_px / np.array([FOCAL_SD, CENTRE_SD_PX, CENTRE_SD_PX, *refined])
 
-    def miss(values: Array) -> Array:
+    def miss(values: FloatArray) -> FloatArray:
         every = np.concatenate([values, start[free:]])
         projected = _posed(nominal, every).project(points) + bias
         left = np.nan_to_num(projected - seen, nan=1e3).reshape(-1)
@@ -156,18 +156,18 @@ def _fit(nominal: CameraSpec, start: Array, where: tuple[Array, Array, Array], d
     return _Fit(camera, left, np.sqrt(np.diag(spread)))
 
 
-def _pose_of(camera: Camera) -> Array:
+def _pose_of(camera: Camera) -> FloatArray:
     return np.array([getattr(camera.spec, name) for name in _POSE])
 
 
-def _lens_of(nominal: CameraSpec) -> Array:
+def _lens_of(nominal: CameraSpec) -> FloatArray:
     """What refining starts from (3 + k,): factor on the focal lengths, centre in px, refinable coefficients."""
     lens = LENSES.get(nominal.lens)
     named = dict(zip(lens.parameters(), nominal.distortion, strict=True))
     return np.array([1.0, nominal.cx_px, nominal.cy_px, *(named[name] for name in lens.refinable)])
 
 
-def _posed(nominal: CameraSpec, values: Array) -> Camera:
+def _posed(nominal: CameraSpec, values: FloatArray) -> Camera:
     """The camera of a pose and of what `_lens_of` lists."""
     chosen: dict[str, Any] = dict(zip(_POSE, (float(value) for value in values[:6]), strict=True))
     chosen["roll_deg"] = (chosen["roll_deg"] + 180.0) % 360.0 - 180.0

@@ -10,12 +10,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import generator
+from palpate.core import FloatArray, IntArray, generator
 from palpate.learn import ErrorSummary
 
-Array = NDArray[np.float64]
 COMPONENTS = (("roll", "deg"), ("pitch", "deg"), ("depth", "mm"))
 """rx, ry and depth by the names of the paper, and their units."""
 LEVEL = 0.95
@@ -60,7 +58,7 @@ class Score:
         return asdict(self)
 
 
-def score_readings(truth: Array, estimates: Array, press: NDArray[np.int64], seed: int = 0) -> tuple[Score, ...]:
+def score_readings(truth: FloatArray, estimates: FloatArray, press: IntArray, seed: int = 0) -> tuple[Score, ...]:
     """Score roll, pitch and depth.
 
     Parameters
@@ -90,7 +88,7 @@ def score_readings(truth: Array, estimates: Array, press: NDArray[np.int64], see
     return tuple(scores)
 
 
-def _bootstrap(error: Array, press: NDArray[np.int64], seed: int) -> tuple[Array, Array, Array]:
+def _bootstrap(error: FloatArray, press: IntArray, seed: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """RMSE, MAE and SD of repetitions in which whole presses are drawn with replacement."""
     _, which = np.unique(press, return_inverse=True)
     sums = np.stack(

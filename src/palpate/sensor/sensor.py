@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import build_camera
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design import Dome, place_orientation_mark
 from palpate.learn import Predictor
 from palpate.markers import (
@@ -37,7 +37,6 @@ from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 
-Array = NDArray[np.float64]
 _NOWHERE = (float("inf"),) * 3
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
@@ -115,11 +114,11 @@ class Sensor:
         latency = (time.perf_counter() - start) * 1e3
         return Reading(self._count, nan, nan, nan, _NOWHERE, False, found, flags, latency, reason)
 
-    def _look(self, pixels: Array) -> Array:
+    def _look(self, pixels: FloatArray) -> FloatArray:
         """(m, 3) directions in which the real camera looks at its pixels, in the dome's frame."""
         return self.registration.camera.back_project(pixels)
 
-    def _carry(self, rays: Array, pose: Array | None = None) -> Array:
+    def _carry(self, rays: FloatArray, pose: FloatArray | None = None) -> FloatArray:
         """Dots on rays of the real camera as the nominal camera would show them, for a wall of about this pose."""
         camera = self.registration.camera
         reach = (self.unit.layout.positions[:, 2] - camera.origin[2]) / rays[:, 2]
@@ -241,7 +240,7 @@ def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> 
     return replace(naming, positions_px=positions, found=found)
 
 
-def _wall(dome: Dome, pose: Array) -> tuple[Array, float]:
+def _wall(dome: Dome, pose: FloatArray) -> tuple[FloatArray, float]:
     """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
     theta = np.radians(np.hypot(pose[0], pose[1]))
     scale = np.sinc(theta / np.pi) * np.radians(1.0)

@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 
-Array = NDArray[np.float64]
 LEAST_IMAGES = 3
 """Images below which no zero is found."""
 
@@ -38,7 +36,7 @@ class TouchZero:
     images: int
 
 
-def find_zero(estimated: Array, other: Array, least_depth: float = 2.4) -> TouchZero:
+def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4) -> TouchZero:
     """Find the zero from one press.
 
     Parameters

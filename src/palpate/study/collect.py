@@ -114,7 +114,7 @@ def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
     return {
         "mesh": press.mesh.model_dump(mode="json"),
         "material": press.material.key_data(),
-        "tilts_deg": [item.wall.tilt_deg for item in dataset.presses],
+        "tilts_deg": [item.wall.radial for item in dataset.presses],
         "wall": wall,
         "solver": press.solver.model_dump(mode="json"),
         "camera": dataset.camera.model_dump(mode="json"),
@@ -142,7 +142,7 @@ def _summarise_press(path: Path) -> PressSummary:
     press = read_press(path)
     moved = np.linalg.norm(press.displacement[-1], axis=1)
     return PressSummary(
-        tilt_deg=press.wall.tilt_deg,
+        tilt_deg=press.wall.radial,
         ended=str(press.ended),
         ended_depth_mm=float(press.ended_depth),
         force_n=float(np.linalg.norm(press.force[-1])),

@@ -60,7 +60,7 @@ def plan_study(study: Study) -> Plan:
     for dome in study.designs.domes():
         presses = tuple(_plan_presses(study, dome))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, dome))
-        inverted = replace(min(presses, key=lambda press: press.wall.tilt_deg), branch=Branch.INVERTED)
+        inverted = replace(min(presses, key=lambda press: press.wall.radial), branch=Branch.INVERTED)
         for markers in study.designs.markers:
             dataset = DatasetTask(
                 presses=presses,

@@ -12,9 +12,10 @@ from palpate.camera import CameraSpec
 from palpate.core import PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import DomeSpec, MarkerSpec
-from palpate.fea import SolverSpec, WallSpec
+from palpate.fea import WallSpec
 from palpate.learn import SearchSpec
 from palpate.material import Material, get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec
 
 PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"

@@ -21,9 +21,10 @@ from palpate.dataset import (
     write_dataset,
 )
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
-from palpate.fea import FEA_VERSION, Branch, SolverSpec, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, Branch, WallSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
 
 TASK_VERSION = "3"

@@ -1,4 +1,4 @@
-"""A solid sphere pressed by a plane: Hertz's contact, and compression far beyond it.
+"""A solid sphere pressed by a plane, a ball and a bar: Hertz's contact, and compression far beyond it.
 
 Between two frictionless plates the plane through the equator is one of symmetry: an eighth of the sphere is solved,
 pressed by one plate. Hertz (Johnson, *Contact Mechanics*, 1985, chapter 4): ``F = 4/3 E* sqrt(R) d^1.5``,
@@ -8,11 +8,16 @@ pressed by one plate. Hertz (Johnson, *Contact Mechanics*, 1985, chapter 4): ``F
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
+from palpate.core import FloatArray
+from palpate.fea import Ball, Cylinder
 from palpate.material import Material
+from palpate.mechanics import Obstacle
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import make_solid
-from palpate.verify.mapped import FloatArray, Grid, Turn, even, graded, join, revolve
+from palpate.verify.mapped import Grid, Turn, even, graded, join, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS, YEOH
@@ -65,16 +70,17 @@ def _between(inner: FloatArray, outer: FloatArray, share: FloatArray) -> FloatAr
     return (1 - share) * inner + share * outer
 
 
-def make_pressing(grid: Grid, radius: float, material: Material, contact_radius: float) -> Pressing:
-    """Press an eighth of a sphere of this radius (mm), with a penalty fit for a radius of contact, mm."""
+def make_pressing(
+    grid: Grid, radius: float, material: Material, contact_radius: float, obstacle: Obstacle | None = None
+) -> Pressing:
+    """Press an eighth of a sphere of this radius (mm), with a penalty fit for a radius of contact, mm; by a plate."""
     fixed = np.stack([grid.near(axis, 0.0) for axis in range(3)], axis=-1)
     outside = np.abs(np.linalg.norm(grid.nodes, axis=1) - radius) < 1e-6 * radius
     penalty = _STIFF * material.young_modulus / contact_radius
     tolerance = 1e-6 * material.law.shear_modulus * contact_radius**2
     solid = make_solid(grid, material, fixed)
-    return Pressing(
-        solid, grid.outer_cells(outside), radius, penalty, 1e-5 * contact_radius, tolerance, contact_radius
-    )
+    contact = (penalty, 1e-5 * contact_radius)
+    return Pressing(solid, grid.outer_cells(outside), obstacle or radius, contact, tolerance, contact_radius)
 
 
 def make_fine_ball(radius: float, contact_radius: float) -> Grid:
@@ -113,10 +119,10 @@ def _press_lightly(radius: float, depth: float) -> tuple[float, float, float]:
     reach = float(np.sqrt(radius * depth))
     pressing = make_pressing(make_fine_ball(radius, reach), radius, YEOH, reach)
     found = pressing.follow([depth])[0]
-    inside = np.maximum(pressing.reach(found.state, depth) - pressing.law.width / 2, 0.0)
-    x = pressing.problem.surface.interpolate(pressing.solid.nodes + found.state.u)
-    square, pressure = x[:, 0] ** 2 + x[:, 1] ** 2, pressing.penalty * inside
-    force = pressing.problem.surface.faces.weight.ravel() * pressure
+    inside = np.maximum(pressing.reach(found) - pressing.law.width / 2, 0.0)
+    x = pressing.surface.interpolate(pressing.solid.nodes + found.state.u)
+    square, pressure = x[:, 0] ** 2 + x[:, 1] ** 2, pressing.law.stiffness * inside
+    force = pressing.surface.faces.weight.ravel() * pressure
     contact_radius = float(np.sqrt(2.5 * (force * square).sum() / force.sum()))
     middle = square < (0.7 * reach) ** 2
     _, peak = np.polyfit(square[middle], pressure[middle] ** 2, 1)
@@ -149,3 +155,47 @@ def compression() -> list[Row]:
             compare(f"bulge at the equator, {name}, mm", bulge, data["equator_ur_mm"], 1e-2, at),
         ]
     return rows
+
+
+def hertz_round(obstacle: str) -> list[Row]:
+    """Force of a soft sphere under a rigid ball of its size (``ball``) or a rigid bar (``cylinder``), d/R to 0.002.
+
+    With the relative curvatures 1/R' <= 1/R'' of the pair, the patch is an ellipse of eccentricity e (Johnson 1985,
+    section 4.2): ``B/A = ((a/b)² E(e) - K(e)) / (K(e) - E(e))`` of ``A = 1/2R'``, ``B = 1/2R''``;
+    ``d = p0 b K(e) / E*``, ``A = p0 b (K(e) - E(e)) / (E* e² a²)``, ``F = 2/3 pi a b p0``. As in `hertz` the ratio is
+    carried to the limit of small patches, where Hertz's law is exact.
+    """
+    radius, depths = 10.0, np.array([0.01, 0.02])
+    found, exact = [], []
+    for depth in depths:
+        force, longest = _hertz_force(radius, depth, obstacle)
+        middle = np.array([0.0, 0.0, 2 * radius])
+        rigid = Ball(radius, middle) if obstacle == "ball" else Cylinder(radius, middle, np.array([1.0, 0.0, 0.0]))
+        pressing = make_pressing(make_fine_ball(radius, longest), radius, YEOH, longest, rigid)
+        found.append(4 * float(pressing.follow([depth])[0].loads.force[2]))
+        exact.append(force)
+    ratio = np.array(found) / np.array(exact)
+    _, limit = np.polyfit(np.sqrt(depths / radius), ratio, 1)
+    at = [f"d/R = {depth / radius:g}" for depth in depths]
+    return [
+        compare("force, N", np.array(found), np.array(exact), 2e-2, at),
+        compare("force over Hertz's", limit, 1.0, 1e-2, ["a/R = 0"]),
+    ]
+
+
+def _hertz_force(radius: float, depth: float, obstacle: str) -> tuple[float, float]:
+    """Force (N) and longer semi-axis (mm) of Hertz's patch of a sphere under a rigid ball or bar of its radius."""
+    modulus = YEOH.young_modulus / (1 - 0.5**2)
+    if obstacle == "ball":
+        return 4 / 3 * modulus * np.sqrt(radius / 2) * depth**1.5, float(np.sqrt(radius / 2 * depth))
+    least, most = 1 / (2 * radius), 1 / radius
+
+    def miss(square: float) -> float:
+        K, E = ellipk(square), ellipe(square)
+        return float((E / (1 - square) - K) / (K - E) - most / least)
+
+    square = brentq(miss, 1e-6, 1 - 1e-9)
+    K, E = ellipk(square), ellipe(square)
+    a = float(np.sqrt(depth * (K - E) / (K * square * least)))
+    b = a * np.sqrt(1 - square)
+    return float(2 / 3 * np.pi * a * b * depth * modulus / (K * b)), a

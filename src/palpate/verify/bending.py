@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import BoolArray, FloatArray
 from palpate.material import Material, NeoHooke
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, follow_load, make_solid, reactions
-from palpate.verify.mapped import BoolArray, FloatArray, Grid, Turn, even, join, map_block, revolve
+from palpate.verify.mapped import Grid, Turn, even, join, map_block, revolve
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS
 

@@ -33,6 +33,10 @@ CASES: tuple[Case, ...] = (
     Case("cook_membrane", "Q2/P1 code", cook.cook_membrane),
     Case("no_locking", "finer mesh", cook.no_locking),
     Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
+    *(
+        Case(f"hertz_sphere_{name}", "Hertz 1882", partial(ball.hertz_round, name), slow=True)
+        for name in ("ball", "cylinder")
+    ),
     Case("sphere_compression", _SOLID_CODE, ball.compression, slow=True),
     *(
         Case(f"shell_R{ratio:g}_{name}", _SHELL_CODE, partial(shells.against_shell, branch, ratio), slow=True)
@@ -72,6 +76,7 @@ CASES: tuple[Case, ...] = (
     Case("newton_rate", "property", properties.newton_rate),
     Case("convergence_order", "property", properties.convergence_order),
     Case("scaling", "property", laws.scaling),
+    Case("dome_scaling", "property", laws.dome_scaling),
     Case("mirror", "property", laws.mirror),
 )
 """The suite."""

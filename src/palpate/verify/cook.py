@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.fea import OuterSurface
+from palpate.core import FloatArray
 from palpate.material import Material, NeoHooke
+from palpate.mechanics import OuterSurface
 from palpate.verify.case import Row, below, compare
 from palpate.verify.equilibrium import follow_load
-from palpate.verify.mapped import FloatArray, Grid, even, join, map_block
+from palpate.verify.mapped import Grid, even, join, map_block
 from palpate.verify.read_reference import read_reference
 
 SHEAR_MODULUS, BULK_MODULUS = 80.1938, 400942.0

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.design import Dome, DomeSpec, build_dome
-from palpate.fea import Branch, Press, SolverSpec, WallSpec, solve_press
+from palpate.fea import Branch, Press, WallSpec, solve_press
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
 from palpate.verify.case import Row, compare
-from palpate.verify.mapped import FloatArray
 from palpate.verify.read_reference import Reference, read_reference
 
 FLAT_TO = {(20, 1): 7.2, (20, 2): 8.0, (20, 3): 8.0, (20, 4): 8.0, (10, 2): 6.4, (30, 2): 8.0}
@@ -91,7 +92,8 @@ def _at(data: Reference, column: str, depth: FloatArray) -> FloatArray:
 
 def _probe(press: Press) -> FloatArray:
     """Displacement (n, 3, 3) mm of the probes in the plane x = 0 at every image."""
-    dome: Dome = press.mesh.dome
+    dome = press.mesh.dome
+    assert isinstance(dome, Dome)
     polar = np.arccos((dome.radius - dome.height) / dome.radius) * np.array(_PROBES) / 100
     place = np.stack([0 * polar, dome.radius * np.sin(polar), dome.center_z + dome.radius * np.cos(polar)], axis=-1)
     return press.positions(place) - place

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.material import Fit, FitSpec, Loading, Mode, Sample, Weighting, fit_material, trace_curve
 from palpate.verify.case import Row, below, compare
-from palpate.verify.mapped import FloatArray
 from palpate.verify.read_reference import Reference, read_reference
 from palpate.verify.rubber import YEOH
 

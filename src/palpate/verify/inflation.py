@@ -14,11 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from palpate.fea import State, cauchy_stress
+from palpate.core import FloatArray
 from palpate.material import Material
+from palpate.mechanics import State, cauchy_stress
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid, reactions
-from palpate.verify.mapped import FloatArray, Grid, Turn, even, join, revolve
+from palpate.verify.mapped import Grid, Turn, even, join, revolve
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import MATERIALS
 

@@ -38,6 +38,26 @@ def _compress(material: Material, size: float) -> np.ndarray:
     return np.array([[item.loads.force[2], item.loads.elastic] for item in found]).T
 
 
+def dome_scaling() -> list[Row]:
+    """A dome ten times as large: forces a hundred times, energies a thousand times, by the product's own steps."""
+    small, large = (
+        solve_press(
+            mesh_dome(build_dome(DomeSpec(height=5 * k, base_radius=5 * k, thickness=0.5 * k)), MeshSpec(cells=10)),
+            SILICONE,
+            WallSpec(tilt_deg=5, depth=1.6 * k, image_step=0.4 * k, contact="no-slip"),
+        )
+        for k in (1.0, 10.0)
+    )
+    at = [f"d/B = {depth / 5:g}" for depth in small.depth[1:]]
+    moved = float(np.abs(large.displacement - 10 * small.displacement).max())
+    return [
+        compare("force of a dome ten times as large, N", large.force[1:, 2], 100 * small.force[1:, 2], 1e-6, at),
+        compare("its energy, mJ", large.energy[1:], 1000 * small.energy[1:], 1e-6, at),
+        below("its displacement, mm", moved, 1e-5),
+        compare("its Newton iterations", float(large.newton_iterations), float(small.newton_iterations), 0.0),
+    ]
+
+
 def mirror() -> list[Row]:
     """A whole dome under two walls that are mirror images in x = 0: forces and displacements are, too."""
     mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=10, whole=True))

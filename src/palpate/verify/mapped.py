@@ -11,12 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from palpate.core import BoolArray, FloatArray, IntArray
+
 Map = Callable[[FloatArray], FloatArray]
 """From points (n, 3) of the unit cube, or (n, 2) of the unit square, to points of the same kind in mm."""
 

@@ -11,11 +11,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from palpate.fea import cauchy_stress
+from palpate.core import FloatArray
 from palpate.material import LAWS, Material, Mode, stretches, trace_curve
+from palpate.mechanics import cauchy_stress
 from palpate.verify.case import Row, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid, reactions
-from palpate.verify.mapped import FloatArray, even, join, map_block
+from palpate.verify.mapped import even, join, map_block
 from palpate.verify.read_reference import read_reference
 from palpate.verify.rubber import YEOH
 

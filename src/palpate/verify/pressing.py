@@ -1,159 +1,121 @@
-"""Press a body from above by a rigid frictionless plane: the product's contact and Newton's method, step by step."""
+"""Press a body from above by a rigid frictionless obstacle: the product's continuation on other bodies."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.fea import (
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.fea import Plane, SkinMonitor
+from palpate.mechanics import (
     ContactLaw,
-    ContactProblem,
-    Damping,
-    Equilibrium,
+    ContactLoading,
+    Continuation,
+    Increment,
+    Obstacle,
     OuterSurface,
-    Plane,
+    Problem,
     Solid,
+    SolverSpec,
     State,
-    Touch,
     make_linear_solver,
-    untouched,
 )
-from palpate.verify.equilibrium import extrapolate
-from palpate.verify.mapped import FloatArray, IntArray
 
 DOWN = np.array([0.0, 0.0, 1.0])
-"""Normal of the plane, away from the body below it."""
-_ITERATIONS = 60
-_MIDDLE, _HOLD = 0.5, 0.01
-"""Share of the radius of contact that is held, and the spring over the contact stiffness."""
-_RELAXATIONS, _FADED, _SLACK = 60, 1e-9, 1e3
-"""Most pseudo-time steps, the viscosity over E/size² at which it has faded, and the slack on their tolerance."""
-_SMALLEST = 1e-4
-"""Smallest increment over the largest depth."""
+"""Normal of the obstacle, away from the body below it."""
+_STEPS = SolverSpec(largest_step=10.0, smallest_step=1e-4, iterations=60, adhesion=0.1)
+_THICKNESS = 2.0
+"""Size in mm of a body whose increments are those of a `SolverSpec`: a usual thickness of a dome."""
 
 
-@dataclass
 class Pressing:
-    """A body under a plane that comes down.
+    """A body under an obstacle that comes down.
 
-    Attributes
+    Parameters
     ----------
     solid
         The body.
     outer
-        (k,) cells whose face zeta = +1 may touch the plane.
-    top
-        Height of the plane at first touch, mm.
-    penalty
-        Contact stiffness, MPa/mm.
-    width
-        Width of its smooth start, mm.
+        (k,) cells whose face zeta = +1 may touch.
+    obstacle
+        What presses, at first touch; or the height of a plane there, mm.
+    contact
+        Contact stiffness, MPa/mm, and width of its smooth start, mm.
     tolerance
         Greatest residual, N.
     size
-        Greatest displacement of a Newton step, mm.
-    held
-        Whether the middle of the patch is held by a weak spring, as `palpate.fea` holds the flat branch of a dome.
+        Greatest displacement of a Newton step, mm; of a shell its thickness.
     """
 
-    solid: Solid
-    outer: IntArray
-    top: float
-    penalty: float
-    width: float
-    tolerance: float
-    size: float
-    held: bool = False
-    law: ContactLaw = field(init=False)
-    problem: ContactProblem = field(init=False)
-    touch: Touch = field(init=False)
+    def __init__(
+        self,
+        solid: Solid,
+        outer: IntArray,
+        obstacle: Obstacle | float,
+        contact: tuple[float, float],
+        tolerance: float,
+        size: float,
+    ) -> None:
+        self.solid, self.size = solid, size
+        self.surface = OuterSurface(solid.nodes, solid.cells.nodes[outer][:, 18:27], outer)
+        self.law = ContactLaw(stiffness=contact[0], width=contact[1], tangential_stiffness=1.0, friction=0.0)
 
-    def __post_init__(self) -> None:
-        nodes, faces = self.solid.nodes, self.solid.cells.nodes[self.outer][:, 18:27]
-        surface = OuterSurface(nodes, faces, self.outer)
-        self.law = ContactLaw(stiffness=self.penalty, width=self.width, tangential_stiffness=1.0, friction=0.0)
-        linear = make_linear_solver()
-        self.problem = ContactProblem(self.solid, surface, self.law, linear, self.tolerance, self.size)
-        self.touch = untouched(len(surface.points))
+        first = Plane(DOWN, obstacle * DOWN) if isinstance(obstacle, float) else obstacle
 
-    def plane(self, depth: float) -> Plane:
-        """Plane at a depth in mm below first touch."""
-        return Plane(normal=DOWN, point=np.array([0.0, 0.0, self.top - depth]))
+        def lowered(depth: float) -> Obstacle:
+            return first.moved(-depth * DOWN)
 
-    def solve(self, start: State, depth: float) -> Equilibrium:
-        """Equilibrium near `start` under the plane at a depth, mm."""
-        return self.problem.solve(start, self.plane(depth), self.touch, _ITERATIONS)
+        self.loading = ContactLoading(solid.nodes, self.surface, self.law, lowered)
+        self.problem = Problem(solid, make_linear_solver(), tolerance, size)
 
-    def follow(self, depths: Sequence[float], start: tuple[float, State] | None = None) -> list[Equilibrium]:
-        """Follow the equilibria to every depth.
+    def start(self, length: float, *, stabilised: bool = False) -> Continuation:
+        """A path from rest whose first increment is `length` mm; contact is stabilised if wished."""
+        probe, unit = int(self.surface.points[:, 2].argmax()), self.size / _THICKNESS
+        monitor = SkinMonitor(self.solid, self.loading, probe, DOWN, self.size, unit, np.zeros(3))
+        spec = _STEPS.model_copy(update={"first_step": min(length / unit, _STEPS.largest_step)})
+        path = Continuation(self.problem, self.loading, monitor, spec, unit=unit, jumps=False)
+        if not stabilised:
+            path.release()
+        return path
 
-        Parameters
-        ----------
-        depths
-            mm, in the order in which they are visited.
-        start
-            Depth (mm) and state to start from; without it, rest at first touch.
+    def follow(self, depths: Sequence[float], *, stabilised: bool = False) -> list[Increment]:
+        """Follow the equilibria from rest to every depth, mm.
 
         Raises
         ------
         PalpateError
             If no increment, however small, leads to the next depth.
         """
-        first, state = start or (0.0, self.solid.rest())
-        at, states = [first], [state]
-        found = []
-        for depth in depths:
-            step = depth - at[-1]
-            while abs(depth - at[-1]) > 1e-12:
-                step = min(step, depth - at[-1], key=abs)
-                here = self.solve(extrapolate(at[-3:], states[-3:], at[-1] + step), at[-1] + step)
-                if not here.converged:
-                    step /= 2
-                    if abs(step) < _SMALLEST * max(map(abs, depths)):
-                        raise PalpateError(
-                            f"No equilibrium beyond {at[-1]:.4g} mm: {here.outcome}.", "Refine the mesh."
-                        )
-                    continue
-                at.append(at[-1] + step)
-                states.append(here.state)
-                self._hold(here.state, at[-1])
-            found.append(here)
-        return found
+        path = self.start(max(depths), stabilised=stabilised)
+        return [advance_to(path, depth) for depth in depths]
 
-    def relax(self, start: State, depth: float) -> Equilibrium:
-        """Relax from a state that is no equilibrium, by pseudo-time steps of a viscosity that fades to nothing.
+    def relax(self, depth: float, shape: FloatArray) -> Continuation:
+        """A path that begins at the equilibrium near a shape (n, 3) mm at a depth, mm.
 
         Raises
         ------
         PalpateError
-            If no equilibrium is found at the depth (mm).
+            If no equilibrium is found there.
         """
-        stiffness = self.solid.material.young_modulus / self.size**2
-        coefficient, state, plane = 10 * stiffness, start, self.plane(depth)
-        for _ in range(_RELAXATIONS):
-            damping = Damping(coefficient, state.u)
-            here = self.problem.solve(state, plane, self.touch, _ITERATIONS, damping, _SLACK)
-            coefficient *= (0.1 if here.iterations <= 4 else 0.25) if here.converged else 3.0
-            state = here.state if here.converged else state
-            if coefficient < _FADED * stiffness:
-                break
-        found = self.solve(state, depth)
-        if not found.converged:
-            raise PalpateError(f"No equilibrium was found at {depth:.4g} mm: {found.outcome}.", "Refine the mesh.")
-        return found
+        path = self.start(self.size)
+        if not path.settle(depth, shape, State(shape, self.solid.rest().p)):
+            raise PalpateError(f"No equilibrium was found at {depth:.4g} mm.", "Refine the mesh.")
+        return path
 
-    def _hold(self, state: State, depth: float) -> None:
-        """Hold what lies within half the radius of contact."""
-        radius = np.hypot(*self.problem.surface.points[:, :2].T)
-        touching = self.reach(state, depth) > 0
-        middle = radius < _MIDDLE * radius[touching].max(initial=0.0)
-        hold = np.where(middle & self.held, _HOLD * self.penalty, 0.0)
-        self.touch = self.touch._replace(hold=hold)
+    def reach(self, found: Increment) -> FloatArray:
+        """Depth (n_points,) in mm of every contact point inside the obstacle, negative before it."""
+        return self.loading.reach(found.depth, found.state)
 
-    def reach(self, state: State, depth: float) -> FloatArray:
-        """Depth (n_points,) in mm of every contact point inside the plane, negative before it."""
-        x = self.problem.surface.interpolate(self.solid.nodes + state.u)
-        return x[:, 2] - self.plane(depth).point[2]
+
+def advance_to(path: Continuation, depth: float) -> Increment:
+    """The increment at a depth in mm.
+
+    Raises
+    ------
+    PalpateError
+        If the branch ends before.
+    """
+    if not path.advance(depth):
+        raise PalpateError(f"No equilibrium beyond {path.last.depth:.4g} mm: {path.message}", "Refine the mesh.")
+    return path.last

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.fea import Solid, State, System, cauchy_stress
+from palpate.core import BoolArray, FloatArray
 from palpate.material import get_material
+from palpate.mechanics import Solid, State, System, cauchy_stress
 from palpate.verify.bending import SPAN, bend, make_block
 from palpate.verify.case import Row, below, compare
 from palpate.verify.equilibrium import find_equilibrium, make_solid
-from palpate.verify.mapped import BoolArray, FloatArray, Grid, even, join, map_block
+from palpate.verify.mapped import Grid, even, join, map_block
 from palpate.verify.pressing import Pressing
 from palpate.verify.rubber import YEOH
 
@@ -100,9 +101,9 @@ def contact_patch() -> list[Row]:
     fixed = np.stack([grid.near(axis, 0.0) for axis in range(3)], axis=-1)
     solid = make_solid(grid, SILICONE, fixed)
     penalty = 100 * SILICONE.young_modulus
-    pressing = Pressing(solid, grid.outer_cells(grid.near(2, 1.0)), 1.0, penalty, 1e-3, 1e-12, 1.0)
+    pressing = Pressing(solid, grid.outer_cells(grid.near(2, 1.0)), 1.0, (penalty, 1e-3), 1e-12, 1.0)
     found = pressing.follow([0.1, 0.2, 0.3])[-1]
-    reach = pressing.reach(found.state, 0.3)
+    reach = pressing.reach(found)
     return [below("spread of the pressure over its mean", float(np.ptp(reach) / (reach.mean() - 5e-4)), 1e-8)]
 
 

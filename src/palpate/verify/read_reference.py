@@ -7,7 +7,7 @@ from importlib import resources
 
 import numpy as np
 
-from palpate.verify.mapped import FloatArray
+from palpate.core import FloatArray
 
 
 class Reference:

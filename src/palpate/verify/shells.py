@@ -11,11 +11,12 @@ from functools import cache
 
 import numpy as np
 
-from palpate.fea import Equilibrium, State
+from palpate.core import FloatArray
 from palpate.material import Material, NeoHooke
+from palpate.mechanics import Increment
 from palpate.verify.case import Row, compare
-from palpate.verify.equilibrium import extrapolate, make_solid
-from palpate.verify.mapped import FloatArray, Grid, Turn, even, graded, join, revolve
+from palpate.verify.equilibrium import make_solid
+from palpate.verify.mapped import Grid, Turn, even, graded, join, revolve
 from palpate.verify.pressing import Pressing
 from palpate.verify.read_reference import Reference, read_reference
 
@@ -30,10 +31,10 @@ RATIOS = (20.0, 50.0, 100.0)
 """R/h of the shells."""
 _TOLERANCE, _THICK = 2e-2, 20.0
 """Tolerance of forces, and the R/h at which h/R is added to it: so far is thin-shell theory off (Koiter 1960)."""
-_ONSET, _OFF = 0.1, 0.1
-"""Tolerance of the travel from which the cap stays inverted, and the gap of its apex that counts, both over h."""
-_DRAWN_BACK = (4.0, 3.8)
-"""Travel over h of the two states from which the plate is drawn back."""
+_ONSET, _EXACT = 0.1, 0.02
+"""Tolerance of the travel from which the cap stays inverted, over h; last increments of drawing back, over h/2."""
+_DRAWN_BACK = 4.0
+"""Travel over h from which the plate is drawn back."""
 _CELLS = {"flat": 40, "dimple": 110}
 """Cells from pole to equator: the ring of an inverted cap is narrower than a flat patch."""
 _TRAVEL = {"flat": [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "dimple": [4.0, 5.0, 6.0]}
@@ -63,9 +64,8 @@ def make_pressing(ratio: float, poisson: float, cells: int) -> Pressing:
     outside = np.abs(np.linalg.norm(grid.nodes, axis=1) - top) < 1e-6 * RADIUS
     solid = make_solid(grid, material, fixed)
     penalty = _PENALTY * material.young_modulus / thickness
-    return Pressing(
-        solid, grid.outer_cells(outside), top, penalty, _WIDTH * thickness, 1e-6 * thickness**2, thickness
-    )
+    contact = (penalty, _WIDTH * thickness)
+    return Pressing(solid, grid.outer_cells(outside), top, contact, 1e-6 * thickness**2, thickness)
 
 
 def against_shell(branch: str, ratio: float) -> list[Row]:
@@ -80,30 +80,20 @@ def against_shell(branch: str, ratio: float) -> list[Row]:
 def dimple_onset(ratio: float) -> list[Row]:
     """Travel over the thickness from which the inverted cap exists, found by drawing the plate back from it."""
     rows: list[Row] = []
-    shapes: list[FloatArray] = []
+    shape: FloatArray | None = None
     for poisson in _POISSON:
         data = read_reference("sphere_shell_plate_compression").where(**_name(ratio, poisson, "dimple"))
         pressing = make_pressing(ratio, poisson, _CELLS["dimple"])
-        at = [depth * pressing.size for depth in _DRAWN_BACK]
-        found = _relax_inverted(pressing, np.array(at), shapes * len(at))
-        shapes = [found[0].state.u]
-        onset = _draw_back(pressing, at, [item.state for item in found]) / pressing.size
+        depth = _DRAWN_BACK * pressing.size
+        path = pressing.relax(depth, _mirrored(pressing, depth) if shape is None else shape)
+        shape = path.last.state.u
+        path.spec = path.spec.model_copy(update={"first_step": 0.4, "largest_step": 0.4, "smallest_step": _EXACT})
+        path.restart()
+        path.advance(0.0)
         expected = data["delta_over_h"].min()
+        onset = path.last.depth / pressing.size
         rows.append(compare(f"inverted from d/h, nu = {poisson}", onset, expected, _ONSET, scale=1.0))
     return rows
-
-
-def _draw_back(pressing: Pressing, at: list[float], states: list[State]) -> float:
-    """Least depth in mm at which the apex is still off the plate; the last steps are a hundredth of the thickness."""
-    step, apex = at[0] - at[1], pressing.problem.surface.points[:, 2].argmax()
-    while step > 0.01 * pressing.size:
-        depth = at[-1] - step
-        here = pressing.solve(extrapolate(at[-3:], states[-3:], depth), depth)
-        if here.converged and pressing.reach(here.state, depth)[apex] < -_OFF * pressing.size:
-            at, states = [*at, depth], [*states, here.state]
-        else:
-            step /= 2
-    return at[-1]
 
 
 def thin_limit(branch: str) -> list[Row]:
@@ -137,16 +127,14 @@ def _solve(branch: str, ratio: float) -> dict[float, tuple[FloatArray, FloatArra
     return forces
 
 
-def _follow_flat(pressing: Pressing, depths: FloatArray, _: list[FloatArray]) -> list[Equilibrium]:
-    pressing.held = True
-    return pressing.follow(list(depths))
+def _follow_flat(pressing: Pressing, depths: FloatArray, _: list[FloatArray]) -> list[Increment]:
+    return pressing.follow(list(depths), stabilised=True)
 
 
-def _relax_inverted(pressing: Pressing, depths: FloatArray, shapes: list[FloatArray]) -> list[Equilibrium]:
+def _relax_inverted(pressing: Pressing, depths: FloatArray, shapes: list[FloatArray]) -> list[Increment]:
     """Relax from the shapes of another material, or from the mirrored cap."""
-    starts = shapes or [_mirrored(pressing, pressing.size, depth) for depth in depths]
-    rest = pressing.solid.rest()
-    return [pressing.relax(State(u, rest.p), depth) for u, depth in zip(starts, depths, strict=True)]
+    starts = shapes or [_mirrored(pressing, depth) for depth in depths]
+    return [pressing.relax(depth, shape).last for depth, shape in zip(depths, starts, strict=True)]
 
 
 def _reference(ratio: float, poisson: float, branch: str) -> Reference:
@@ -158,14 +146,14 @@ def _name(ratio: float, poisson: float, branch: str) -> dict[str, str]:
     return {"R_over_h": f"{ratio:.1f}", "nu": f"{poisson}", "branch": branch}
 
 
-def _mirrored(pressing: Pressing, thickness: float, depth: float) -> FloatArray:
+def _mirrored(pressing: Pressing, depth: float) -> FloatArray:
     """Displacement (n, 3) mm that mirrors the cap above the plate at a depth, its ridge rounded over a thickness."""
     nodes = pressing.solid.nodes
     radius, across = np.linalg.norm(nodes, axis=1), np.hypot(nodes[:, 0], nodes[:, 1])
     outward = np.divide(nodes[:, :2], across[:, None], out=np.zeros((len(nodes), 2)), where=across[:, None] > 0)
     offset, sin, cos = radius - RADIUS, across / radius, nodes[:, 2] / radius
     above = RADIUS * cos - (RADIUS - depth)
-    rounded = np.sqrt(above**2 + thickness**2)
+    rounded = np.sqrt(above**2 + pressing.size**2)
     slope = RADIUS * sin * above / rounded
     length = np.hypot(RADIUS * cos, slope)
     r = RADIUS * sin - offset * slope / length

@@ -7,24 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
+from palpate.design import rotation_vector, turn_about_axis, wall_normal
+from palpate.fea import Plane
 from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
 from palpate.viewer.library import Specimen
-from palpate.viewer.markers_seen import follow_markers, turn_about_axis
+from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
-
-Array = NDArray[np.float64]
-_WALL = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
 def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg)
     seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, azimuth_deg)
-    angle = np.radians(azimuth_deg)
-    rx, ry = tilt_deg * float(np.cos(angle)), tilt_deg * float(np.sin(angle))
+    rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
     for k, depth in enumerate(motion.depths_mm):
         for marker in range(len(design.layout)):
@@ -50,7 +48,7 @@ def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, flo
         raise PalpateError(
             f"{depth:g} mm is not reached at {tilt_deg:g}°.", f"It ends at {motion.depths_mm[-1]:g} mm."
         )
-    turn = turn_about_axis(azimuth_deg)
+    turn = turn_about_axis(np.radians(azimuth_deg))
     shell, nodes = specimen.shell, specimen.pressed.mesh.nodes
     moved = _between(motion, motion.displacement, depth)
     first, _ = shell.parts["cut"]
@@ -66,12 +64,12 @@ def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, flo
     ]
 
 
-def _between(motion: Motion, field: NDArray[Any], depth: float) -> Array:
+def _between(motion: Motion, field: NDArray[Any], depth: float) -> FloatArray:
     """A field (k, …) at a depth between its images, on straight lines."""
     place = float(np.interp(depth, motion.depths_mm, np.arange(len(motion.depths_mm))))
     low = min(int(place), len(motion.depths_mm) - 1)
     high = min(low + 1, len(motion.depths_mm) - 1)
-    mixed: Array = field[low] + (place - low) * (np.asarray(field[high], float) - field[low])
+    mixed: FloatArray = field[low] + (place - low) * (np.asarray(field[high], float) - field[low])
     return mixed
 
 
@@ -86,15 +84,14 @@ def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[flo
     return Part("markers", points, triangles, np.tile([0.1, 0.1, 0.12, 1.0], (len(points), 1)))
 
 
-def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: Array) -> Part:
-    dome, tilt = specimen.pressed.mesh.dome, np.radians(pose[1])
-    axes = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(tilt), np.sin(tilt)]])
-    touch = np.array([0.0, -np.sin(tilt), np.cos(tilt)]) * dome.outer_radius + [0.0, 0.0, dome.center_z - pose[0]]
-    points = (touch + _WALL * 1.2 * dome.outer_radius @ axes) @ turn.T
-    return Part("wall", points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))
+def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: FloatArray) -> Part:
+    dome, normal = specimen.pressed.mesh.dome, wall_normal(np.radians(pose[1]), 0.0)
+    at = dome.touch(normal) - np.array([0.0, 0.0, pose[0]])
+    points, _ = Plane(normal, at).patch(at, 1.2 * dome.outer_widest[0])
+    return Part("wall", points @ turn.T, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))
 
 
-def _colours(share: Array) -> Array:
+def _colours(share: FloatArray) -> FloatArray:
     """Colours (v, 4) of shares (v,) from 0 to 1."""
     steps = np.array([[int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)] for code in VIRIDIS])
     at = np.linspace(0, 1, len(steps))

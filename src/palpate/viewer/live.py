@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.learn import Predictor
 from palpate.markers import Motion, Tracker
 from palpate.sensor import Reading, Sensor, Unit, describe_reading, open_sensor
@@ -51,8 +51,8 @@ class Step:
 
     image: NDArray[np.uint8] | None
     reading: Reading
-    positions_px: NDArray[np.float64]
-    found: NDArray[np.bool_]
+    positions_px: FloatArray
+    found: BoolArray
     truth: tuple[float, float, float] | None
 
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.camera import Camera
-from palpate.core import PalpateError
-from palpate.design import MarkerLayout
+from palpate.core import BoolArray, FloatArray, PalpateError
+from palpate.design import MarkerLayout, turn_about_axis
 from palpate.mesh import Mesh, locate_inner
 from palpate.viewer.pressed_dome import Motion
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +29,10 @@ class MarkersSeen:
         (k, m) whether the camera sees it.
     """
 
-    positions: Array
-    pixels: Array
-    radius_px: Array
-    seen: NDArray[np.bool_]
+    positions: FloatArray
+    pixels: FloatArray
+    radius_px: FloatArray
+    seen: BoolArray
 
 
 def follow_markers(
@@ -67,20 +64,13 @@ def follow_markers(
     return MarkersSeen(positions, camera.project(positions), radius, seen)
 
 
-def follow_points(mesh: Mesh, motion: Motion, points: Array, azimuth_deg: float) -> Array:
+def follow_points(mesh: Mesh, motion: Motion, points: FloatArray, azimuth_deg: float) -> FloatArray:
     """Deformed positions (k, m, 3) mm of undeformed points (m, 3) of the inner surface, dome's frame."""
     if not np.isfinite(azimuth_deg):
         raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.")
-    turn = turn_about_axis(azimuth_deg)  # dome_from_tilt
+    turn = turn_about_axis(np.radians(azimuth_deg))  # dome_from_tilt
     local = points @ turn
     side = np.where(local[:, :1] < 0, [[-1.0, 1.0, 1.0]], 1.0)
     moved = locate_inner(mesh, local * side).interpolate(motion.displacement.astype(float)) * side
-    positions: Array = points + moved @ turn.T
+    positions: FloatArray = points + moved @ turn.T
     return positions
-
-
-def turn_about_axis(azimuth_deg: float) -> Array:
-    """Rotation (3, 3) about the dome's axis: columns are the axes of the tilt frame."""
-    angle = np.radians(azimuth_deg)
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -20,11 +20,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError, TextArray
 from palpate.fea import Press
 from palpate.mesh import Mesh
 
-Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
 SAME_MM, SAME_DEG = 1e-6, 1e-9
@@ -54,9 +53,9 @@ class Motion:
     """
 
     tilt_deg: float
-    depths_mm: Array
+    depths_mm: FloatArray
     displacement: Array32
-    force_n: Array
+    force_n: FloatArray
     branch: tuple[str, ...]
     ended: str
     weights: Array32
@@ -87,11 +86,11 @@ class PressedDome:
     """
 
     mesh: Mesh
-    tilts_deg: Array
-    depths_mm: Array
+    tilts_deg: FloatArray
+    depths_mm: FloatArray
     displacement: Array32
-    force_n: Array
-    branch: NDArray[np.str_]
+    force_n: FloatArray
+    branch: TextArray
     ended: tuple[str, ...]
     ended_mm: tuple[float, ...]
     mirrored: NDArray[np.intp]
@@ -170,7 +169,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     """
     if not presses:
         raise PalpateError("There is no press to show.", "Run the study first.")
-    presses = tuple(sorted(presses, key=lambda press: press.wall.tilt_deg))
+    presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
     if any(press.mesh.spec != mesh.spec or press.mesh.dome != mesh.dome for press in presses):
         raise PalpateError("The presses are not of one dome and mesh.", "Give presses that differ by the tilt alone.")
@@ -187,7 +186,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         branch[depth, t] = press.branch[image]
     return PressedDome(
         mesh=mesh,
-        tilts_deg=np.array([press.wall.tilt_deg for press in presses], float),
+        tilts_deg=np.array([press.wall.radial for press in presses], float),
         depths_mm=depths,
         displacement=moved,
         force_n=force,
@@ -221,7 +220,7 @@ def _mirror(mesh: Mesh) -> NDArray[np.intp]:
     return np.asarray(mirrored)
 
 
-def weigh_presses(tilts_deg: Array, branch: NDArray[np.str_], tilt_deg: float) -> Array | None:
+def weigh_presses(tilts_deg: FloatArray, branch: TextArray, tilt_deg: float) -> FloatArray | None:
     """Weights of the solved presses at one depth.
 
     Parameters
@@ -248,7 +247,7 @@ def weigh_presses(tilts_deg: Array, branch: NDArray[np.str_], tilt_deg: float) -
     return None
 
 
-def _spline_weights(tilts: Array, tilt: float) -> Array:
+def _spline_weights(tilts: FloatArray, tilt: float) -> FloatArray:
     """Weights (2, r) of a run and of its mirror image in the cubic spline through them."""
     count = len(tilts)
     if count == 1:
@@ -263,7 +262,7 @@ def _spline_weights(tilts: Array, tilt: float) -> Array:
     return split
 
 
-def _depths(presses: Sequence[Press]) -> Array:
+def _depths(presses: Sequence[Press]) -> FloatArray:
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
@@ -273,11 +272,11 @@ def _depths(presses: Sequence[Press]) -> Array:
     # where a press ended early is an image of it alone; full depth is one of all that came so far
     ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
     every = np.concatenate([images, ends[ends <= reached + SAME_MM]])
-    depths: Array = np.unique(np.round(every, 6))
+    depths: FloatArray = np.unique(np.round(every, 6))
     return depths
 
 
-def match_depths(depths: Array, press: Press) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def match_depths(depths: FloatArray, press: Press) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Numbers of the depths (d,) in mm that a press has, and of its images there; on the way down only."""
     down = len(press.depth) if not press.wall.unload else int(np.argmax(press.depth)) + 1
     depth, image = np.nonzero(np.abs(depths[:, None] - press.depth[None, :down]) <= SAME_MM)

@@ -127,7 +127,7 @@ def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
         reason = design.row.get("failure") or "its chain broke before the first press"
         raise PalpateError(f"{design.name} has no press: {reason}", _AGAIN)
     presses = (read_press(artefact_path(results, "press", key, ".h5")) for key in design.press_keys)
-    return tuple(sorted(presses, key=lambda press: press.wall.tilt_deg))
+    return tuple(sorted(presses, key=lambda press: press.wall.radial))
 
 
 def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:

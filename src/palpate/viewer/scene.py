@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from palpate.camera import Camera
-from palpate.design import MarkerLayout
+from palpate.design import MarkerLayout, wall_normal
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import MarkersSeen
 from palpate.viewer.message import write_message
@@ -27,7 +27,7 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
         "height_mm": dome.height,
         "base_radius_mm": dome.base_radius,
         "thickness_mm": dome.thickness,
-        "outer_radius_mm": dome.outer_radius,
+        "outer_radius_mm": dome.outer_widest[0],
         "outer_base_radius_mm": dome.outer_base_radius,
         "tilts_deg": pressed.tilts_deg.tolist(),
         "depth_mm": float(pressed.depths_mm[-1]),
@@ -67,9 +67,8 @@ def describe_markers(seen: MarkersSeen) -> bytes:
 
 
 def _say_motion(specimen: Specimen, motion: Motion) -> dict[str, Any]:
-    dome, tilt = specimen.pressed.mesh.dome, math.radians(motion.tilt_deg)
-    normal = np.array([0.0, -math.sin(tilt), math.cos(tilt)])
-    touch = np.array([0.0, 0.0, dome.center_z]) + dome.outer_radius * normal
+    normal = wall_normal(math.radians(motion.tilt_deg), 0.0)
+    touch = specimen.pressed.mesh.dome.touch(normal)
     return {
         "tilt_deg": motion.tilt_deg,
         "depths_mm": motion.depths_mm.tolist(),

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from palpate.core import BoolArray, IntArray
 from palpate.mesh import Mesh
-
-IntArray = NDArray[np.int64]
 
 PARTS = ("outer", "inner", "base", "cut")
 """Parts of a shell, in the order of its triangles."""
@@ -38,7 +36,7 @@ class Shell:
     nodes: IntArray
     triangles: IntArray
     parts: dict[str, tuple[int, int]]
-    seam: NDArray[np.bool_]
+    seam: BoolArray
 
 
 def build_shell(mesh: Mesh) -> Shell:
@@ -67,7 +65,7 @@ def build_shell(mesh: Mesh) -> Shell:
 def _turn_outward(mesh: Mesh, nodes: IntArray, triangles: IntArray, part: str) -> IntArray:
     """The same triangles (k, 3), numbers of `nodes`, each counter-clockwise for whoever looks at the silicone."""
     a, b, c = mesh.nodes[nodes][triangles].transpose(1, 0, 2)
-    arm = (a + b + c) / 3.0 - [0.0, 0.0, mesh.dome.center_z]
+    arm = mesh.dome.normal((a + b + c) / 3.0)
     away = {"outer": arm, "inner": -arm, "base": [0.0, 0.0, -1.0], "cut": [-1.0, 0.0, 0.0]}[part]
     wrong = (np.cross(b - a, c - a) * away).sum(axis=1) < 0
     turned: IntArray = np.where(wrong[:, None], triangles[:, ::-1], triangles)

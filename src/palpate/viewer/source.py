@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import RenderSpec, edge_offsets, list_images, read_image, render
-from palpate.core import PalpateError, generator, load_extra
+from palpate.core import FloatArray, PalpateError, generator, load_extra
 from palpate.design import Dome, place_orientation_mark
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import follow_points
 from palpate.viewer.results import Design
-
-Array = NDArray[np.float64]
 
 LARGEST_MPX = 20.0
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".webp")
@@ -131,7 +129,7 @@ def touch_for_ever(design: Design, specimen: Specimen, seed: int = 0) -> Iterato
     light = RenderSpec(vignetting=0.2, blur_px=0.5, seed=seed)
     edges = _edges(design.dome, design)
 
-    def look(points: Array) -> NDArray[np.uint8]:
+    def look(points: FloatArray) -> NDArray[np.uint8]:
         image = render(design.camera, points, light)
         return np.clip(image + rng.normal(0.0, _NOISE, image.shape), 0, 255).astype(np.uint8)
 
@@ -158,7 +156,7 @@ def _depths(deepest: float) -> list[float]:
     return [float(depth) for depth in (*down, *([deepest] * _HOLD), *up)]
 
 
-def _edges(dome: Dome, design: Design) -> Array:
+def _edges(dome: Dome, design: Design) -> FloatArray:
     """Edges (m + 1, k, 3) mm of the dots and of the orientation mark, on the undeformed inner surface."""
     mark = place_orientation_mark(dome, design.layout)
     centres = np.concatenate([design.layout.positions, mark[None]])
@@ -171,6 +169,6 @@ def _edges(dome: Dome, design: Design) -> Array:
     flat = edge_offsets(design.layout.diameter / 2, _EDGE)
     around = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
     arm = around - middle
-    edges: Array = middle + dome.radius * arm / np.linalg.norm(arm, axis=-1, keepdims=True)
+    edges: FloatArray = middle + dome.radius * arm / np.linalg.norm(arm, axis=-1, keepdims=True)
     edges[..., 2] = np.maximum(edges[..., 2], 1e-6)  # a dot at the rim ends there
     return edges

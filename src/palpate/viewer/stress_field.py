@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from palpate.fea import Press
+from palpate.fea import Press, nodal_von_mises
 from palpate.viewer.pressed_dome import Array32, PressedDome, match_depths
 
 
@@ -16,7 +16,7 @@ def find_stress(pressed: PressedDome, presses: Sequence[Press]) -> Array32:
     It is interpolated between tilts like the displacement, which costs less than finding it again from there.
     """
     found = np.zeros((*pressed.displacement.shape[:3], 1), np.float32)
-    for tilt, press in enumerate(sorted(presses, key=lambda press: press.wall.tilt_deg)):
+    for tilt, press in enumerate(sorted(presses, key=lambda press: press.wall.radial)):
         depth, image = match_depths(pressed.depths_mm, press)
-        found[depth, tilt, :, 0] = np.nan_to_num(press.von_mises()[image])
+        found[depth, tilt, :, 0] = np.nan_to_num(nodal_von_mises(press)[image])
     return found

@@ -49,7 +49,7 @@ class KinematicPress:
         self.branch = np.where(depth >= self.inverted_from, "inverted", "flat")
         self.mesh = SimpleNamespace(dome=None)
         self.ended_depth = self.reached
-        self.wall = SimpleNamespace(tilt_deg=self.tilt_deg, azimuth_deg=self.azimuth_deg, image_step=STEP, depth=8.0)
+        self.wall = SimpleNamespace(radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0)
 
     def positions(self, points):
         azimuth = np.deg2rad(self.azimuth_deg)

@@ -25,7 +25,7 @@ def test_the_papers_domes_follow_equation_1(height: float, radius: float, center
 def test_apex_and_rim_lie_on_the_inner_sphere(height: float) -> None:
     dome = build_dome(DomeSpec(height=height))
     apex, rim = [0.0, 0.0, height], [dome.base_radius, 0.0, 0.0]
-    np.testing.assert_allclose(dome.distance_to_inner([apex, rim]), 0.0, atol=1e-12)
+    np.testing.assert_allclose(dome.distance([apex, rim]), 0.0, atol=1e-12)
     np.testing.assert_allclose(dome.inner_point(0.0, 0.0), apex, atol=1e-12)
     np.testing.assert_allclose(dome.distance_to_rim(rim), 0.0, atol=1e-12)
     assert dome.distance_to_rim(apex) == pytest.approx(dome.radius * dome.rim_polar_angle)
@@ -44,8 +44,8 @@ def test_beyond_the_dome_there_is_no_height(height: float, rho: float) -> None:
 
 
 def test_widest_place_of_a_bulging_dome() -> None:
-    assert 2 * Dome(30.0, 20.0, 2.0).widest_radius == pytest.approx(43.3, abs=0.05)
-    assert Dome(10.0, 20.0, 2.0).widest_radius == 20.0
+    assert 2 * Dome(30.0, 20.0, 2.0).widest[0] == pytest.approx(43.3, abs=0.05)
+    assert Dome(10.0, 20.0, 2.0).widest[0] == 20.0
 
 
 @pytest.mark.parametrize("bad", [{"height": 1.0}, {"thickness": 0.1}, {"base_radius": 61.0}, {"hight": 20.0}])

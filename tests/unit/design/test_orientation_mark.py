@@ -12,7 +12,7 @@ def test_place_orientation_mark_breaks_every_symmetry_and_touches_no_dot(height:
     dome = build_dome(DomeSpec(height=height))
     layout = place_markers(dome, MarkerSpec(count=count))
     mark = place_orientation_mark(dome, layout)
-    assert dome.distance_to_inner(mark) == pytest.approx(0.0, abs=1e-9)
+    assert dome.distance(mark) == pytest.approx(0.0, abs=1e-9)
     assert dome.distance_to_rim(mark[None])[0] > 0
     assert np.linalg.norm(layout.positions - mark, axis=1).min() > 1.1 * layout.diameter
     for turn in np.radians(60.0 * np.arange(1, 6)):

@@ -27,7 +27,7 @@ def test_rings_have_the_published_diameters(count: int, diameters: tuple[float, 
     rho = np.hypot(positions[:, 0], positions[:, 1])
     expected = np.concatenate([[0.0], *(np.full(6 * k, d / 2) for k, d in enumerate(diameters, 1))])
     np.testing.assert_allclose(rho, expected, atol=1e-12)
-    np.testing.assert_allclose(DOME.distance_to_inner(positions), 0.0, atol=1e-12)
+    np.testing.assert_allclose(DOME.distance(positions), 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("count", [7, 37, 91, 169, 127])

@@ -10,9 +10,10 @@ import meshio
 import numpy as np
 import pytest
 
+from palpate.cad import read_step
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, Severity, build_dome, place_markers, read_step
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, Severity, build_dome, place_markers
 from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, check_process, write_pack
 from palpate.material import get_material
 

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from palpate.cad import Arc, read_step
 from palpate.core import PalpateError
-from palpate.design import Arc, read_step
 from palpate.fabricate import ProcessSpec, build_specimen_molds, write_specimen_molds
 from palpate.fabricate.specimen import outline_dumbbell
 

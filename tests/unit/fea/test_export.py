@@ -11,11 +11,12 @@ import pytest
 
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, build_dome
-from palpate.fea import Press, SolverSpec, WallSpec, export_press, solve_press
+from palpate.fea import Press, WallSpec, export_press, solve_press
 from palpate.fea.export import nodal_stress
-from palpate.fea.solid import Solid
-from palpate.fea.stress import von_mises
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mechanics.solid import Solid
+from palpate.mechanics.stress import von_mises
 from palpate.mesh import MeshSpec, gauss_points, measure_quality, mesh_dome
 
 SILICONE = get_material("zaid_2024_ecoflex_00_30")

@@ -8,7 +8,7 @@ import pytest
 
 from palpate.core import MissingExtraError, PalpateError
 from palpate.design import DomeSpec, build_dome
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec, picture_press, plot_press, solve_press, tabulate_press
 from palpate.fea.plot_press import check_graphics
 from palpate.grid import SpecificationGrid
 from palpate.material import get_material
@@ -22,13 +22,13 @@ def press() -> Press:
 
 
 def test_a_press_draws_its_section_and_force(press):
-    section, force = press.plot().axes
+    section, force = plot_press(press).axes
     assert len(section.lines) == 2 * 3  # two surfaces, in each of three images
     assert force.lines[0].get_ydata()[-1] == pytest.approx(np.linalg.norm(press.force[-1]))
 
 
 def test_a_press_is_a_table_in_a_notebook(press):
-    table = press._repr_html_()
+    table = tabulate_press(press)
     assert table.count("<tr>") == 1 + len(press.depth)
     assert "depth reached" in table
 
@@ -39,7 +39,7 @@ def test_a_machine_without_graphics_is_told(press, monkeypatch):
 
     monkeypatch.setattr(ctypes, "CDLL", no_library)
     with pytest.raises(PalpateError, match="libEGL"):
-        press.picture()
+        picture_press(press)
 
 
 def test_a_picture_shows_the_dome(press):
@@ -49,9 +49,9 @@ def test_a_picture_shows_the_dome(press):
         pytest.skip("no OpenGL here")
     if importlib.util.find_spec("pyvista") is None:
         with pytest.raises(MissingExtraError):
-            press.picture()
+            picture_press(press)
         return
-    picture = press.picture()
+    picture = picture_press(press)
     assert picture.shape == (600, 800, 3)
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
 

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, build_dome
-from palpate.fea import Branch, Ended, Press, SolverSpec, WallSpec, read_press, solve_press, write_press
-from palpate.fea.press import azimuth_rotation
-from palpate.fea.wall import clamp_depth, wall_normal
+from palpate.design import DomeSpec, Rim, build_dome, turn_about_axis, wall_normal
+from palpate.fea import Branch, Press, WallSpec, read_press, solve_press, write_press
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, Rim, mesh_dome
+from palpate.mechanics import Ended, SolverSpec
+from palpate.mesh import MeshSpec, mesh_dome
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 
@@ -61,7 +60,7 @@ def test_a_mirrored_point_moves_mirrored(tilted: Press) -> None:
 @pytest.mark.parametrize("azimuth", [40, 200])
 def test_a_turned_wall_turns_the_solution(tilted: Press, azimuth: float) -> None:
     turned = press(tilt_deg=10, azimuth_deg=azimuth)
-    turn = azimuth_rotation(azimuth)
+    turn = turn_about_axis(np.radians(azimuth))
     assert turned.positions(ring() @ turn.T) == pytest.approx(tilted.positions(ring()) @ turn.T, abs=1e-9)
     assert turned.force == pytest.approx(tilted.force @ turn.T, abs=1e-12)
 
@@ -95,7 +94,7 @@ def test_no_slip_holds_points_where_they_touched() -> None:
 
 def test_a_press_ends_where_the_wall_reaches_the_clamp() -> None:
     low = press(height=8, thickness=4, tilt_deg=25, depth=8, cells=8)
-    expected = clamp_depth(low.mesh.dome, np.radians(25), Rim.FLAT)
+    expected = low.mesh.dome.clamp_depth(np.radians(25), Rim.FLAT)
     assert 3 < expected < 4
     assert low.ended is Ended.WALL_AT_CLAMP
     assert low.ended_depth == pytest.approx(expected)
@@ -104,7 +103,7 @@ def test_a_press_ends_where_the_wall_reaches_the_clamp() -> None:
 
 def test_clamp_depth_is_that_of_the_notes() -> None:
     dome = build_dome(DomeSpec(height=10, thickness=1))
-    depths = [clamp_depth(dome, np.radians(tilt), Rim.RADIAL) for tilt in (5, 7, 10)]
+    depths = [dome.clamp_depth(np.radians(tilt), Rim.RADIAL) for tilt in (5, 7, 10)]
     assert depths == pytest.approx([8.7, 8.0, 7.1], abs=0.06)
 
 

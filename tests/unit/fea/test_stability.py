@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_dome
-from palpate.fea import Branch, Ended, WallSpec, find_stability, solve_press
+from palpate.fea import Branch, WallSpec, find_stability, solve_press
 from palpate.material import get_material
+from palpate.mechanics import Ended
 from palpate.mesh import MeshSpec, mesh_dome
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeSpec, build_dome
-from palpate.mesh import MeshSpec, Rim, locate_inner, measure_quality, mesh_dome
+from palpate.design import Dome, DomeSpec, Rim, build_dome
+from palpate.mesh import MeshSpec, locate_inner, measure_quality, mesh_dome
 
 domes = st.builds(
     lambda height, base, thickness: build_dome(DomeSpec(height=height, base_radius=base, thickness=thickness)),

@@ -5,11 +5,12 @@ import json
 import numpy as np
 import pytest
 
+from palpate.bench import SimulatedSource
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
 from palpate.markers import prepare_detector
 from palpate.material import get_material
-from palpate.sensor import Device, Flag, Reading, SimulatedSource, write_readings
+from palpate.sensor import Device, Flag, Reading, write_readings
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from palpate.design import DomeSpec, build_dome
-from palpate.fea import Press, SolverSpec, WallSpec, write_press
+from palpate.fea import Press, WallSpec, write_press
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
 
 STEP = 0.8

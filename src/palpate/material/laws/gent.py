@@ -11,8 +11,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.core import PalpateError, kernel
-from palpate.material.law import DeckLine, FloatArray, Law, Model, refuse_stiffening
+from palpate.core import FloatArray, PalpateError, kernel
+from palpate.material.law import DeckLine, Law, Model, refuse_stiffening
 from palpate.material.laws.invariants import answers, first_invariant, left_cauchy_green, stretched
 from palpate.material.model import ChainModel
 

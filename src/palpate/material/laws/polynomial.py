@@ -11,8 +11,8 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from palpate.core import kernel
-from palpate.material.law import DeckLine, FloatArray, Law, Model
+from palpate.core import FloatArray, kernel
+from palpate.material.law import DeckLine, Law, Model
 from palpate.material.laws.invariants import add_projector, answers, left_cauchy_green, project
 
 _ORDER = ("C10", "C01", "C20", "C11", "C02", "C30")

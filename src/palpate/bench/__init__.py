@@ -1,0 +1,24 @@
+"""Bench: virtual units that deviate from the design, played from image to pose."""
+
+from palpate.bench.bench import Bench, play_unit
+from palpate.bench.budget import run_budget
+from palpate.bench.deviation import Deviation
+from palpate.bench.result import describe_bench, run_bench, write_bench
+from palpate.bench.simulate import SimulatedSource
+from palpate.bench.spec import ToleranceSpec, VirtualBenchSpec
+from palpate.bench.write_budget import describe_budget, write_budget
+
+__all__ = [
+    "Bench",
+    "Deviation",
+    "SimulatedSource",
+    "ToleranceSpec",
+    "VirtualBenchSpec",
+    "describe_bench",
+    "describe_budget",
+    "play_unit",
+    "run_bench",
+    "run_budget",
+    "write_bench",
+    "write_budget",
+]

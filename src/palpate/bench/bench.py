@@ -1,0 +1,299 @@
+"""The virtual bench: built units pressed, photographed and read by the real chain, with the truth known.
+
+A unit deviates from its design within a workshop's tolerances. Its presses are solved anew, on another mesh than
+those of the training (or by CalculiX), at tilts, directions and depths that no image of the training had. Rendered
+images go through detection, naming, registration and the model, which know the design and nothing else.
+
+The robot's frame is the frame of the truth: it does not know how the dome is seated, nor where the first touch is.
+The latter is found, if wished, by one press beforehand (`palpate.sensor.touch`), as one would on a real bench.
+
+Every press and every played unit is an artefact of a store: a bench that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.bench.deviation import Deviation
+from palpate.bench.photograph import Scene, set_scene
+from palpate.bench.spec import VirtualBenchSpec
+from palpate.camera import CameraSpec
+from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
+from palpate.deck import CalculixSpec, solve_press_calculix
+from palpate.design import Dome, DomeSpec, MarkerLayout, MarkerSpec, build_dome, place_markers
+from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, solve_press, write_press
+from palpate.learn import Predictor, open_predictor
+from palpate.material import Material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_dome
+from palpate.sensor import Sensor, TouchZero, Unit, find_zero, open_sensor
+
+BENCH_VERSION = "2"
+"""Version of the code that decides what a played unit says; part of its key."""
+_FINER = 9.0 / 8.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What is played.
+
+    Attributes
+    ----------
+    spec
+        How it presses, looks and counts.
+    dome, markers, material, camera
+        The design and what the training took for granted.
+    model
+        The estimator, an ONNX file.
+    store
+        Where presses and results are kept.
+    """
+
+    spec: VirtualBenchSpec
+    dome: DomeSpec
+    markers: MarkerSpec
+    material: Material
+    camera: CameraSpec
+    model: Path
+    store: ArtefactStore
+
+    @cached_property
+    def layout(self) -> MarkerLayout:
+        """The design's markers."""
+        return place_markers(self.nominal, self.markers)
+
+    @cached_property
+    def nominal(self) -> Dome:
+        """The design's dome."""
+        return build_dome(self.dome)
+
+    @cached_property
+    def predictor(self) -> Predictor:
+        """The model, opened."""
+        return open_predictor(self.model)
+
+    @cached_property
+    def model_sha256(self) -> str:
+        """What the model is known by."""
+        try:
+            return hashlib.sha256(self.model.read_bytes()).hexdigest()
+        except OSError as error:
+            raise PalpateError(f"{self.model} cannot be read: {error.strerror}.", "Give an ONNX file.") from error
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """What one unit's images said.
+
+    Attributes
+    ----------
+    deviation
+        What was not as designed.
+    truth, estimates
+        (n, 3) rx, ry (degrees) and depth (mm) in the robot's frame; NaN where the sensor gave no pose. The depth's
+        zero is taken out of neither.
+    press
+        (n,) number of the press.
+    flagged
+        (n,) whether the reading had a flag.
+    latency_ms
+        (n,) from image to pose.
+    zero
+        The depth's zero by the first press; `None` where it was not asked for.
+    failure
+        Why the unit could not be played; empty where it was.
+    """
+
+    deviation: Deviation
+    truth: FloatArray
+    estimates: FloatArray
+    press: IntArray
+    flagged: BoolArray
+    latency_ms: FloatArray
+    zero: TouchZero | None
+    failure: str = ""
+
+    def corrected(self) -> FloatArray:
+        """Estimates with their depth on the robot's scale, if the zero was found."""
+        return self.estimates + np.array([0.0, 0.0, self.zero.offset if self.zero else 0.0])
+
+
+def play_unit(bench: Bench, deviation: Deviation) -> Played:
+    """Press, photograph and read one unit, or find in the store what it said before.
+
+    Raises
+    ------
+    PalpateError
+        If a press cannot be solved, or the model is not of this design.
+    """
+    recipe = _unit_recipe(bench, deviation)
+    found = bench.store.find(recipe, ".json")
+    if found is None:
+        played = _play(bench, deviation)
+        text = json.dumps(_plain(played))
+        found = bench.store.write(recipe, lambda path: _write(path, text), ".json")
+    return _from_plain(json.loads(found.read_text()), deviation)
+
+
+def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
+    """Rising tilts (degrees) at which a unit is pressed: one from each of equal parts of the range."""
+    parts = np.arange(spec.tilts) + generator(spec.seed, "tilts", unit).random(spec.tilts)
+    return [round(float(tilt), 3) for tilt in spec.max_tilt_deg * parts / spec.tilts]
+
+
+def presses_of(bench: Bench, deviation: Deviation) -> Iterator[Press]:
+    """The unit's presses by rising tilt, solved where the store has none."""
+    for tilt in unit_tilts(bench.spec, deviation.unit):
+        recipe = _press_recipe(bench, deviation, tilt)
+        path = bench.store.find(recipe)
+        if path is None:
+            press = _solve(bench, deviation, tilt)
+            path = bench.store.write(recipe, lambda draft, made=press: write_press(draft, made))  # type: ignore[misc]
+        yield read_press(path)
+
+
+def _play(bench: Bench, deviation: Deviation) -> Played:
+    scene = set_scene(bench.nominal, bench.layout, deviation, bench.camera, bench.spec.render)
+    unit = Unit(bench.nominal, bench.layout, nominal=bench.camera)
+    presses = list(presses_of(bench, deviation))
+    try:
+        sensor = open_sensor([scene.at_rest()], unit, bench.predictor)
+        rng = generator(bench.spec.seed, "directions", deviation.unit)
+        zero = None
+        if bench.spec.zero:
+            first = _read(bench, scene, sensor, _turned(presses[0], float(rng.uniform(0, 360))), deviation)
+            zero = find_zero(first[:, 5], first[:, 2], bench.spec.least_depth)
+        rows = [
+            np.insert(
+                _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation), 0, number, 1
+            )
+            for number, press in enumerate(item for item in presses for _ in range(bench.spec.azimuths))
+        ]
+    except PalpateError as error:
+        return _failed(deviation, str(error))
+    table = np.concatenate(rows)
+    return Played(
+        deviation=deviation,
+        truth=table[:, 1:4],
+        estimates=table[:, 4:7],
+        press=table[:, 0].astype(int),
+        flagged=table[:, 7] > 0,
+        latency_ms=table[:, 8],
+        zero=zero,
+    )
+
+
+def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation) -> FloatArray:
+    """(n, 8) truth, estimate, flags and latency of the images of a press that count."""
+    tilt, azimuth = press.wall.radial, np.radians(press.wall.turn_deg + deviation.seating_turn_deg)
+    rx = tilt * np.cos(azimuth) + deviation.seating_x_deg
+    ry = tilt * np.sin(azimuth) + deviation.seating_y_deg
+    # the robot starts where a dome of the design's thickness would be touched
+    late = deviation.touch - deviation.thickness / np.cos(np.radians(tilt))
+    rows = []
+    for depth, image in zip(press.depth, scene.through(press), strict=True):
+        reading = sensor.read(image)
+        if depth >= bench.spec.least_depth - 1e-9:
+            estimate = (reading.rx_deg, reading.ry_deg, reading.depth_mm)
+            rows.append((rx, ry, depth + late, *estimate, len(reading.flags), reading.latency_ms))
+    return np.array(rows).reshape(-1, 8)
+
+
+def _turned(press: Press, azimuth_deg: float) -> Press:
+    """The press with its wall in another direction; the solution of a half model turns with it."""
+    return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+
+
+def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
+    mesh = mesh_dome(build_dome(deviation.dome(bench.dome)), _mesh_spec(bench))
+    material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
+    if bench.spec.solver == "calculix":
+        return solve_press_calculix(mesh, material, wall)
+    return solve_press(mesh, material, wall)
+
+
+def _mesh_spec(bench: Bench) -> MeshSpec:
+    if bench.spec.cells is not None:
+        return MeshSpec(cells=bench.spec.cells)
+    own = mesh_dome(bench.nominal).spec.cells or 0
+    return MeshSpec(cells=round(_FINER * own))
+
+
+def _wall(bench: Bench, deviation: Deviation, tilt_deg: float) -> WallSpec:
+    return WallSpec(
+        tilt_deg=tilt_deg,
+        depth=bench.spec.depth,
+        image_step=bench.spec.image_step,
+        contact=deviation.friction or bench.spec.contact,
+    )
+
+
+def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float) -> Recipe:
+    calculix = bench.spec.solver == "calculix"
+    solver = CalculixSpec() if calculix else SolverSpec()
+    spec = {
+        "dome": deviation.dome(bench.dome).model_dump(mode="json"),
+        "mesh": _mesh_spec(bench).model_dump(mode="json"),
+        "material": deviation.material(bench.material).key_data(),
+        "wall": _wall(bench, deviation, tilt_deg).model_dump(mode="json"),
+        "solver": {bench.spec.solver: solver.model_dump(mode="json")},
+    }
+    return Recipe(kind="press", spec=spec, version=FEA_VERSION)
+
+
+def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
+    spec = {
+        "bench": bench.spec.model_dump(mode="json", exclude={"units", "tolerance"}),
+        "deviation": deviation.as_dict(),
+        "markers_mm": bench.layout.positions.tolist(),
+        "diameter": bench.layout.diameter,
+        "camera": bench.camera.model_dump(mode="json"),
+        "model": bench.model_sha256,
+    }
+    inputs = tuple(_press_recipe(bench, deviation, tilt).key for tilt in unit_tilts(bench.spec, deviation.unit))
+    return Recipe(kind="unit", spec=spec, inputs=inputs, version=BENCH_VERSION)
+
+
+def _failed(deviation: Deviation, failure: str) -> Played:
+    nothing = np.empty((0, 3))
+    empty = np.empty(0)
+    return Played(deviation, nothing, nothing, empty.astype(int), empty.astype(bool), empty, None, failure)
+
+
+def _plain(played: Played) -> dict[str, Any]:
+    """Played unit as JSON data; what is not a number becomes `None`."""
+    estimates = [[None if np.isnan(value) else value for value in row] for row in played.estimates.tolist()]
+    return {
+        "truth": played.truth.tolist(),
+        "estimates": estimates,
+        "press": played.press.tolist(),
+        "flagged": played.flagged.tolist(),
+        "latency_ms": played.latency_ms.tolist(),
+        "zero": asdict(played.zero) if played.zero else None,
+        "failure": played.failure,
+    }
+
+
+def _from_plain(data: dict[str, Any], deviation: Deviation) -> Played:
+    return Played(
+        deviation=deviation,
+        truth=np.array(data["truth"], float).reshape(-1, 3),
+        estimates=np.array(data["estimates"], float).reshape(-1, 3),
+        press=np.array(data["press"], np.int64),
+        flagged=np.array(data["flagged"], bool),
+        latency_ms=np.array(data["latency_ms"], float),
+        zero=TouchZero(**data["zero"]) if data["zero"] else None,
+        failure=data["failure"],
+    )
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")

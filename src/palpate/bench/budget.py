@@ -1,0 +1,142 @@
+"""The error budget: every imperfection alone, at its tolerance, and the degrees that it costs.
+
+The cost of an imperfection is paired: the same poses are read by the nominal unit and by one with this imperfection
+alone, and what counts is how much the two readings' errors differ. So the model's own errors, common to both, do not
+hide a small cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from palpate.bench.bench import Bench, Played, play_unit
+from palpate.bench.deviation import IMPERFECTIONS, Deviation, Imperfection, single_deviation
+from palpate.bench.spec import ToleranceSpec
+from palpate.camera import RenderSpec
+from palpate.core import FloatArray, PalpateError, parameters
+
+DRAWS = 2
+"""Units of opposite signs and other dots off, for an imperfection that needs no press of its own."""
+
+
+@dataclass(frozen=True)
+class BudgetLine:
+    """What one imperfection costs.
+
+    Attributes
+    ----------
+    name
+        Field of `ToleranceSpec`, or ``images``, ``model`` and ``touch_unknown``.
+    words
+        What a person reads.
+    tolerance
+        How large it was, with its unit.
+    angle_deg, angle_max_deg
+        Root mean square and greatest change of rx and ry.
+    depth
+        Root mean square change of the depth, mm.
+    units
+        Units played.
+    failures
+        Why some could not be played.
+    """
+
+    name: str
+    words: str
+    tolerance: str
+    angle_deg: float
+    angle_max_deg: float
+    depth: float
+    units: int
+    failures: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def run_budget(bench: Bench) -> Iterator[BudgetLine]:
+    """Measure line by line; units that are in the store are not played again.
+
+    Raises
+    ------
+    PalpateError
+        If the nominal unit cannot be played.
+    """
+    nominal = play_unit(bench, Deviation())
+    clean = play_unit(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
+    for played in (nominal, clean):
+        if played.failure:
+            raise PalpateError(f"The nominal unit cannot be played: {played.failure}")
+    truth = replace(clean, estimates=clean.truth, zero=None)
+    yield _line("model", "the model itself, nominal unit, clean images", "", truth, [clean])
+    yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
+    for item in IMPERFECTIONS:
+        if getattr(bench.spec.tolerance, item.name):
+            yield _alone(bench, item, nominal)
+    if bench.spec.zero and bench.spec.tolerance.touch:
+        touch = next(item for item in IMPERFECTIONS if item.name == "touch")
+        blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
+        line = _alone(blind, touch, play_unit(blind, Deviation()))
+        yield replace(line, name="touch_unknown", words="touch zero, not looked for")
+
+
+def total(lines: Sequence[BudgetLine]) -> float:
+    """Root of the sum of squares of all costs of angle, degrees: all imperfections at their tolerance."""
+    return float(np.sqrt(sum(line.angle_deg**2 for line in lines)))
+
+
+def _alone(bench: Bench, item: Imperfection, nominal: Played) -> BudgetLine:
+    draws = (2 if item.signed else 1) if item.solved else DRAWS
+    played = [
+        play_unit(bench, single_deviation(bench.spec.tolerance, item, bench.spec.seed, draw)) for draw in range(draws)
+    ]
+    unit = next(note.unit for note in parameters(ToleranceSpec) if note.name == item.name)
+    size = f"{getattr(bench.spec.tolerance, item.name):g}" + (f" {unit}" if unit != "1" else "")
+    return _line(item.name, item.words, f"±{size}" if item.signed else size, nominal, played)
+
+
+def _line(name: str, words: str, tolerance: str, nominal: Played, units: Sequence[Played]) -> BudgetLine:
+    failures = tuple(unit.failure for unit in units if unit.failure)
+    changes = np.concatenate([np.empty((0, 3)), *(_change(nominal, unit) for unit in units if not unit.failure)])
+    if not len(changes):
+        nan = float("nan")
+        return BudgetLine(name, words, tolerance, nan, nan, nan, len(units), failures)
+    angle, depth = changes[:, :2], changes[:, 2]
+    return BudgetLine(
+        name=name,
+        words=words,
+        tolerance=tolerance,
+        angle_deg=float(np.sqrt(np.mean(angle**2))),
+        angle_max_deg=float(np.abs(angle).max()),
+        depth=float(np.sqrt(np.mean(depth**2))),
+        units=len(units),
+        failures=failures,
+    )
+
+
+def _change(nominal: Played, unit: Played) -> FloatArray:
+    """(n, 3) differences of the errors of the same images, those that both read."""
+    change = (unit.corrected() - unit.truth) - (nominal.corrected() - nominal.truth)
+    return np.asarray(change[np.isfinite(change).all(axis=1)])
+
+
+_TRAINED = ("thickness", "friction", "dot", "camera_offset", "camera_distance", "camera_tilt_deg", "focal")
+"""Imperfections that `palpate.dataset.RandomiseSpec` varies; others look like a pose, or are gone after rest."""
+
+
+def recommend(lines: Sequence[BudgetLine], tolerance: ToleranceSpec) -> dict[str, float]:
+    """What the training should vary, and how far: all that costs at least a tenth of the total's square.
+
+    Returns
+    -------
+    dict
+        Field of `ToleranceSpec` → tolerance.
+    """
+    least = 0.1 * sum(line.angle_deg**2 for line in lines if np.isfinite(line.angle_deg))
+    chosen = [line.name for line in lines if line.name in _TRAINED and line.angle_deg**2 >= least]
+    return {name: float(getattr(tolerance, name)) for name in chosen}

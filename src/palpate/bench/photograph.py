@@ -1,0 +1,115 @@
+"""Images of a built unit as its camera takes them: printed dots on the inner surface, through a solved press."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.bench.deviation import Deviation
+from palpate.camera import Camera, RenderSpec, build_camera, edge_offsets, render
+from palpate.core import FloatArray, child_seed, generator
+from palpate.design import MarkerLayout, Skin, place_orientation_mark
+
+if TYPE_CHECKING:
+    from palpate.camera import CameraSpec
+    from palpate.fea import Press
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What a camera looks at.
+
+    Attributes
+    ----------
+    edges
+        (m, k, 3) mm, edges of the dots that are there on the undeformed inner surface; the mark is the last.
+    camera
+        The camera as mounted.
+    render
+        Light, lens and sensor; light and dirt stay, the noise is new in every image.
+    """
+
+    edges: FloatArray
+    camera: Camera
+    render: RenderSpec
+
+    def at_rest(self) -> NDArray[np.uint8]:
+        """Image (h, w) of the untouched dome."""
+        return self._look(self.edges, "rest")
+
+    def through(self, press: Press) -> Iterator[NDArray[np.uint8]]:
+        """Images (h, w) of a press, rest included."""
+        flat = press.positions(self.edges.reshape(-1, 3))
+        for number, points in enumerate(flat):
+            yield self._look(points.reshape(self.edges.shape), press.wall.radial, press.wall.turn_deg, number)
+
+    def _look(self, edges: FloatArray, *which: str | float) -> NDArray[np.uint8]:
+        noise = child_seed(self.render.seed, "noise", *which)
+        return render(self.camera, edges, self.render.model_copy(update={"noise_seed": noise}))
+
+
+def set_scene(dome: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
+    """Print the dots of one unit and mount its camera.
+
+    Parameters
+    ----------
+    dome, layout
+        The design; a unit's inner surface is as designed.
+    deviation
+        What is not as designed.
+    nominal
+        The camera of the design.
+    spec
+        Light, lens and sensor.
+    """
+    rng = generator(deviation.seed, "print")
+    points = np.vstack([layout.positions, place_orientation_mark(dome, layout)])
+    points = _misprint(dome, points, deviation, rng)
+    there = np.ones(len(points), bool)
+    there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
+    edges = wrap_dots(dome, points, layout.diameter)[there]
+    return Scene(edges, build_camera(deviation.camera(nominal)), spec)
+
+
+def wrap_dots(dome: Skin, centres: FloatArray, diameter: float) -> FloatArray:
+    """Edges of round dots that lie on the inner surface.
+
+    Parameters
+    ----------
+    dome
+        The dome.
+    centres
+        (m, 3) mm, on its inner surface.
+    diameter
+        Of a dot, mm.
+
+    Returns
+    -------
+    ndarray
+        (m, k, 3) mm.
+    """
+    first, second = _tangents(dome, centres)
+    flat = edge_offsets(diameter / 2.0)
+    return dome.nearest(centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None])
+
+
+def _misprint(dome: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
+    """Centres (m, 3) mm as printed: the pad is off as a whole, every dot by itself."""
+    x, y = points[:, 0] + deviation.pad_x, points[:, 1] + deviation.pad_y
+    printed = dome.inner_point(np.hypot(x, y), np.arctan2(y, x))
+    first, second = _tangents(dome, printed)
+    off = deviation.dot * rng.uniform(-1.0, 1.0, (len(points), 2))
+    return dome.nearest(printed + off[:, :1] * first + off[:, 1:] * second)
+
+
+def _tangents(dome: Skin, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two tangents (m, 3) of the inner surface."""
+    normals = dome.normal(points)
+    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = np.cross(normals, aside)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(normals, first)

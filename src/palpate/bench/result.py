@@ -1,0 +1,227 @@
+"""What a bench found: the nominal unit, the sampled ones, and whether they are as good as the paper's sensor."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.bench.bench import BENCH_VERSION, Bench, Played, play_unit
+from palpate.bench.deviation import Deviation, draw_deviation
+from palpate.bench.spec import ToleranceSpec
+from palpate.core import PalpateError, provenance
+from palpate.sensor import PAPER_TABLE_3, Score, score_readings
+
+WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
+"""Roll and pitch of a unit that is as good as the paper's sensor."""
+COLUMNS = ("unit", "component", "images", "presses", "RMSE", "MAE", "max", "SD", "bias", "without pose", "flagged")
+
+
+@dataclass(frozen=True, eq=False)
+class UnitResult:
+    """One unit's errors.
+
+    Attributes
+    ----------
+    number
+        0 for the nominal unit.
+    played
+        Its readings.
+    scores
+        Roll, pitch and depth; empty where the unit could not be played or never gave a pose.
+    """
+
+    number: int
+    played: Played
+    scores: tuple[Score, ...]
+
+    @property
+    def without_pose(self) -> int:
+        """Images that gave no pose."""
+        return int((~np.isfinite(self.played.estimates).all(axis=1)).sum())
+
+    @property
+    def as_good(self) -> bool:
+        """Whether every image gave a pose, and roll and pitch are at least as good as the paper's."""
+        if not self.scores or self.without_pose:
+            return False
+        angles = [score.errors for score in self.scores[:2]]
+        return all(error.rmse <= WANTED_RMSE_DEG and error.max <= WANTED_MAX_DEG for error in angles)
+
+
+def run_bench(bench: Bench) -> Iterator[UnitResult]:
+    """Play the nominal unit and then the sampled ones, as far as they are not in the store.
+
+    Raises
+    ------
+    PalpateError
+        If a press cannot be solved, or the model is not of this design.
+    """
+    for number in range(bench.spec.units + 1):
+        deviation = draw_deviation(bench.spec.tolerance, bench.spec.seed, number) if number else Deviation()
+        yield score_unit(number, play_unit(bench, deviation))
+
+
+def score_unit(number: int, played: Played) -> UnitResult:
+    """Score what a unit's images said."""
+    if not np.isfinite(played.estimates).all(axis=1).any():
+        return UnitResult(number, played, ())
+    return UnitResult(number, played, score_readings(played.truth, played.corrected(), played.press))
+
+
+def pool_units(results: Sequence[UnitResult]) -> tuple[Score, ...]:
+    """Score the images of all sampled units together, each unit's presses by themselves; empty without any."""
+    units = [result for result in results if result.number and result.scores]
+    if not units:
+        return ()
+    truth = np.concatenate([result.played.truth for result in units])
+    estimates = np.concatenate([result.played.corrected() for result in units])
+    press = np.concatenate([1000 * result.number + result.played.press for result in units])
+    return score_readings(truth, estimates, press)
+
+
+def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any]:
+    """The bench as JSON data: what was chosen, versions, and every unit."""
+    sampled = [result for result in results if result.number]
+    return {
+        "spec": bench.spec.model_dump(mode="json"),
+        "dome": bench.dome.model_dump(mode="json"),
+        "markers": len(bench.layout),
+        "material": bench.material.key_data(),
+        "camera": bench.camera.model_dump(mode="json"),
+        "model_sha256": bench.model_sha256,
+        "made_by": provenance() | {"bench": BENCH_VERSION},
+        "units": [_describe_unit(result) for result in results],
+        "pooled": [score.as_dict() for score in pool_units(results)],
+        "as_good_as_the_paper": {"units": sum(result.as_good for result in sampled), "of": len(sampled)},
+    }
+
+
+def write_bench(folder: Path, bench: Bench, results: Sequence[UnitResult]) -> None:
+    """Write ``bench.json``, ``bench.csv`` and ``bench.md`` into a folder.
+
+    Raises
+    ------
+    PalpateError
+        If they cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(_finite(describe_bench(bench, results)), indent=2, allow_nan=False)
+        (folder / "bench.json").write_text(text + "\n", encoding="utf-8")
+        (folder / "bench.md").write_text(bench_page(bench, results), encoding="utf-8")
+        with (folder / "bench.csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([COLUMNS, *(row for result in results for row in unit_rows(result))])
+    except OSError as error:
+        raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Choose another folder.") from error
+
+
+def unit_rows(result: UnitResult) -> list[list[str]]:
+    """Rows of a table by `COLUMNS`, one a component."""
+    name = unit_name(result.number)
+    flagged = int(result.played.flagged.sum())
+    return [
+        [name, f"{score.component} {score.unit}", *score_cells(score), str(result.without_pose), str(flagged)]
+        for score in result.scores
+    ]
+
+
+def score_cells(score: Score) -> list[str]:
+    """Images, presses and the five figures as text."""
+    errors = score.errors
+    figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
+    return [str(score.images), str(score.presses), *(f"{value:.3f}" for value in figures)]
+
+
+def unit_name(number: int) -> str:
+    """``nominal`` or the number."""
+    return str(number) if number else "nominal"
+
+
+def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
+    """The bench as a Markdown page."""
+    spec, sampled = bench.spec, [result for result in results if result.number]
+    lines = [
+        f"# Virtual bench: H {bench.dome.height:g}, T {bench.dome.thickness:g} mm, {len(bench.layout)} markers",
+        "",
+        f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.least_depth:g} to {spec.depth:g} "
+        f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
+        f"{spec.solver}; seed {spec.seed}. The depth's zero is "
+        f"{'found by one press beforehand' if spec.zero else 'not corrected'}.",
+        "",
+        *_table(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
+        "",
+        f"{sum(result.as_good for result in sampled)} of {len(sampled)} sampled units have RMSE ≤ {WANTED_RMSE_DEG}° "
+        f"and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
+        "",
+        "## Every unit",
+        "",
+        *_table(COLUMNS, [row for result in results for row in unit_rows(result)]),
+        *[f"\nUnit {result.number}: {result.played.failure}" for result in results if result.played.failure],
+        "",
+        "## Tolerances",
+        "",
+        *_table(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
+        "",
+        "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + ".",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
+    """What is tolerated, how much, and in what unit."""
+    from palpate.core import parameters
+
+    return [
+        [note.meaning, f"{getattr(tolerance, note.name):g}", "" if note.unit == "1" else note.unit]
+        for note in parameters(ToleranceSpec)
+    ]
+
+
+def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
+    nominal = next((result.scores for result in results if result.number == 0), ())
+    for title, scores in (("nominal unit", nominal), ("sampled units together", pool_units(results))):
+        for score in scores:
+            errors = score.errors
+            cells = (errors.rmse, errors.mae, errors.max, errors.sd)
+            yield [title, f"{score.component} {score.unit}", *(f"{value:.3f}" for value in cells)]
+    for name, paper in PAPER_TABLE_3.items():
+        unit = "mm" if name == "depth" else "deg"
+        cells = (paper.rmse, paper.mae, paper.max, paper.sd)
+        yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(row)} |" for row in (columns, ["---"] * len(columns), *rows)]
+
+
+def _describe_unit(result: UnitResult) -> dict[str, Any]:
+    played = result.played
+    return {
+        "unit": result.number,
+        "deviation": played.deviation.as_dict(),
+        "scores": [score.as_dict() for score in result.scores],
+        "zero_mm": played.zero.offset if played.zero else None,
+        "depth_bias_without_zero_mm": float(np.nanmean(played.estimates[:, 2] - played.truth[:, 2]))
+        if result.scores
+        else None,
+        "without_pose": result.without_pose,
+        "flagged": int(played.flagged.sum()),
+        "latency_ms": np.quantile(played.latency_ms, [0.5, 0.99]).tolist() if len(played.latency_ms) else [],
+        "as_good_as_the_paper": result.as_good,
+        "failure": played.failure,
+    }
+
+
+def _finite(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {key: _finite(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_finite(value) for value in content]
+    return None if isinstance(content, float) and not np.isfinite(content) else content

@@ -1,0 +1,147 @@
+"""A grid as evidence: figures by design, and which designs a question still needs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from palpate.grid import Cell, Row, SpecificationGrid
+
+HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
+"""The paper's designs (mm, mm, 1)."""
+BASE_RADIUS_MM = 20.0
+
+Dome = tuple[float, float]
+"""Height and thickness (mm)."""
+Design = tuple[float, float, int]
+DESIGNS: tuple[Design, ...] = tuple((h, t, m) for h in HEIGHTS for t in THICKNESSES for m in MARKERS)
+"""Height, thickness, markers of all 48."""
+
+
+class MissingEvidenceError(Exception):
+    """A question needs designs that the grid does not have.
+
+    Parameters
+    ----------
+    designs
+        Height, thickness and markers of each.
+    reasons
+        Why, for those that the study tried.
+    """
+
+    def __init__(self, designs: Iterable[Design], reasons: Iterable[str] = ()) -> None:
+        self.designs = tuple(dict.fromkeys(designs))
+        self.reasons = tuple(dict.fromkeys(reason for reason in reasons if reason))
+        super().__init__(_say_missing(self.designs, self.reasons))
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One grid, asked by design.
+
+    Attributes
+    ----------
+    grid
+        Rows of one study.
+    folder
+        Name of its folder, for messages.
+    """
+
+    grid: SpecificationGrid
+    folder: str
+
+    @cached_property
+    def rows(self) -> Mapping[Design, Row]:
+        """The paper's designs among the rows; of several with the same markers the first."""
+        found: dict[Design, Row] = {}
+        for row in self.grid.rows:
+            if row["base_radius_mm"] == BASE_RADIUS_MM:
+                key = (_number(row["height_mm"]), _number(row["thickness_mm"]), int(_number(row["markers"])))
+                found.setdefault(key, row)
+        return found
+
+    @property
+    def label(self) -> str:
+        """Contact law and way of learning, e.g. ``"no-slip, best"``; the folder's name where the grid has neither."""
+        spec: dict[str, Any] = next((json.loads(str(row["spec"])) for row in self.grid.rows if row.get("spec")), {})
+        parts = (spec.get("wall", {}).get("contact"), spec.get("learning", {}).get("preset"))
+        words = ", ".join(_word(part) for part in parts if part is not None)
+        return words or self.folder
+
+    def figures(self, column: str, designs: Iterable[Design] = DESIGNS) -> dict[Design, float]:
+        """One number a design.
+
+        Raises
+        ------
+        MissingEvidenceError
+            If any of the designs is missing, or has no such number.
+        """
+        return {design: _number(cell) for design, cell in self._cells(column, designs).items()}
+
+    def domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float]:
+        """One number a dome, from the first of its rows that has it; errors as of `figures`."""
+        return {dome: _number(cell) for dome, cell in self._of_domes(column, domes).items()}
+
+    def dome_texts(self, column: str, domes: Iterable[Dome]) -> dict[Dome, str]:
+        """One text a dome; errors as of `figures`."""
+        return {dome: str(cell) for dome, cell in self._of_domes(column, domes).items()}
+
+    def domes_or_none(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float | None]:
+        """As `domes`; `None` for a dome that is there and to which the figure does not apply."""
+        found = self._of_domes("presses", domes)
+        return {dome: next(self._numbers(column, dome), None) for dome in found}
+
+    def _cells(self, column: str, designs: Iterable[Design]) -> dict[Design, Cell]:
+        found = {design: self.rows.get(design, {}).get(column) for design in designs}
+        missing = [design for design, cell in found.items() if cell is None]
+        if missing:
+            raise MissingEvidenceError(missing, (str(self.rows.get(one, {}).get("failure") or "") for one in missing))
+        return found
+
+    def _of_domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, Cell]:
+        found, missing, reasons = {}, [], []
+        for dome in domes:
+            rows = self._rows_of(dome)
+            found[dome] = next((row[column] for row in rows if row.get(column) is not None), None)
+            if found[dome] is None:
+                missing += [(*dome, markers) for markers in MARKERS]
+                reasons += [str(row.get("failure") or "") for row in rows]
+        if missing:
+            raise MissingEvidenceError(missing, reasons)
+        return found
+
+    def _rows_of(self, dome: Dome) -> list[Row]:
+        return [row for (height, thickness, _), row in self.rows.items() if (height, thickness) == dome]
+
+    def _numbers(self, column: str, dome: Dome) -> Iterator[float]:
+        cells = (row.get(column) for row in self._rows_of(dome))
+        return (float(cell) for cell in cells if isinstance(cell, int | float))
+
+
+def _say_missing(designs: Iterable[Design], reasons: Iterable[str]) -> str:
+    """The missing designs by dome, in as few words as they need."""
+    layouts: dict[tuple[float, float], list[int]] = {}
+    for height, thickness, markers in designs:
+        layouts.setdefault((height, thickness), []).append(markers)
+    heights: dict[tuple[float, tuple[int, ...]], list[float]] = {}
+    for (height, thickness), counts in layouts.items():
+        heights.setdefault((height, tuple(counts)), []).append(thickness)
+    words = []
+    for (height, absent), thicknesses in heights.items():
+        shown = "" if set(absent) >= set(MARKERS) else f" with {', '.join(map(str, absent))} markers"
+        words.append(f"H{height:g} T{', T'.join(f'{thickness:g}' for thickness in thicknesses)}{shown}")
+    why = "".join(f" ({reason})" for reason in list(reasons)[:2])
+    return f"needs {'; '.join(words)}{why}"
+
+
+def _word(part: Any) -> str:
+    return f"friction {part:g}" if isinstance(part, int | float) else str(part)
+
+
+def _number(cell: Cell) -> float:
+    if isinstance(cell, int | float):
+        return float(cell)
+    raise TypeError(f"{cell!r} is not a number")

@@ -1,0 +1,99 @@
+"""From result folders to an answer for every claim of the paper."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from palpate.claims.claim import CLAIMS, Answer, Finding, Verdict
+from palpate.claims.evidence import Evidence, MissingEvidenceError
+from palpate.claims.judge_errors import judge_best, judge_height, judge_line, judge_markers, judge_thickness
+from palpate.claims.judge_material import CONVERGENCE, judge_law, judge_mesh
+from palpate.claims.judge_presses import (
+    judge_deformation,
+    judge_inversion,
+    judge_stress,
+    judge_travel_by_height,
+    judge_travel_by_markers,
+    judge_travel_by_thickness,
+)
+from palpate.grid import read_grid
+
+JUDGES: dict[str, Callable[[Evidence], Finding]] = {
+    "C3": judge_stress,
+    "C4": judge_deformation,
+    "C5": judge_inversion,
+    "C6": judge_travel_by_markers,
+    "C7": judge_travel_by_height,
+    "C8": judge_travel_by_thickness,
+    "C9": judge_markers,
+    "C10": judge_best,
+    "C11": judge_height,
+    "C12": judge_thickness,
+    "C14": judge_line,
+}
+"""Claims that one grid decides."""
+
+
+NO_MESHES = Finding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
+
+
+def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
+    """Read result folders: the grids, and the tables of convergence studies.
+
+    Raises
+    ------
+    PalpateError
+        If a folder holds neither.
+    """
+    meshes = {folder: sorted(folder.glob(CONVERGENCE)) for folder in folders}
+    grids = tuple(Evidence(read_grid(folder), str(folder)) for folder in folders if not meshes[folder])
+    return grids, tuple(path for paths in meshes.values() for path in paths)
+
+
+def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[Answer, ...]:
+    """Answer every claim.
+
+    Parameters
+    ----------
+    grids
+        Studies of the paper's designs, one a contact law or way of learning.
+    meshes
+        Tables of `palpate convergence`, for C2.
+
+    Returns
+    -------
+    tuple[Answer, ...]
+        By claim, then in the order of the grids. A claim whose designs a grid does not have is not decided, and
+        the answer names them.
+    """
+    answers = [Answer(CLAIMS["C1"], "Table 2", judge_law())]
+    answers += [Answer(CLAIMS["C2"], _name_meshes(path), judge_mesh(path)) for path in meshes]
+    if not meshes:
+        answers.append(Answer(CLAIMS["C2"], "no mesh study", NO_MESHES))
+    names = name_sources(grids)
+    for claim, judge in JUDGES.items():
+        for evidence, name in zip(grids, names, strict=True):
+            answers.append(Answer(CLAIMS[claim], name, _judge(judge, evidence)))
+        if not grids:
+            answers.append(Answer(CLAIMS[claim], "no grid", Finding(Verdict.OPEN, "", "needs a grid")))
+    return tuple(answers)
+
+
+def name_sources(grids: Sequence[Evidence]) -> tuple[str, ...]:
+    """Name of each grid by what it is; two of the same kind are told apart by their folders."""
+    kinds = Counter(evidence.label for evidence in grids)
+    return tuple(e.label if kinds[e.label] == 1 else f"{e.label} ({e.folder})" for e in grids)
+
+
+def _name_meshes(path: Path) -> str:
+    """``"mesh study, no slip"`` from ``convergence_no_slip.csv``."""
+    return ", ".join(["mesh study", *path.stem.split("_", 1)[1:]]).replace("_", " ")
+
+
+def _judge(judge: Callable[[Evidence], Finding], evidence: Evidence) -> Finding:
+    try:
+        return judge(evidence)
+    except MissingEvidenceError as missing:
+        return Finding(Verdict.OPEN, "", str(missing))

@@ -1,0 +1,113 @@
+"""The claims about errors: C9 to C12 and C14. The paper's figures are held against clean images, jitter beside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+
+from palpate.claims.claim import MOSTLY, Finding
+from palpate.claims.evidence import DESIGNS, HEIGHTS, MARKERS, THICKNESSES, Design, Evidence
+
+LITTLE = 0.1
+"""A fall is little if it is below this share of the one before it."""
+BEST: Design = (20.0, 2.0, 169)
+"""The paper's best design."""
+PRINTED_RMSE_DEG, PRINTED_MAX_DEG = 0.3, 0.8
+LINE_DEG = 2.0
+"""The aerospace line."""
+
+CLEAN, JITTERED = "rmse_deg", "rmse_jitter_deg"
+Errors = dict[Design, float]
+
+
+def judge_markers(evidence: Evidence) -> Finding:
+    """C9: errors fall with the number of markers, little above 91."""
+
+    def test(errors: Errors) -> tuple[bool, str]:
+        domes = [(height, thickness) for height in HEIGHTS for thickness in THICKNESSES]
+        falls = sum(all(errors[*d, a] > errors[*d, b] for a, b in pairwise(MARKERS)) for d in domes)
+        mean = {m: sum(errors[*dome, m] for dome in domes) / len(domes) for m in MARKERS}
+        share = (mean[91] - mean[169]) / (mean[7] - mean[91]) if mean[7] != mean[91] else float("inf")
+        text = f"falls on {falls} of {len(domes)} domes; mean {' / '.join(f'{mean[m]:.3f}' for m in MARKERS)}°, "
+        text += f"the last fall {100 * share:.0f} % of the ones before"
+        return falls >= MOSTLY * len(domes) and share < LITTLE, text
+
+    return _clean_and_jittered(evidence, test)
+
+
+def judge_best(evidence: Evidence) -> Finding:
+    """C10: the best design and its errors."""
+    clean, jittered = evidence.figures(CLEAN), evidence.figures(JITTERED)
+    greatest = evidence.figures("max_error_deg", [BEST])[BEST]
+    order = sorted(clean, key=lambda design: clean[design])
+    figures = (
+        f"{name_design(BEST)}: RMSE {clean[BEST]:.3f}°, maximum {greatest:.2f}°, number {order.index(BEST) + 1} of "
+        f"{len(order)}; best {name_design(order[0])}: {clean[order[0]]:.3f}°; with jitter "
+        f"{jittered[BEST]:.3f}°, best {name_design(min(jittered, key=lambda d: jittered[d]))}: "
+        f"{min(jittered.values()):.3f}°"
+    )
+    within = clean[BEST] <= PRINTED_RMSE_DEG and greatest <= PRINTED_MAX_DEG
+    why = "its errors are within the printed ones" if within else "its errors are above the printed ones"
+    return Finding.of(order[0] == BEST and within, figures, why)
+
+
+def judge_height(evidence: Evidence) -> Finding:
+    """C11: H = 20 mm beats H = 10 and 30 mm."""
+
+    def test(errors: Errors) -> tuple[bool, str]:
+        cases = [(t, m) for t in THICKNESSES for m in MARKERS]
+        wins = sum(errors[20.0, t, m] < min(errors[10.0, t, m], errors[30.0, t, m]) for t, m in cases)
+        means = (f"H{h:g} {sum(errors[h, t, m] for t, m in cases) / len(cases):.3f}°" for h in HEIGHTS)
+        return wins >= MOSTLY * len(cases), f"least at H = 20 in {wins} of {len(cases)}; mean {', '.join(means)}"
+
+    finding = _clean_and_jittered(evidence, test)
+    low = [evidence.rows[design] for design in DESIGNS if design[0] == HEIGHTS[0]]
+    dropped, samples = (sum(float(row[name] or 0) for row in low) for name in ("dropped", "samples"))
+    if not dropped:
+        return finding
+    note = f"at H = 10 {100 * dropped / (dropped + samples):.0f} % of the images cannot be had (rim, branch)"
+    return replace(finding, why="; ".join(part for part in (finding.why, note) if part))
+
+
+def judge_thickness(evidence: Evidence) -> Finding:
+    """C12: thinner is more precise."""
+
+    def test(errors: Errors) -> tuple[bool, str]:
+        cases = [(h, m) for h in HEIGHTS for m in MARKERS]
+        steps = [errors[h, a, m] < errors[h, b, m] for h, m in cases for a, b in pairwise(THICKNESSES)]
+        means = (f"T{t:g} {sum(errors[h, t, m] for h, m in cases) / len(cases):.3f}°" for t in THICKNESSES)
+        text = f"the thinner is better in {sum(steps)} of {len(steps)} steps; mean {', '.join(means)}"
+        return sum(steps) >= MOSTLY * len(steps), text
+
+    return _clean_and_jittered(evidence, test)
+
+
+def judge_line(evidence: Evidence) -> Finding:
+    """C14: the maximum error against the aerospace line."""
+    clean = evidence.figures("max_error_deg", [BEST])[BEST]
+    jittered = evidence.figures("max_error_jitter_deg", [BEST])[BEST]
+    there = [design for design in DESIGNS if design in evidence.rows]
+    counts = []
+    for column in ("max_error_deg", "max_error_jitter_deg"):
+        cells = [evidence.rows[design].get(column) for design in there]
+        counts.append(sum(isinstance(cell, int | float) and cell < LINE_DEG for cell in cells))
+    figures = (
+        f"{name_design(BEST)}: {clean:.2f}° clean, {jittered:.2f}° with jitter; below 2°: {counts[0]} of "
+        f"{len(there)} designs clean, {counts[1]} with jitter"
+    )
+    why = "" if jittered < LINE_DEG else "with the jitter of the training it is above the line"
+    return Finding.of(clean < LINE_DEG, figures, why)
+
+
+def name_design(design: Design) -> str:
+    """Name of a design in words, e.g. ``"H20 T2 169"``."""
+    return f"H{design[0]:g} T{design[1]:g} {design[2]}"
+
+
+def _clean_and_jittered(evidence: Evidence, test: Callable[[Errors], tuple[bool, str]]) -> Finding:
+    """Decide by the clean errors; say what the jittered ones would decide."""
+    holds, text = test(evidence.figures(CLEAN))
+    holds_jittered, jittered = test(evidence.figures(JITTERED))
+    why = "" if holds == holds_jittered else f"with jitter it {'holds' if holds_jittered else 'does not hold'}"
+    return Finding.of(holds, f"clean: {text}; with jitter: {jittered}", why)

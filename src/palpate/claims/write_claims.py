@@ -1,0 +1,195 @@
+"""The answers to the paper's claims as a page: Markdown or HTML, with a picture of each grid's figures."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from palpate.claims.claim import CLAIMS, Answer, Verdict
+from palpate.claims.evidence import Evidence
+from palpate.claims.judge_claims import name_sources
+from palpate.core import PalpateError
+from palpate.grid import SpecificationGrid, draw_plot, name_plot, refuse_unknown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PICTURES = {
+    "C3": ("heat", "peak_stress_straight_mpa"),
+    "C4": ("heat", "displacement_mean_straight_mm"),
+    "C5": ("heat", "bistable_from_mm"),
+    "C6": ("markers", "travel_mm"),
+    "C7": ("heat", "travel_mm"),
+    "C8": ("travel", "travel_mm"),
+    "C9": ("markers", "rmse_deg"),
+    "C10": ("heat", "rmse_deg"),
+    "C11": ("heat", "rmse_jitter_deg"),
+    "C12": ("travel", "rmse_deg"),
+    "C14": ("heat", "max_error_deg"),
+}
+"""Kind and metric of the picture that shows what decides a claim."""
+COLUMNS = ("claim", "the paper", "it holds if", "in", "figures", "verdict")
+
+OF_DOMES = ("C3", "C4", "C5")
+"""Claims about domes, whose figures all layouts share: one panel is enough."""
+
+Pictures = Mapping[tuple[str, str], str]
+"""Path of a picture, relative to the page, by claim and source."""
+
+
+def write_claims(path: Path, answers: Sequence[Answer], grids: Sequence[Evidence], command: str) -> tuple[Path, ...]:
+    """Write a page of answers, and one picture a claim and grid into a folder of the page's name beside it.
+
+    Parameters
+    ----------
+    path
+        Ends in ``.md`` or ``.html``.
+    answers
+        What is written.
+    grids
+        What the answers stand on.
+    command
+        The command that makes the page.
+
+    Returns
+    -------
+    tuple[Path, ...]
+        The page and its pictures.
+
+    Raises
+    ------
+    PalpateError
+        If the ending is another, or something cannot be written.
+    """
+    form = {".md": describe_claims, ".html": _describe_in_html}.get(path.suffix.lower())
+    if form is None:
+        raise PalpateError(f"The claims cannot be written as '{path.name}'.", "Let the name end in .md or .html.")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        pictures = _write_pictures(path.parent / path.stem, grids)
+        relative = {key: f"{path.stem}/{picture.name}" for key, picture in pictures.items()}
+        with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
+            draft = Path(folder) / path.name
+            draft.write_text(form(answers, grids, command, relative), encoding="utf-8")
+            os.replace(draft, path)
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror or error}.", "Choose another file.") from error
+    return path, *pictures.values()
+
+
+def describe_claims(
+    answers: Sequence[Answer], grids: Sequence[Evidence], command: str, pictures: Pictures | None = None
+) -> str:
+    """The page as Markdown; parameters as of `write_claims`."""
+    lines = ["# The paper's claims", "", *_intro(answers, grids), "", "```", command, "```", ""]
+    lines += [_line(COLUMNS), _line(["---"] * len(COLUMNS))]
+    for answer, cells in zip(answers, _cells(answers), strict=True):
+        picture = (pictures or {}).get((answer.claim.name, answer.source))
+        words = [cell.replace("|", "\\|") for cell in cells]
+        words[-1] = f"**{answer.finding.verdict}**" + words[-1].removeprefix(str(answer.finding.verdict))
+        words[4] += f" ([picture]({picture}))" if picture else ""
+        lines.append(_line(words))
+    lines += ["", *_provenance(grids)]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _describe_in_html(answers: Sequence[Answer], grids: Sequence[Evidence], command: str, pictures: Pictures) -> str:
+    body = []
+    for answer, cells in zip(answers, _cells(answers), strict=True):
+        picture = pictures.get((answer.claim.name, answer.source))
+        shown = [html.escape(cell) for cell in cells]
+        shown[4] += f'<br><img src="{html.escape(picture)}" width="480" alt="{shown[0]}">' if picture else ""
+        body.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in shown) + "</tr>")
+    head = "".join(f"<th>{name}</th>" for name in COLUMNS)
+    intro = "".join(f"<p>{html.escape(line)}</p>" for line in _intro(answers, grids) if line)
+    origin = "".join(f"<p>{html.escape(line)}</p>" for line in _provenance(grids) if line)
+    style = "body{font:15px sans-serif;margin:2em}td,th{border:1px solid #ccc;padding:.4em;vertical-align:top}"
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>The paper\'s claims</title>'
+        f"<style>{style}table{{border-collapse:collapse}}</style></head><body><h1>The paper's claims</h1>{intro}"
+        f"<pre>{html.escape(command)}</pre><table><tr>{head}</tr>{''.join(body)}</table>{origin}</body></html>\n"
+    )
+
+
+def _intro(answers: Sequence[Answer], grids: Sequence[Evidence]) -> list[str]:
+    counts = Counter(answer.finding.verdict for answer in answers)
+    tally = ", ".join(f"{counts[verdict]} {verdict}" for verdict in Verdict)
+    designs = ", ".join(
+        f"{name}: {len(evidence.rows)} of the paper's 48 designs"
+        for evidence, name in zip(grids, name_sources(grids), strict=True)
+    )
+    return [
+        f"Claims of Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, held against our grids ({designs or 'none'}). "
+        f"Every verdict is computed from the figures by the test beside it: {tally}, over "
+        f"{len({answer.claim.name for answer in answers})} claims. Errors are those on held-out presses; the claim "
+        "of the real sensor (C13) is not among them. Made by",
+    ]
+
+
+def _cells(answers: Sequence[Answer]) -> list[list[str]]:
+    """Words of each row; a claim is told once."""
+    rows, told = [], ""
+    for answer in answers:
+        claim, finding = CLAIMS[answer.claim.name], answer.finding
+        again = claim.name == told
+        verdict = f"{finding.verdict}: {finding.why}" if finding.why else str(finding.verdict)
+        said = ["", ""] if again else [claim.statement, claim.test]
+        rows.append([claim.name, *said, answer.source, finding.figures or "–", verdict])
+        told = claim.name
+    return rows
+
+
+def _provenance(grids: Sequence[Evidence]) -> list[str]:
+    lines = []
+    for evidence, name in zip(grids, name_sources(grids), strict=True):
+        versions = sorted({str(row["versions"]) for row in evidence.grid.rows if row.get("versions")})
+        seeds = sorted({str(row["seed"]) for row in evidence.grid.rows})
+        lines += [f"{name}: seed {', '.join(seeds)}; {' / '.join(versions)}", ""]
+    return lines
+
+
+def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, str], Path]:
+    """Pictures of what the grids have figures for, by claim and source."""
+    written: dict[tuple[str, str], Path] = {}
+    for evidence, name in zip(grids, name_sources(grids), strict=True):
+        for claim, (kind, metric) in PICTURES.items():
+            grid = _first_layout(evidence.grid) if claim in OF_DOMES else evidence.grid
+            try:
+                refuse_unknown(grid, kind, metric)
+            except PalpateError:  # nothing to draw: the answer says what is missing
+                continue
+            path = folder / f"{name_plot(kind, metric)}_{_plain(name)}.svg"
+            if path not in written.values():
+                _write_picture(path, draw_plot(grid, kind, metric))
+            written[claim, name] = path
+    return written
+
+
+def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
+    """The rows of the layout that comes first."""
+    return replace(grid, rows=tuple(row for row in grid.rows if row["markers"] == grid.rows[0]["markers"]))
+
+
+def _write_picture(path: Path, figure: Figure) -> None:
+    # imported here because a drawing library loads slowly
+    from palpate.grid import write_picture
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
+        write_picture(Path(folder) / path.name, figure)
+        os.replace(Path(folder) / path.name, path)
+
+
+def _plain(name: str) -> str:
+    """A name as part of a file's name."""
+    return "_".join("".join(c if c.isalnum() else " " for c in name).split())
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"

@@ -1,0 +1,117 @@
+"""Read what CalculiX printed: the text results (.dat) of a deck, image by image, and the counts of its log.
+
+A block of a ``.dat`` file is a line of text that ends with the time, then rows of numbers::
+
+     displacements (vx,vy,vz) for set DOME_NODES and time  0.8000000E+00
+
+             1  0.000000E+00  0.000000E+00  0.000000E+00
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.mechanics import von_mises
+
+_TITLE = re.compile(r"^\s*(\w[\w ]*?)\s*\(.*for set (\w+) and time\s+([\d.E+-]+)", re.IGNORECASE)
+_QUANTITIES = ("displacements", "total force", "stresses")
+_STRESS = (2, 3, 4, 5, 7, 6)
+"""Columns of xx, yy, zz, xy, yz, zx in a row of stresses, which prints xz before yz."""
+_LETTERS = re.compile(r"[A-DF-Za-df-z]")
+_EQUATIONS = re.compile(r"number of equations\s+(\d+)")
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block of a ``.dat`` file.
+
+    Attributes
+    ----------
+    quantity, members, time
+        E.g. ``displacements`` of ``DOME_NODES`` at 0.8 (mm of travel).
+    rows
+        (n, k) numbers as printed.
+    """
+
+    quantity: str
+    members: str
+    time: float
+    rows: FloatArray
+
+
+@dataclass(frozen=True)
+class CalculixImages:
+    """Images that CalculiX left.
+
+    Attributes
+    ----------
+    depth
+        (n,) mm travel of the wall.
+    displacement
+        (n, n_nodes, 3) mm; nan at nodes that were not printed.
+    wall_force
+        (n, 3) N of the modelled part on the wall.
+    peak_stress
+        (n,) MPa greatest von Mises stress at an integration point.
+    """
+
+    depth: FloatArray
+    displacement: FloatArray
+    wall_force: FloatArray
+    peak_stress: FloatArray
+
+
+def read_images(path: Path, nodes: int) -> CalculixImages:
+    """Read the images of a ``.dat`` file; one whose blocks are not all there is left out.
+
+    Parameters
+    ----------
+    path
+        The file; none at all counts as no image.
+    nodes
+        Number of nodes of the palpate mesh; node k of it is k + 1 there.
+    """
+    found: dict[float, dict[str, FloatArray]] = {}
+    for block in read_blocks(path):
+        found.setdefault(block.time, {})[block.quantity] = block.rows
+    whole = {time: image for time, image in sorted(found.items()) if {*image} >= {*_QUANTITIES}}
+    displacement = np.full((len(whole), nodes, 3), np.nan)
+    for k, image in enumerate(whole.values()):
+        rows = image["displacements"]
+        displacement[k, rows[:, 0].astype(int) - 1] = rows[:, 1:4]
+    return CalculixImages(
+        depth=np.array([*whole]),
+        displacement=displacement,
+        wall_force=-np.array([image["total force"][0] for image in whole.values()]).reshape(-1, 3),
+        peak_stress=np.array([von_mises(image["stresses"][:, _STRESS]).max() for image in whole.values()]),
+    )
+
+
+def read_blocks(path: Path) -> Iterator[Block]:
+    """Blocks of a ``.dat`` file in their order; nothing where there is no file."""
+    title: re.Match[str] | None = None
+    rows: list[list[float]] = []
+    for line in path.read_text().splitlines() if path.is_file() else []:
+        new = _TITLE.match(line)
+        if new is not None or _LETTERS.search(line):
+            if title is not None and rows:
+                yield Block(title[1], title[2], float(title[3]), np.array(rows))
+            title, rows = new, []
+        elif title is not None and line.strip():
+            rows.append([float(word) for word in line.split()])
+    if title is not None and rows:
+        yield Block(title[1], title[2], float(title[3]), np.array(rows))
+
+
+def read_counts(log: Path, convergence: Path) -> tuple[int, int]:
+    """Number of unknowns from the log, and of Newton iterations from the ``.cvg`` file; 0 where not found."""
+    equations = _EQUATIONS.search(log.read_text(errors="replace")) if log.is_file() else None
+    lines = convergence.read_text().splitlines() if convergence.is_file() else []
+    iterations = sum(line.split()[:1] != [] and line.split()[0].isdigit() for line in lines)
+    return int(equations[1]) if equations else 0, iterations

@@ -1,0 +1,129 @@
+"""A deck: the complete input file of a press for Abaqus or CalculiX, in mm, N and MPa."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from palpate.core import PalpateError, provenance
+from palpate.deck.material import material_lines
+from palpate.deck.mesh import deck_mesh, mesh_lines
+from palpate.deck.spec import DeckElement, DeckSpec, Dialect
+from palpate.deck.step import boundary_lines, image_lines, step_lines
+from palpate.deck.wall import contact_lines, deck_wall, wall_lines
+from palpate.fea import ObstacleSpec, contact_text, image_depths
+from palpate.material import Material
+from palpate.mesh import Mesh
+
+
+def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> None:
+    """Write the deck of a press; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    path
+        File to write, usually ``.inp``.
+    mesh, material, wall, spec
+        As in `deck_text`.
+
+    Raises
+    ------
+    PalpateError
+        If the deck cannot be made, or the file cannot be written.
+    """
+    text = deck_text(mesh, material, wall, spec)
+    if not path.parent.is_dir():
+        raise PalpateError(f"The folder {path.parent} does not exist.", "Make it first, or name another file.")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text)
+        part.replace(path)
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Name another file.") from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> str:
+    """The deck of a press as text.
+
+    Parameters
+    ----------
+    mesh
+        Half or whole dome; a half one is written in the tilt plane (y, z), whatever the azimuth.
+    material
+        The elastomer.
+    wall
+        Tilt, azimuth, depth, image step and contact law.
+    spec
+        Dialect, element and contact penalty.
+
+    Raises
+    ------
+    PalpateError
+        If the dialect has not the element or the law, or the wall would touch the clamped rim first.
+    """
+    spec = spec or DeckSpec()
+    if spec.dialect is Dialect.CALCULIX and spec.element is DeckElement.SHELL:
+        raise PalpateError(
+            "CalculiX turns shells into one layer of solids, 18 to 26 % too stiff here.",
+            "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
+        )
+    depths = deck_depths(mesh, wall)
+    parts = deck_mesh(mesh, spec.dialect, spec.element)
+    plate = deck_wall(mesh, wall, len(parts.elements), spec.dialect)
+    lines = [
+        *_header(mesh, material, wall, spec),
+        *mesh_lines(parts),
+        *wall_lines(plate, spec.dialect),
+        *material_lines(material, spec.dialect),
+        *_sections(mesh, spec),
+        *contact_lines(wall, spec),
+        *boundary_lines(spec, half=not mesh.spec.whole),
+        *image_lines(depths),
+        *step_lines(spec, depths),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def deck_depths(mesh: Mesh, wall: ObstacleSpec) -> list[float]:
+    """Depths in mm of the images of a deck, up to where the wall reaches the clamped rim."""
+    return image_depths(wall, min(wall.depth, wall.clamp_depth(mesh)))
+
+
+def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
+    dome = mesh.dome
+    part = "whole dome" if mesh.spec.whole else "half dome x >= 0 (forces and energies of the whole are twice these)"
+    yield "*HEADING"
+    yield f"palpate {provenance()['palpate']}: {dome.name}, pressed by a rigid obstacle"
+    yield "** Units: mm, N, MPa, mJ; pseudo-time is the travel of the wall in mm"
+    yield "** Frame: origin in the middle of the base plane, z along the axis to the apex"
+    yield f"** Made by palpate {provenance()['palpate']} for {spec.dialect}, element {spec.element}"
+    yield (
+        f"** skin: {dome.name}, height {dome.height:g} mm, base radius {dome.base_radius:g} mm, thickness "
+        f"{dome.thickness:g} mm (inner radius {dome.radius:.6g} mm); {part}"
+    )
+    yield f"** mesh: {mesh.spec.model_dump_json()}"
+    yield f"** material: {material.name}"
+    yield (
+        f"** obstacle: {wall.words}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
+        f"an image every {wall.image_step:g} mm, contact {contact_text(wall.contact)}"
+    )
+    if not mesh.spec.whole:
+        yield "** a half model lies in the tilt plane (y, z): turn its results about z by the azimuth"
+
+
+def _sections(mesh: Mesh, spec: DeckSpec) -> Iterator[str]:
+    if spec.element is DeckElement.SHELL:
+        yield "** Section: shell on the mid surface, thickness in mm, 5 points through it"
+        yield "*SHELL SECTION, ELSET=DOME, MATERIAL=SILICONE"
+        yield f"{mesh.dome.thickness:.10g}, 5"
+        return
+    yield "** Section: solid"
+    yield "*SOLID SECTION, ELSET=DOME, MATERIAL=SILICONE"
+    if spec.dialect is Dialect.CALCULIX:
+        yield "*MATERIAL, NAME=STIFF"
+        yield "*ELASTIC"
+        yield "1000., 0.3"
+        yield "*SOLID SECTION, ELSET=WALL, MATERIAL=STIFF"

@@ -1,0 +1,61 @@
+"""A skin that is the cap of an ellipsoid of revolution: flatter or steeper at the apex than a dome of its height."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self, final
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.design.revolved import RevolvedSkin
+
+
+@final
+@dataclass(frozen=True)
+class Ellipsoid(RevolvedSkin):
+    """Cap of an ellipsoid with the semi-axes a across and k a along its axis, cut at z = 0.
+
+    From ``z0 + k a = H`` and ``B²/a² + z0²/(k a)² = 1``: ``z0 = (H² - k² B²) / (2 H)``, ``a = (H - z0) / k``; with
+    k = 1 that is the sphere of `Dome`. The wall has the same thickness everywhere along the normals.
+
+    Attributes
+    ----------
+    height, base_radius, thickness
+        As of every `Skin`, mm.
+    aspect
+        k, semi-axis along the axis over that across: below 1 flatter at the apex than a sphere.
+    """
+
+    height: float
+    base_radius: float
+    thickness: float
+    aspect: float
+
+    @property
+    def name(self) -> str:
+        return f"ellipsoid {self.aspect:g} H{self.height:g} B{self.base_radius:g} T{self.thickness:g}"
+
+    @property
+    def centre_height(self) -> float:
+        """Height z0 of the ellipsoid's centre over the base, mm."""
+        return (self.height**2 - (self.aspect * self.base_radius) ** 2) / (2.0 * self.height)
+
+    @property
+    def semi_axis(self) -> float:
+        """Semi-axis a across the axis, mm."""
+        return (self.height - self.centre_height) / self.aspect
+
+    @property
+    def radius(self) -> float:
+        return self.semi_axis / self.aspect
+
+    def scaled(self, factor: float) -> Self:
+        sizes = (factor * self.height, factor * self.base_radius, factor * self.thickness)
+        return type(self)(*sizes, self.aspect)
+
+    def curve(self, t: FloatArray, order: int = 0) -> FloatArray:
+        a, end = self.semi_axis, np.arctan2(self.aspect * self.base_radius, -self.centre_height)
+        phase = end * t + order * np.pi / 2
+        curve = a * end**order * np.column_stack([np.sin(phase), self.aspect * np.cos(phase)])
+        return curve + np.array([0.0, self.centre_height if order == 0 else 0.0])

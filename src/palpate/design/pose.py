@@ -1,0 +1,40 @@
+"""Where a wall stands: tilt and azimuth, its rotation vector, its normal, and turns about the axis.
+
+A wall is turned by a rotation vector (rx, ry, 0) = tilt (cos azimuth, sin azimuth, 0): azimuth is the direction of
+the axis about which it is turned, seen from above, from x towards y. So at azimuth 0 the wall rises towards +y.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from palpate.core import FloatArray
+
+
+def rotation_vector(tilt: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+    """Components (..., 2) of the rotation vector, in the unit of the tilt (...); azimuth (...) in rad.
+
+    Examples
+    --------
+    >>> rotation_vector(5.0, np.pi / 2).round(9).tolist()
+    [0.0, 5.0]
+    """
+    return np.stack([tilt * np.cos(azimuth), tilt * np.sin(azimuth)], axis=-1)
+
+
+def wall_normal(rx: float, ry: float) -> FloatArray:
+    """Outward normal (3,) of the wall for its rotation vector (rx, ry) in radians.
+
+    ``n = cos(t) e_z + sin(t) (ry, -rx, 0) / t`` with ``t = |(rx, ry)|``: e_z turned by the rotation vector.
+    """
+    tilt = float(np.hypot(rx, ry))
+    if tilt == 0.0:
+        return np.array([0.0, 0.0, 1.0])
+    return np.array([np.sin(tilt) * ry / tilt, -np.sin(tilt) * rx / tilt, np.cos(tilt)])
+
+
+def turn_about_axis(azimuth: float) -> FloatArray:
+    """Rotation (3, 3) about z by an angle in rad, ``turned_from_plain``: its columns are the turned frame's axes."""
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

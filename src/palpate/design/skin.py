@@ -1,0 +1,184 @@
+"""A skin: the soft wall over a flat base that an obstacle presses and whose inner surface carries the markers.
+
+Every stage asks a skin the questions below and knows no more of its shape. The frame's origin is the middle of the
+base plane z = 0, z runs along the axis to the apex; lengths in mm. The *unit disc* is the map of both surfaces: its
+middle is the apex, its edge the rim.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from enum import StrEnum
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from palpate.cad.outline import Outline
+from palpate.core import FloatArray
+
+_AT_APEX = 1e-9
+"""Sine of the slope below which a point counts as the apex."""
+
+
+class Rim(StrEnum):
+    """How a skin ends at its base: cut flat at z = 0 as molded, or along the normals of the inner surface."""
+
+    FLAT = "flat"
+    RADIAL = "radial"
+
+
+class Symmetry(StrEnum):
+    """What a turn about the axis leaves as it is; it decides how presses are interpolated."""
+
+    REVOLVED = "revolved"
+    """Any turn: one press serves every azimuth."""
+    NONE = "none"
+    """No turn: every azimuth is pressed for itself."""
+
+
+class Skin(ABC):
+    """Geometry of one skin.
+
+    Attributes
+    ----------
+    height, base_radius, thickness
+        Of the inner surface's apex over the base, of its rim, and of the wall outward from it, mm.
+    """
+
+    height: float
+    base_radius: float
+    thickness: float
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Short name with the numbers that tell one skin from another, e.g. ``H20 T2``."""
+
+    @property
+    @abstractmethod
+    def symmetry(self) -> Symmetry:
+        """What a turn about the axis leaves as it is."""
+
+    @property
+    @abstractmethod
+    def radius(self) -> float:
+        """Radius of curvature of the inner surface at the apex, mm."""
+
+    @property
+    @abstractmethod
+    def widest(self) -> tuple[float, float]:
+        """Greatest distance of the inner surface from the axis and its height over the base, mm."""
+
+    @abstractmethod
+    def scaled(self, factor: float) -> Self:
+        """Return the skin with every length multiplied."""
+
+    @abstractmethod
+    def point(self, disc: FloatArray, layer: float, rim: Rim = Rim.FLAT) -> FloatArray:
+        """Points (n, 3) mm at places (n, 2) of the unit disc; `layer` 0 is the inner surface, 1 the outer."""
+
+    @abstractmethod
+    def disc(self, points: FloatArray) -> FloatArray:
+        """Places (n, 2) on the unit disc of points (n, 3) mm near the inner surface; beyond 1 below the rim."""
+
+    @abstractmethod
+    def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+        """Points of the base plane carried along the axis to the inner surface, the upper crossing where it bulges.
+
+        Parameters
+        ----------
+        rho
+            (...) distance from the axis, mm.
+        azimuth
+            (...) angle about the axis from x, rad.
+
+        Returns
+        -------
+        ndarray
+            (..., 3) mm; z is NaN where `rho` is beyond the skin's widest circle.
+        """
+
+    def tangents(self, points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Normal, and unit vectors along the meridian away from the apex and along the circle, (n, 3) each.
+
+        At the apex, where there is no meridian, they are those towards x and y.
+        """
+        normals = self.normal(points)
+        circle = np.cross([0.0, 0.0, 1.0], normals)
+        length = np.linalg.norm(circle, axis=1, keepdims=True)
+        circle = np.where(length < _AT_APEX, [[0.0, 1.0, 0.0]], circle / np.maximum(length, _AT_APEX))
+        return normals, np.cross(circle, normals), circle
+
+    @abstractmethod
+    def normal(self, points: FloatArray) -> FloatArray:
+        """Outward unit normal (..., 3) of the inner surface at points (..., 3) mm on or near it."""
+
+    @abstractmethod
+    def nearest(self, points: FloatArray) -> FloatArray:
+        """Points (..., 3) mm of the inner surface nearest to points (..., 3) mm: put back on the surface."""
+
+    @abstractmethod
+    def distance(self, points: ArrayLike) -> FloatArray:
+        """Signed distance (...) mm of points (..., 3) mm from the inner surface, positive outward."""
+
+    @abstractmethod
+    def distance_to_rim(self, points: ArrayLike) -> FloatArray:
+        """Distance (...) mm along the meridian from points (..., 3) mm of the inner surface to the rim."""
+
+    @abstractmethod
+    def arc_length(self, points: FloatArray) -> FloatArray:
+        """Distance (n,) mm along the meridian from the apex to points (n, 3) mm of the inner surface."""
+
+    @abstractmethod
+    def at_arc_length(self, length: FloatArray) -> FloatArray:
+        """Distance (n,) mm from the axis of the points so far (n,) mm along the meridian from the apex."""
+
+    @abstractmethod
+    def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
+        """Points (n, 3) mm where rays (n, 3) from an origin (3,) mm leave the inner surface; NaN if they miss."""
+
+    @abstractmethod
+    def touch(self, normal: FloatArray) -> FloatArray:
+        """First point (3,) mm of the outer surface that a wall with this outward normal (3,) touches."""
+
+    @property
+    @abstractmethod
+    def inner_slope(self) -> float:
+        """Angle in rad between the axis and the inner surface's normal at its rim; above π/2 where it bulges."""
+
+    @abstractmethod
+    def rim_slope(self, rim: Rim) -> float:
+        """Angle in rad between the axis and the outer normal at its rim: a wall tilted so far touches the clamp."""
+
+    @abstractmethod
+    def clamp_depth(self, tilt: float, rim: Rim) -> float:
+        """Depth in mm at which a wall of this tilt (rad) reaches the clamped outer rim."""
+
+    @abstractmethod
+    def meridian(self, offset: float, *, down: bool) -> Outline:
+        """Half section (x, z) mm of the surface `offset` mm outside the inner one, apex to base (`down`) or back.
+
+        Its first point is left out, for an outline goes on from where it stands.
+        """
+
+    @property
+    def bulges(self) -> bool:
+        """Whether the inner surface is wider somewhere than at its rim, so that a rigid core cannot be pulled."""
+        return self.widest[0] > self.base_radius * (1 + 1e-12)
+
+    @property
+    def outer_widest(self) -> tuple[float, float]:
+        """Greatest distance of the outer surface from the axis and its height over the base, mm."""
+        radius, height = self.widest
+        return (radius + self.thickness, height) if self.bulges else (self.outer_base_radius, 0.0)
+
+    @property
+    def outer_base_radius(self) -> float:
+        """Radius of the outer surface's rim in the base plane, mm."""
+        return float(np.hypot(*self.point(np.array([[1.0, 0.0]]), 1.0)[0, :2]))
+
+    @property
+    def outer_height(self) -> float:
+        """Height of the outer surface's apex over the base, mm."""
+        return self.height + self.thickness

@@ -1,0 +1,80 @@
+"""A rigid cylinder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Self, final
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, parameter
+from palpate.design import turn_about_axis
+from palpate.fea.ball import PATCH, round_gap
+from palpate.fea.first_touch import touch_first
+from palpate.fea.spec import ObstacleSpec
+from palpate.mechanics import Gap, Obstacle, grid_quads
+from palpate.mesh import Mesh
+
+
+@final
+@dataclass(frozen=True)
+class Cylinder(Obstacle):
+    """A rigid round bar without ends: a ball's gap in the plane across its axis.
+
+    Attributes
+    ----------
+    radius
+        mm.
+    point
+        (3,) mm, a point of its axis.
+    axis
+        (3,) unit vector along it.
+    """
+
+    radius: float
+    point: FloatArray
+    axis: FloatArray
+
+    def moved(self, by: FloatArray) -> Self:
+        return type(self)(self.radius, self.point + by, self.axis)
+
+    def gap(self, points: FloatArray) -> Gap:
+        return round_gap(self.point - points, self.radius, np.eye(3) - np.outer(self.axis, self.axis))
+
+    def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
+        foot = self.point + ((at - self.point) @ self.axis) * self.axis
+        inward = (foot - at) / self.radius
+        across = np.cross(inward, self.axis)
+        angle = np.linspace(-1, 1, PATCH) * min(half / self.radius, np.pi / 2)
+        way = np.sin(angle)[:, None, None] * across - np.cos(angle)[:, None, None] * inward
+        along = np.linspace(-half, half, 2)[None, :, None] * self.axis
+        return (foot + self.radius * way + along).reshape(-1, 3), grid_quads(PATCH, 2)
+
+
+@final
+class CylinderSpec(ObstacleSpec):
+    """A rigid round bar parallel to the base, brought down along the skin's axis, beside it or on it."""
+
+    kind: Literal["cylinder"] = "cylinder"
+    radius: float = parameter(5.0, unit="mm", meaning="radius of the bar", gt=0, le=1000)
+    offset: float = parameter(0.0, unit="mm", meaning="distance of the bar's axis from the skin's", ge=-60, le=60)
+    azimuth_deg: float = parameter(
+        0.0, unit="deg", meaning="direction of the bar; it is offset to the left of it", ge=-360, le=360
+    )
+
+    @property
+    def words(self) -> str:
+        return f"cylinder {self.radius:g} mm, {self.offset:g} mm off the axis"
+
+    @property
+    def radial(self) -> float:
+        return self.offset
+
+    @property
+    def turn_deg(self) -> float:
+        return self.azimuth_deg
+
+    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
+        middle = turn @ [0.0, self.offset, self.radius + mesh.dome.outer_height]
+        return touch_first(mesh, Cylinder(self.radius, middle, turn[:, 0].copy()))

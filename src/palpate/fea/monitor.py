@@ -1,0 +1,146 @@
+"""What watches a path: which branch a state belongs to, how contact is stabilised, and what ends a press.
+
+*Contact stabilisation.* Past a travel of some thicknesses the flattened disc of a thin dome carries almost no contact
+pressure: some 7 Pa at T = 2 mm, less than the mesh resolves at T = 1 mm. Quadrature points of the disc then lose
+contact here and there, and a discrete dome falls inside out where the continuum would not. So the middle of the
+contact patch is held by a weak spring that also pulls; the greatest tension it bears is recorded with every
+equilibrium, and the flat branch counts as lost where that exceeds the solver's `adhesion` (silicone itself sticks far
+better).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from palpate.core import BoolArray, FloatArray
+from palpate.mechanics import ContactLoading, Ended, Monitor, Solid, State, smallest_stretch
+
+_SECTORS = 6
+_MIDDLE = 0.9
+"""Share of the patch's radius that is held; with less, points outside it leave and return without end at T = 1."""
+_INVERTED_GAP = 0.1
+"""Gap of the first-touched point over the thickness from which the apex counts as inverted (flat: micrometres)."""
+_PULL, _PULL_FROM = 0.01, 1.5
+"""Stabilising spring over the contact penalty, and the travel over the thickness from which there is one."""
+_FOLDING_STRETCH = 0.544
+"""Stretch at which a free surface under plane strain compression is unstable (Biot 1963); it creases from 0.647."""
+_SHALLOW = 1.0
+"""Depth (mm, times the unit) below which the width of a push does not shrink."""
+
+
+@final
+@dataclass(frozen=True)
+class SkinMonitor(Monitor):
+    """Watches a skin over a base plane, pressed from above.
+
+    Attributes
+    ----------
+    solid
+        The skin.
+    loading
+        The obstacle and the skin's outer surface.
+    probe
+        Contact point that touches first; its gap tells the branch.
+    normal
+        (3,) normal of the obstacle there.
+    thickness
+        mm.
+    unit
+        Factor on lengths, as in `palpate.mechanics.continuation`.
+    centre
+        (3,) mm, undeformed centre of the contact patch where symmetry tells it; else it is that of the points.
+    """
+
+    solid: Solid
+    loading: ContactLoading
+    probe: int
+    normal: FloatArray
+    thickness: float
+    unit: float
+    centre: FloatArray | None = None
+
+    @property
+    def modulus(self) -> float:  # type: ignore[override]
+        return self.solid.material.young_modulus
+
+    @property
+    def area(self) -> float:  # type: ignore[override]
+        return self.loading.surface.area
+
+    def gap(self, at: float, state: State) -> float:
+        """Distance in mm between the obstacle at a depth and the point that it touched first."""
+        met = self.loading.meet(at, state)
+        return -float(met.obstacle.reach(met.points[self.probe : self.probe + 1])[0])
+
+    def inverted(self, at: float, state: State) -> bool:
+        return self.gap(at, state) > _INVERTED_GAP * self.thickness
+
+    def stabilisation(self, at: float, state: State) -> FloatArray | None:
+        if at <= _PULL_FROM * self.thickness:
+            return None
+        middle = patch_middle(self.loading.surface.points, self.normal, self.loading.touching(at, state), self.centre)
+        return np.where(middle, _PULL * self.loading.law.stiffness, 0.0)
+
+    def tension(self, at: float, state: State, springs: FloatArray) -> float:
+        lift = -self.loading.reach(at, state)
+        return float((springs * np.maximum(lift, 0.0)).max(initial=0.0))
+
+    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+        """A dent about the first-touched point, as wide as a ring of contact at this depth."""
+        touched = self.loading.surface.points[self.probe]
+        away = np.linalg.norm(self.solid.nodes - touched, axis=1)
+        width = np.sqrt(max(at, _SHALLOW * self.unit) * np.linalg.norm(touched)) / 2
+        dented: FloatArray = state.u - push * np.exp(-((away / width) ** 2))[:, None] * self.normal
+        return dented
+
+    def fault(self, state: State) -> tuple[Ended, str] | None:
+        """Silicone that is squeezed so far that its free surface folds on itself."""
+        stretch, place = smallest_stretch(self.solid, state)
+        if stretch >= _FOLDING_STRETCH:
+            return None
+        where = ", ".join(f"{value:.1f}" for value in place)
+        return (
+            Ended.FOLDED,
+            f"where the silicone at ({where}) mm is squeezed to {stretch:.2f} of its length: below "
+            f"{_FOLDING_STRETCH:g} a free surface folds",
+        )
+
+
+def patch_middle(
+    place: FloatArray, normal: FloatArray, touching: BoolArray, centre: FloatArray | None = None
+) -> BoolArray:
+    """Points in the middle of the contact patch.
+
+    Parameters
+    ----------
+    place
+        (n, 3) mm undeformed contact points.
+    normal
+        (3,) normal of the wall.
+    touching
+        (n,) bool, points in contact.
+    centre
+        (3,) mm, of the patch; without it the mean of the points along the tilt.
+
+    Returns
+    -------
+    (n,) bool
+        Points nearer to the patch's centre than nine tenths of the radius at which contact ends, in the direction
+        where it ends soonest. Directions are folded about the tilt plane, so half and whole models agree.
+    """
+    if np.count_nonzero(touching) < 4 * _SECTORS:
+        return np.zeros(len(place), bool)
+    along = np.array([0.0, 1.0, 0.0]) - normal[1] * normal
+    along /= np.linalg.norm(along)
+    across = np.cross(normal, along)
+    flat = np.column_stack([place @ along, np.abs(place @ across)])
+    arm = flat - np.array([flat[touching, 0].mean() if centre is None else centre @ along, 0.0])
+    radius = np.hypot(arm[:, 0], arm[:, 1])
+    sector = np.minimum((np.arctan2(arm[:, 1], arm[:, 0]) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
+    there = [k for k in range(_SECTORS) if (sector == k).any()]  # a model of a quarter has no others
+    reach = [radius[touching & (sector == k)].max(initial=0.0) for k in there]
+    middle: BoolArray = (radius < _MIDDLE * min(reach)) & (place @ normal > 0)
+    return middle

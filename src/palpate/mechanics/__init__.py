@@ -1,0 +1,59 @@
+"""Mechanics: a soft body under loads and rigid obstacles, in equilibrium, followed along its branches."""
+
+from palpate.mechanics.compiled import kernels_compiled
+from palpate.mechanics.continuation import Continuation, Increment
+from palpate.mechanics.element import System
+from palpate.mechanics.friction import ContactLaw
+from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
+from palpate.mechanics.loading import ContactLoading, Loading, LoadLoading
+from palpate.mechanics.monitor import Ended, Monitor, Unwatched
+from palpate.mechanics.newton import Equilibrium, Loads, Problem
+from palpate.mechanics.obstacle import Gap, Obstacle, grid_quads, tangents
+from palpate.mechanics.serendipity import BRICK, fill_nodes
+from palpate.mechanics.solid import GAUSS, Body, Solid, State
+from palpate.mechanics.spec import SolverSpec
+from palpate.mechanics.stress import cauchy_stress, smallest_stretch, von_mises
+from palpate.mechanics.surface import OuterSurface
+from palpate.mechanics.term import Assembly, Damping, DeadLoad, Share, Term
+
+__all__ = [
+    "BRICK",
+    "GAUSS",
+    "Assembly",
+    "Body",
+    "ContactLaw",
+    "ContactLoading",
+    "Continuation",
+    "Damping",
+    "DeadLoad",
+    "Ended",
+    "Equilibrium",
+    "Gap",
+    "Increment",
+    "LinearSolver",
+    "LoadLoading",
+    "Loading",
+    "Loads",
+    "Monitor",
+    "Obstacle",
+    "OuterSurface",
+    "Pattern",
+    "Problem",
+    "Share",
+    "SingularMatrixError",
+    "Solid",
+    "SolverSpec",
+    "State",
+    "System",
+    "Term",
+    "Unwatched",
+    "cauchy_stress",
+    "fill_nodes",
+    "grid_quads",
+    "kernels_compiled",
+    "make_linear_solver",
+    "smallest_stretch",
+    "solver_backends",
+    "tangents",
+    "von_mises",
+]

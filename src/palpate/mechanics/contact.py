@@ -1,0 +1,187 @@
+"""Contact of a surface with a rigid obstacle, integrated on its quadrature points.
+
+With the penetration ``delta`` of a point, the normal ``n`` of the obstacle there, and its place on the obstacle
+``s = (I - n n^T)(x - x_o)``, the contact energy per undeformed area is
+
+    phi(delta) + psi(s - s0),    p = phi'(delta)
+
+* ``phi`` is a penalty of stiffness ``eps`` that starts quadratically in force over the width ``w``:
+  ``p = eps delta² / 2w`` up to ``delta = w`` and ``eps (delta - w/2)`` beyond, so that the tangent is continuous;
+  with the Hessian ``H`` of the penetration its tangent is ``phi'' n n^T + p H``;
+* ``psi`` is a spring ``eps_t`` from the place ``s0`` on the obstacle where the point touched it, limited to the
+  traction ``mu p`` (a Huber potential; no slip is mu = infinity, frictionless mu = 0), in the plane that touches the
+  obstacle at ``s0``. Which points stick, where, and the limit ``mu p``, are the contact history
+  (`palpate.mechanics.friction`): held during a solve and corrected between solves, so every solve minimises a smooth
+  energy and its tangent is symmetric (Wriggers, *Computational Contact Mechanics*, 2006, chapter 5). A point that
+  touches anew slides in the first solve and then sticks where its path crossed the surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, final
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, kernel
+from palpate.mechanics.element import DOFS, System
+from palpate.mechanics.friction import ContactHistory, ContactLaw, Met
+from palpate.mechanics.obstacle import Obstacle
+from palpate.mechanics.solid import State
+from palpate.mechanics.surface import ContactFaces, OuterSurface
+from palpate.mechanics.term import Assembly, Share, Term
+
+OUTER_FIRST = 18
+"""First node of the outer face in a cell."""
+
+
+class _Points(NamedTuple):
+    """Contact points in the kernel.
+
+    `arm` (n, 3) mm from the obstacle's point, `reach`, `normal`, `curvature` of the gap, and the height (n,) mm and
+    normal (n, 3) by which `arm` is projected onto the plane of the sticking springs.
+    """
+
+    arm: FloatArray
+    reach: FloatArray
+    normal: FloatArray
+    curvature: FloatArray
+    height: FloatArray
+    axis: FloatArray
+
+
+@final
+@dataclass(frozen=True)
+class Contact(Term):
+    """A surface against an obstacle.
+
+    Attributes
+    ----------
+    surface
+        What may touch.
+    law
+        Penalty and friction.
+    obstacle
+        What is touched.
+    history
+        What the points remember.
+    """
+
+    surface: OuterSurface
+    law: ContactLaw
+    obstacle: Obstacle
+    history: ContactHistory
+
+    def assemble(self, state: State, to: Assembly) -> Share:
+        points = self._points(self.surface.place(to.nodes + state.u))
+        energy, force = _assemble(self.surface.faces, to.place, points, (self.law, self.history), to.system)
+        return Share(energy, force)
+
+    def meet(self, state: State, nodes: FloatArray) -> Met:
+        """Contact points of a state of the body with these nodes (n, 3) mm, and the obstacle."""
+        return Met(self.surface.interpolate(nodes + state.u), self.obstacle)
+
+    def _points(self, x: FloatArray) -> _Points:
+        gap, arm = self.obstacle.gap(x), x - self.obstacle.point
+        if gap.curvature is None:
+            return _Points(arm, gap.reach, gap.normal, np.zeros((len(x), 3, 3)), gap.reach, gap.normal)
+        height = np.einsum("ni,ni->n", arm - self.history.anchor, self.history.normal)
+        return _Points(arm, gap.reach, gap.normal, gap.curvature, height, self.history.normal)
+
+
+@kernel
+def _assemble(
+    faces: ContactFaces,
+    place: IntArray,
+    points: _Points,
+    contact: tuple[ContactLaw, ContactHistory],
+    system: System,
+) -> tuple[float, FloatArray]:
+    """Add contact to tangent and residual; return its energy, mJ, and the force (3,) N on the obstacle.
+
+    `place` is that of `palpate.mechanics.element.Cells`.
+    """
+    law, history = contact
+    force, energy = np.zeros(3), 0.0
+    x, s, t = np.empty(3), np.empty(3), np.empty(3)
+    H = np.empty((3, 3))
+    for f in range(len(faces.nodes)):
+        nodes = faces.nodes[f]
+        for q in range(len(faces.shape)):
+            at = f * len(faces.shape) + q
+            delta = points.reach[at]
+            for i in range(3):
+                x[i] = points.arm[at, i]
+            if delta <= 0.0 and history.limit[at] == 0.0 and history.stabilisation[at] == 0.0:
+                continue
+            w = faces.weight[f, q]
+            density, p, stiffness = _normal_contact(delta, law, history.stabilisation[at])
+            normal = points.normal[at]
+            for i in range(3):
+                for j in range(3):
+                    H[i, j] = stiffness * normal[i] * normal[j] + p * points.curvature[at, i, j]
+                t[i] = p * normal[i]
+            if history.limit[at] > 0.0:
+                axis = points.axis[at]
+                for i in range(3):
+                    s[i] = x[i] - points.height[at] * axis[i] - history.anchor[at, i]
+                density += _add_friction(s, axis, history.limit[at], law.tangential_stiffness, t, H)
+            energy += w * density
+            for i in range(3):
+                force[i] += w * t[i]
+            _add_point(nodes, w, faces.shape[q], (t, H), place[faces.cell[f]], system)
+    return energy, force
+
+
+@kernel
+def _normal_contact(delta: float, law: ContactLaw, pull: float) -> tuple[float, float, float]:
+    """Energy (mJ/mm²), pressure (MPa) and stiffness (MPa/mm) at a penetration in mm."""
+    if delta < 0.0:
+        return 0.5 * pull * delta * delta, pull * delta, pull
+    eps, width = law.stiffness, law.width
+    if delta < width:
+        return eps * delta**3 / (6.0 * width), eps * delta * delta / (2.0 * width), eps * delta / width
+    energy = eps * (0.5 * delta * delta - 0.5 * width * delta + width * width / 6.0)
+    return energy, eps * (delta - 0.5 * width), eps
+
+
+@kernel
+def _add_friction(s: FloatArray, normal: FloatArray, limit: float, k: float, t: FloatArray, H: FloatArray) -> float:
+    """Add traction and stiffness of the spring s (3,) mm from the sticking place; return its energy, mJ/mm²."""
+    length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    if k * length <= limit:
+        for i in range(3):
+            t[i] += k * s[i]
+            for j in range(3):
+                H[i, j] += k * ((1.0 if i == j else 0.0) - normal[i] * normal[j])
+        return 0.5 * k * length * length
+    for i in range(3):
+        si = s[i] / length
+        t[i] += limit * si
+        for j in range(3):
+            H[i, j] += limit / length * ((1.0 if i == j else 0.0) - normal[i] * normal[j] - si * s[j] / length)
+    return limit * (length - 0.5 * limit / k)
+
+
+@kernel
+def _add_point(
+    nodes: IntArray,
+    w: float,
+    shape: FloatArray,
+    traction: tuple[FloatArray, FloatArray],
+    place: IntArray,
+    system: System,
+) -> None:
+    """Add the traction t (3,) and its stiffness H (3, 3) of one point to the system."""
+    t, H = traction
+    for a in range(9):
+        wa = w * shape[a]
+        for i in range(3):
+            system.residual[3 * nodes[a] + i] += wa * t[i]
+            row = 3 * (OUTER_FIRST + a) + i
+            start = row * DOFS - row * (row - 1) // 2 - row
+            for b in range(a, 9):
+                for j in range(i if a == b else 0, 3):
+                    target = place[start + 3 * (OUTER_FIRST + b) + j]
+                    if target >= 0:
+                        system.data[target] += wa * shape[b] * H[i, j]

@@ -1,0 +1,352 @@
+"""The element: 27-node hexahedra with a discontinuous linear pressure (Q2/P1), in compiled kernels.
+
+The energy of a cell is that of the perturbed Lagrangian (Simo, Taylor & Pister 1985; Boffi, Brezzi & Fortin 2013,
+section 8.6: the pair is inf-sup stable)
+
+    E(u, p) = ∫ W_iso(F) + p (J - 1) - p² / (2K) dV,   p = p0 + p1 xi + p2 eta + p3 zeta in each cell.
+
+Newton's method linearises both fields; the four pressures of a cell are condensed before assembly:
+
+    (K_uu + K C^T M^-1 C) du = -(r_u + K C^T M^-1 r_p),    dp = K M^-1 (C du + r_p),
+    C = ∫ q J g dV,   r_p = ∫ q (J - 1 - p/K) dV,   M = ∫ q q dV,   g = F^-T grad N.
+
+`u` and `p` are independent during the iteration, so a rotation predicted to first order raises no spurious
+pressure, and the iterations do not grow with the bulk modulus.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, kernel
+
+NODES = 27
+DOFS = 81
+PRESSURES = 4
+
+
+class Cells(NamedTuple):
+    """Tables of all cells that do not change.
+
+    Attributes
+    ----------
+    nodes
+        (n_cells, 27) node numbers.
+    gradient
+        (n_cells, n_points, 27, 3) referential shape gradients at the Gauss points, 1/mm.
+    weight
+        (n_cells, n_points) mm³.
+    basis
+        (n_points, 4) pressure basis.
+    inverse_mass
+        (n_cells, 4, 4) inverse of the pressure mass matrix, 1/mm³.
+    place
+        (n_cells, 3321) place among the values of the sparse matrix of every entry of a cell's upper triangle,
+        -1 for none.
+    """
+
+    nodes: IntArray
+    gradient: FloatArray
+    weight: FloatArray
+    basis: FloatArray
+    inverse_mass: FloatArray
+    place: IntArray
+
+
+class Response(NamedTuple):
+    """What a law answers at the Gauss points.
+
+    Attributes
+    ----------
+    F
+        (n_cells, n_points, 3, 3) deformation gradient.
+    energy
+        (n_cells, n_points) MPa isochoric energy per undeformed volume.
+    tau
+        (n_cells, n_points, 6) MPa isochoric Kirchhoff stress, Voigt order xx, yy, zz, xy, yz, zx.
+    c
+        (n_cells, n_points, 6, 6) MPa its spatial tangent.
+    """
+
+    F: FloatArray
+    energy: FloatArray
+    tau: FloatArray
+    c: FloatArray
+
+
+class System(NamedTuple):
+    """Linear system under assembly: values (nnz,) N/mm of the sparse upper triangle, residual (3 n,) N."""
+
+    data: FloatArray
+    residual: FloatArray
+
+
+class Condensed(NamedTuple):
+    """What `recover_pressure` needs: C (n_cells, 4, 81) mm² and r_p (n_cells, 4) mm³."""
+
+    coupling: FloatArray
+    volume_residual: FloatArray
+
+
+class _Cell(NamedTuple):
+    """Work arrays of one cell: stiffness K (81, 81), geometric part S (27, 27), residual r (81,), C, r_p."""
+
+    K: FloatArray
+    S: FloatArray
+    r: FloatArray
+    C: FloatArray
+    rp: FloatArray
+
+
+@kernel
+def deformation_gradient(gradient: FloatArray, u: FloatArray, F: FloatArray) -> None:
+    """Write the deformation gradient at one point.
+
+    Parameters
+    ----------
+    gradient
+        (27, 3) referential shape gradients, 1/mm.
+    u
+        (27, 3) nodal displacements, mm.
+    F
+        (3, 3) receives ``I + sum u_a ⊗ grad N_a``.
+    """
+    for i in range(3):
+        for j in range(3):
+            F[i, j] = 1.0 if i == j else 0.0
+    for a in range(NODES):
+        for i in range(3):
+            for j in range(3):
+                F[i, j] += u[a, i] * gradient[a, j]
+
+
+@kernel
+def determinant(F: FloatArray) -> float:
+    """Determinant of a matrix (3, 3)."""
+    c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
+    c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
+    c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
+    return F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
+
+
+@kernel
+def spatial_gradients(gradient: FloatArray, F: FloatArray, g: FloatArray) -> float:
+    """Spatial shape gradients at one point.
+
+    Parameters
+    ----------
+    gradient
+        (27, 3) referential shape gradients, 1/mm.
+    F
+        (3, 3) deformation gradient of positive determinant.
+    g
+        (27, 3) receives ``F^-T grad N``, 1/mm.
+
+    Returns
+    -------
+    float
+        The determinant J of F.
+    """
+    c00 = F[1, 1] * F[2, 2] - F[1, 2] * F[2, 1]
+    c01 = F[1, 2] * F[2, 0] - F[1, 0] * F[2, 2]
+    c02 = F[1, 0] * F[2, 1] - F[1, 1] * F[2, 0]
+    J = F[0, 0] * c00 + F[0, 1] * c01 + F[0, 2] * c02
+    c10 = F[2, 1] * F[0, 2] - F[0, 1] * F[2, 2]
+    c11 = F[0, 0] * F[2, 2] - F[0, 2] * F[2, 0]
+    c12 = F[0, 1] * F[2, 0] - F[0, 0] * F[2, 1]
+    c20 = F[0, 1] * F[1, 2] - F[0, 2] * F[1, 1]
+    c21 = F[0, 2] * F[1, 0] - F[0, 0] * F[1, 2]
+    c22 = F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
+    for a in range(NODES):
+        x, y, z = gradient[a, 0], gradient[a, 1], gradient[a, 2]
+        g[a, 0] = (c00 * x + c01 * y + c02 * z) / J
+        g[a, 1] = (c10 * x + c11 * y + c12 * z) / J
+        g[a, 2] = (c20 * x + c21 * y + c22 * z) / J
+    return J
+
+
+@kernel
+def _add_stress_divergence(w: float, g: FloatArray, tau: FloatArray, r: FloatArray, S: FloatArray) -> None:
+    """Add ``∫ tau g`` to r (81,) and the geometric stiffness ``∫ g·tau·g`` to the upper triangle of S (27, 27)."""
+    for a in range(NODES):
+        x, y, z = g[a, 0], g[a, 1], g[a, 2]
+        tx = w * (tau[0] * x + tau[3] * y + tau[5] * z)
+        ty = w * (tau[3] * x + tau[1] * y + tau[4] * z)
+        tz = w * (tau[5] * x + tau[4] * y + tau[2] * z)
+        r[3 * a] += tx
+        r[3 * a + 1] += ty
+        r[3 * a + 2] += tz
+        for b in range(a, NODES):
+            S[a, b] += tx * g[b, 0] + ty * g[b, 1] + tz * g[b, 2]
+
+
+@kernel
+def _add_material_stiffness(w: float, g: FloatArray, c: FloatArray, DB: FloatArray, K: FloatArray) -> None:
+    """Add ``∫ B^T c B`` to the upper triangle of K (81, 81), row by row so that the inner loop is contiguous."""
+    for k in range(6):
+        d0, d1, d2 = w * c[k, 0], w * c[k, 1], w * c[k, 2]
+        d3, d4, d5 = w * c[k, 3], w * c[k, 4], w * c[k, 5]
+        for b in range(NODES):
+            x, y, z = g[b, 0], g[b, 1], g[b, 2]
+            DB[k, 3 * b] = d0 * x + d3 * y + d5 * z
+            DB[k, 3 * b + 1] = d1 * y + d3 * x + d4 * z
+            DB[k, 3 * b + 2] = d2 * z + d4 * y + d5 * x
+    for a in range(NODES):
+        x, y, z = g[a, 0], g[a, 1], g[a, 2]
+        for j in range(3 * a, DOFS):
+            K[3 * a, j] += x * DB[0, j] + y * DB[3, j] + z * DB[5, j]
+            K[3 * a + 1, j] += y * DB[1, j] + x * DB[3, j] + z * DB[4, j]
+            K[3 * a + 2, j] += z * DB[2, j] + y * DB[4, j] + x * DB[5, j]
+
+
+@kernel
+def add_volumetric(pressure_J: float, tau: FloatArray, c: FloatArray) -> None:
+    """Add the stress ``p J I`` and the tangent ``p J (I ⊗ I - 2 II)`` of the pressure to tau (6,) and c (6, 6)."""
+    for i in range(3):
+        tau[i] += pressure_J
+        for j in range(3):
+            c[i, j] += pressure_J
+        c[i, i] -= 2.0 * pressure_J
+        c[i + 3, i + 3] -= pressure_J
+
+
+@kernel
+def deform_cells(cells: Cells, u: FloatArray, F: FloatArray) -> bool:
+    """Write the deformation gradient (n_cells, n_points, 3, 3) at every Gauss point.
+
+    Returns
+    -------
+    bool
+        Whether no cell is turned inside out; where one is, what follows it is not written.
+    """
+    ue = np.empty((NODES, 3))
+    for e in range(len(cells.nodes)):
+        for a in range(NODES):
+            for i in range(3):
+                ue[a, i] = u[cells.nodes[e, a], i]
+        for q in range(len(cells.basis)):
+            deformation_gradient(cells.gradient[e, q], ue, F[e, q])
+            if not determinant(F[e, q]) > 0.0:
+                return False
+    return True
+
+
+@kernel
+def assemble_cells(
+    cells: Cells, response: Response, bulk: float, p: FloatArray, system: System, condensed: Condensed
+) -> float:
+    """Assemble the condensed tangent and residual of all cells.
+
+    Parameters
+    ----------
+    cells
+        Tables.
+    response
+        What the law answers at the Gauss points.
+    bulk
+        Bulk modulus, MPa.
+    p
+        (n_cells, 4) MPa pressure.
+    system
+        Added to.
+    condensed
+        Overwritten.
+
+    Returns
+    -------
+    float
+        Stored energy, mJ; infinite where the energy of the law is (then nothing else is valid).
+    """
+    g = np.empty((NODES, 3))
+    DB, K, S = np.empty((6, DOFS)), np.empty((DOFS, DOFS)), np.empty((NODES, NODES))
+    r = np.empty(DOFS)
+    energy = 0.0
+    for e in range(len(cells.nodes)):
+        cell = _Cell(K, S, r, condensed.coupling[e], condensed.volume_residual[e])
+        K[:, :] = 0.0
+        S[:, :] = 0.0
+        r[:] = 0.0
+        cell.C[:, :] = 0.0
+        cell.rp[:] = 0.0
+        for q in range(len(cells.basis)):
+            w = cells.weight[e, q]
+            J = spatial_gradients(cells.gradient[e, q], response.F[e, q], g)
+            energy += w * response.energy[e, q]
+            tau, c = response.tau[e, q], response.c[e, q]
+            pressure = 0.0
+            for k in range(PRESSURES):
+                pressure += cells.basis[q, k] * p[e, k]
+            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * bulk))
+            add_volumetric(pressure * J, tau, c)
+            _add_stress_divergence(w, g, tau, r, S)
+            _add_material_stiffness(w, g, c, DB, K)
+            for k in range(PRESSURES):
+                wb = w * cells.basis[q, k]
+                cell.rp[k] += wb * (J - 1.0 - pressure / bulk)
+                for a in range(NODES):
+                    for i in range(3):
+                        cell.C[k, 3 * a + i] += wb * J * g[a, i]
+        _condense(bulk, cells.inverse_mass[e], cell)
+        _scatter(cells.nodes[e], cell, cells.place[e], system)
+    return energy
+
+
+@kernel
+def _condense(bulk: float, inverse_mass: FloatArray, cell: _Cell) -> None:
+    for a in range(NODES):
+        for b in range(a, NODES):
+            for i in range(3):
+                cell.K[3 * a + i, 3 * b + i] += cell.S[a, b]
+    MC = np.zeros((PRESSURES, DOFS))
+    for k in range(PRESSURES):
+        for m in range(PRESSURES):
+            factor = bulk * inverse_mass[k, m]
+            for j in range(DOFS):
+                MC[k, j] += factor * cell.C[m, j]
+    for k in range(PRESSURES):
+        for i in range(DOFS):
+            cki = cell.C[k, i]
+            cell.r[i] += MC[k, i] * cell.rp[k]
+            for j in range(i, DOFS):
+                cell.K[i, j] += cki * MC[k, j]
+
+
+@kernel
+def _scatter(nodes: IntArray, cell: _Cell, place: IntArray, system: System) -> None:
+    at = 0
+    for i in range(DOFS):
+        system.residual[3 * nodes[i // 3] + i % 3] += cell.r[i]
+        for j in range(i, DOFS):
+            target = place[at]
+            at += 1
+            if target >= 0:
+                system.data[target] += cell.K[i, j]
+
+
+@kernel
+def recover_pressure(cells: Cells, bulk: float, condensed: Condensed, du: FloatArray, dp: FloatArray) -> None:
+    """Write the pressure increments ``dp = K M^-1 (C du + r_p)``.
+
+    Parameters
+    ----------
+    cells, bulk, condensed
+        As in `assemble_cells`, which wrote the last.
+    du
+        (n, 3) mm increment of displacement.
+    dp
+        (n_cells, 4) MPa, receives the increments.
+    """
+    rhs = np.empty(PRESSURES)
+    for e in range(len(cells.nodes)):
+        for k in range(PRESSURES):
+            rhs[k] = condensed.volume_residual[e, k]
+            for a in range(NODES):
+                for i in range(3):
+                    rhs[k] += condensed.coupling[e, k, 3 * a + i] * du[cells.nodes[e, a], i]
+        for k in range(PRESSURES):
+            total = 0.0
+            for m in range(PRESSURES):
+                total += cells.inverse_mass[e, k, m] * rhs[m]
+            dp[e, k] = bulk * total

@@ -1,0 +1,147 @@
+"""What moves along a path: an obstacle that comes down on a body, or dead loads that grow."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from palpate.core import BoolArray, FloatArray
+from palpate.mechanics.contact import Contact
+from palpate.mechanics.friction import (
+    ContactHistory,
+    ContactLaw,
+    Met,
+    correct_history,
+    dissipated,
+    return_to_limit,
+    untouched,
+)
+from palpate.mechanics.obstacle import Obstacle
+from palpate.mechanics.solid import State
+from palpate.mechanics.surface import OuterSurface
+from palpate.mechanics.term import DeadLoad, Term
+
+
+class Loading(ABC):
+    """The terms that act on a body at a parameter of its path: depth in mm, or factor on its loads."""
+
+    remembers: bool
+    """Whether increments leave a history on which the next depend: friction."""
+
+    @abstractmethod
+    def start(self) -> ContactHistory:
+        """History before anything acts."""
+
+    @abstractmethod
+    def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
+        """Terms at a parameter."""
+
+    @abstractmethod
+    def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
+        """Terms at a parameter in which what touched in the `last` equilibrium cannot leave."""
+
+    @abstractmethod
+    def correct(
+        self, history: ContactHistory, before: tuple[float, State], after: tuple[float, State]
+    ) -> ContactHistory:
+        """History corrected by a solution `after` the equilibrium `before`, each a parameter and a state."""
+
+    @abstractmethod
+    def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+        """History that an equilibrium leaves, and the work in mJ dissipated in the increment that led to it."""
+
+
+@final
+@dataclass(frozen=True)
+class ContactLoading(Loading):
+    """An obstacle that moves.
+
+    Attributes
+    ----------
+    nodes
+        (n, 3) mm of the body.
+    surface
+        Its outer surface.
+    law
+        Contact law.
+    obstacle
+        The obstacle at a depth in mm.
+    """
+
+    nodes: FloatArray
+    surface: OuterSurface
+    law: ContactLaw
+    obstacle: Callable[[float], Obstacle]
+
+    @property
+    def remembers(self) -> bool:  # type: ignore[override]
+        return self.law.friction > 0
+
+    def start(self) -> ContactHistory:
+        return untouched(len(self.surface.points))
+
+    def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
+        return (Contact(self.surface, self.law, self.obstacle(at), history),)
+
+    def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
+        pull = np.where(self.touching(last, state), self.law.stiffness, history.stabilisation)
+        return self.terms(at, history._replace(stabilisation=pull))
+
+    def correct(
+        self, history: ContactHistory, before: tuple[float, State], after: tuple[float, State]
+    ) -> ContactHistory:
+        return correct_history(self.law, history, self.meet(*before), self.meet(*after))
+
+    def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+        met = self.meet(at, state)
+        lost = dissipated(self.law, history, met, self.surface.faces.weight.ravel())
+        return return_to_limit(self.law, history, met), lost
+
+    def meet(self, at: float, state: State) -> Met:
+        """Contact points of a state and the obstacle at a depth in mm."""
+        return Met(self.surface.interpolate(self.nodes + state.u), self.obstacle(at))
+
+    def reach(self, at: float, state: State) -> FloatArray:
+        """Penetration (n_points,) mm of a state into the obstacle at a depth in mm."""
+        met = self.meet(at, state)
+        return met.obstacle.reach(met.points)
+
+    def touching(self, at: float, state: State) -> BoolArray:
+        """Contact points (n_points,) of a state that touch the obstacle at a depth in mm."""
+        return self.reach(at, state) > 0
+
+
+@final
+@dataclass(frozen=True)
+class LoadLoading(Loading):
+    """Dead loads that grow in proportion.
+
+    Attributes
+    ----------
+    load
+        Forces at factor one.
+    """
+
+    load: DeadLoad
+    remembers = False
+
+    def start(self) -> ContactHistory:
+        return untouched(0)
+
+    def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
+        return (replace(self.load, factor=at),)
+
+    def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
+        return self.terms(at, history)
+
+    def correct(
+        self, history: ContactHistory, before: tuple[float, State], after: tuple[float, State]
+    ) -> ContactHistory:
+        return history
+
+    def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
+        return history, 0.0

@@ -1,0 +1,81 @@
+"""What watches a path: which branch a state belongs to, how contact is stabilised, and what ends it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import final
+
+from palpate.core import FloatArray
+from palpate.mechanics.solid import State
+
+
+class Ended(StrEnum):
+    """Why a press ended."""
+
+    DEPTH_REACHED = "depth reached"
+    WALL_AT_CLAMP = "wall reached the clamped rim"
+    BRANCH_ENDED = "the branch ended"
+    NO_BRANCH = "no inverted state"
+    FOLDED = "the squeezed silicone folded"
+    NOT_CONVERGED = "not converged"
+
+
+class Monitor(ABC):
+    """Watches the equilibria of a path.
+
+    Attributes
+    ----------
+    modulus
+        Young's modulus in MPa, the scale of the tension that may stabilise contact.
+    area
+        Area of the surface in mm², the scale of the viscosity of a jump.
+    """
+
+    modulus: float
+    area: float
+
+    @abstractmethod
+    def inverted(self, at: float, state: State) -> bool:
+        """Whether a state belongs to the inverted branch at a depth in mm."""
+
+    @abstractmethod
+    def stabilisation(self, at: float, state: State) -> FloatArray | None:
+        """Springs (n_points,) MPa/mm that stabilise contact from here on; None leaves them as they are."""
+
+    @abstractmethod
+    def tension(self, at: float, state: State, springs: FloatArray) -> float:
+        """Greatest tension in MPa that the springs (n_points,) MPa/mm bear."""
+
+    @abstractmethod
+    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+        """Displacement (n, 3) mm of a state pushed by so many mm towards the other branch."""
+
+    @abstractmethod
+    def fault(self, state: State) -> tuple[Ended, str] | None:
+        """Why what follows a state is not modelled, or None."""
+
+
+@final
+@dataclass(frozen=True)
+class Unwatched(Monitor):
+    """A path of one branch; nothing is stabilised."""
+
+    modulus: float = 1.0
+    area: float = 1.0
+
+    def inverted(self, at: float, state: State) -> bool:
+        return False
+
+    def stabilisation(self, at: float, state: State) -> FloatArray | None:
+        return None
+
+    def tension(self, at: float, state: State, springs: FloatArray) -> float:
+        return 0.0
+
+    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+        return state.u
+
+    def fault(self, state: State) -> tuple[Ended, str] | None:
+        return None

@@ -1,0 +1,241 @@
+"""Equilibrium by Newton's method: one increment, from a predicted state to a converged one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.mechanics.element import System
+from palpate.mechanics.linear import LinearSolver, SingularMatrixError
+from palpate.mechanics.solid import Body, State
+from palpate.mechanics.term import Assembly, Term
+
+_TRIALS = 5
+"""Most trials of a line search."""
+_SLOPE_FALL = 0.5
+"""Share of the first slope to which a line search goes down."""
+_BLOW_UP = 10.0
+"""Share of the first slope to which a step along a rising one may raise it."""
+_FIRST_SHIFT, _SHIFTS = 1e-3, 8
+"""First shift of an indefinite tangent, over mu/T² and the nodal volume, and how often it may grow."""
+
+
+class Outcome(StrEnum):
+    """How an increment ended."""
+
+    CONVERGED = "converged"
+    TOO_MANY_ITERATIONS = "too many iterations"
+    DIVERGED = "residual grew"
+    INVERTED_CELL = "a cell turned inside out"
+    SINGULAR = "singular matrix"
+
+
+class Loads(NamedTuple):
+    """What a state stores and bears, of the modelled part.
+
+    Attributes
+    ----------
+    elastic
+        Stored elastic energy, mJ; infinite where a cell is turned inside out.
+    potential
+        Energy of the other terms, mJ: contact penalty and sticking springs, dead loads.
+    force
+        (3,) N on the obstacle.
+    """
+
+    elastic: float
+    potential: float
+    force: FloatArray
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """Result of an increment.
+
+    Attributes
+    ----------
+    outcome
+        Reason of the end.
+    state
+        The last state; an equilibrium only where `outcome` is converged.
+    loads
+        Energies and force of the modelled part.
+    residual
+        Greatest out-of-balance force of a degree of freedom, N.
+    iterations
+        Newton iterations spent.
+    negative_pivots
+        Inertia of the last tangent; 0 on a stable branch, -1 unknown.
+    history
+        Residual of every iteration, N.
+    """
+
+    outcome: Outcome
+    state: State
+    loads: Loads
+    residual: float
+    iterations: int
+    negative_pivots: int
+    history: tuple[float, ...] = ()
+
+    @property
+    def converged(self) -> bool:
+        """Whether the state is an equilibrium."""
+        return self.outcome is Outcome.CONVERGED
+
+
+class Problem:
+    """A body and the terms that act on it: assembles and solves one increment at a time.
+
+    Parameters
+    ----------
+    body
+        The body.
+    linear
+        Sparse solver; analysed here once.
+    tolerance
+        Greatest out-of-balance force in N at convergence.
+    length
+        Thickness of the body in mm, the scale of steps and shifts.
+    """
+
+    def __init__(self, body: Body, linear: LinearSolver, tolerance: float, length: float) -> None:
+        self.body, self.linear, self.tolerance, self.length = body, linear, tolerance, length
+        linear.analyze(body.pattern)
+        self._system = System(np.empty(len(body.pattern.column)), np.empty(body.nodes.size))
+        self._assembly = Assembly(
+            nodes=body.nodes,
+            free=body.free,
+            place=body.place,
+            diagonal=body.pattern.start[:-1],
+            volume=body.nodal_volume,
+            system=self._system,
+        )
+
+    def assemble(self, state: State, terms: Sequence[Term]) -> Loads:
+        """Assemble tangent and residual of the body and all terms."""
+        self._system.data[:] = 0.0
+        self._system.residual[:] = 0.0
+        energy, potential, force = self.body.assemble(state, self._system), 0.0, np.zeros(3)
+        if np.isfinite(energy):
+            for term in terms:
+                share = term.assemble(state, self._assembly)
+                potential += share.energy
+                force += share.force
+        return Loads(energy, potential, force)
+
+    def solve(
+        self, start: State, terms: Sequence[Term], iterations: int, slack: float = 1.0, *, descend: bool = False
+    ) -> Equilibrium:
+        """Find the equilibrium near `start`.
+
+        Parameters
+        ----------
+        start
+            Predicted state.
+        terms
+            What acts on the body.
+        iterations
+            Most Newton iterations.
+        slack
+            Factor on the tolerance.
+        descend
+            Whether every step goes downhill, as to a minimum: an indefinite tangent is shifted.
+
+        Returns
+        -------
+        Equilibrium
+            With the reason where it did not converge.
+        """
+        state, pivots = start, -1
+        history: list[float] = []
+        loads = self.assemble(state, terms)
+        for iteration in range(iterations + 1):
+            if not np.isfinite(loads.elastic):
+                return self._end(Outcome.INVERTED_CELL, state, loads, history, pivots)
+            residual = self._system.residual[self.body.free]
+            history.append(float(np.abs(residual).max(initial=0.0)))
+            if not np.isfinite(history[-1]):
+                return self._end(Outcome.DIVERGED, state, loads, history, pivots)
+            if history[-1] <= slack * self.tolerance and iteration > 0:
+                return self._end(Outcome.CONVERGED, state, loads, history, pivots)
+            if iteration == iterations:
+                break
+            try:
+                pivots, step = self._direction(residual, descend=descend)
+            except SingularMatrixError:
+                return self._end(Outcome.SINGULAR, state, loads, history, pivots)
+            state, loads = self._search(state, step, float(residual @ step), terms)
+        return self._end(Outcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
+
+    def step(self, start: State, terms: Sequence[Term]) -> State:
+        """One linear step from `start`, no longer than the body is thick; `start` itself where there is none."""
+        if not np.isfinite(self.assemble(start, terms).elastic):
+            return start
+        try:
+            _, step = self._direction(self._system.residual[self.body.free], descend=False)
+        except SingularMatrixError:
+            return start
+        du = self._scatter(step)
+        factor = min(1.0, self.length / max(float(np.abs(du).max()), 1e-300))
+        return start.moved(du, self.body.recover_pressure(du), factor)
+
+    def _scatter(self, step: FloatArray) -> FloatArray:
+        """Displacement (n, 3) mm of a step of the free degrees of freedom."""
+        du = np.zeros(self.body.nodes.shape)
+        du.ravel()[self.body.free] = step
+        return du
+
+    def _direction(self, residual: FloatArray, *, descend: bool) -> tuple[int, FloatArray]:
+        """Newton step and negative pivots of the tangent; to `descend`, an indefinite tangent is shifted first."""
+        pivots = negative = self.linear.refactor(self._system.data)
+        shift = _FIRST_SHIFT * self.body.shear_modulus / self.length**2
+        for _ in range(_SHIFTS if descend else 0):
+            if negative <= 0:
+                break
+            self._system.data[self._assembly.diagonal] += shift * np.repeat(self._assembly.volume, 3)[self.body.free]
+            negative = self.linear.refactor(self._system.data)
+            shift *= 9.0
+        return pivots, self.linear.solve(-residual)
+
+    def _search(self, state: State, step: FloatArray, slope: float, terms: Sequence[Term]) -> tuple[State, Loads]:
+        """Go along a step until the slope of the energy has fallen (Matthies & Strang 1979)."""
+        du = self._scatter(step)
+        dp = self.body.recover_pressure(du)
+        factor = min(1.0, self.length / max(float(np.abs(du).max()), 1e-300))
+        low, low_slope = 0.0, slope
+        for trial in range(_TRIALS):
+            moved = state.moved(du, dp, factor)
+            loads = self.assemble(moved, terms)
+            if not np.isfinite(loads.elastic):
+                factor *= 0.5
+                continue
+            here = float(self._system.residual[self.body.free] @ step)
+            if trial == _TRIALS - 1:
+                break
+            if slope >= 0:  # toward a saddle there is no minimum to bracket; the step must only not blow up
+                if abs(here) <= _BLOW_UP * slope:
+                    break
+                factor *= 0.25
+                continue
+            if here <= _SLOPE_FALL * abs(slope):
+                break
+            factor = max(low + (factor - low) * low_slope / (low_slope - here), 0.1 * factor)
+        return moved, loads
+
+    @staticmethod
+    def _end(outcome: Outcome, state: State, loads: Loads, history: list[float], pivots: int) -> Equilibrium:
+        return Equilibrium(
+            outcome=outcome,
+            state=state,
+            loads=loads,
+            residual=history[-1] if history else np.inf,
+            iterations=max(len(history) - 1, 0),
+            negative_pivots=pivots,
+            history=tuple(history),
+        )

@@ -1,0 +1,175 @@
+"""A solid body: cells, material and degrees of freedom, ready to give energy, residual and tangent."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from palpate.core import BoolArray, FloatArray, IntArray
+from palpate.material import Material
+from palpate.mechanics.element import (
+    DOFS,
+    PRESSURES,
+    Cells,
+    Condensed,
+    Response,
+    System,
+    assemble_cells,
+    deform_cells,
+    recover_pressure,
+)
+from palpate.mechanics.linear import Pattern
+from palpate.mesh import gauss_points, shape_hexahedron
+
+GAUSS = (3, 3, 3)
+
+
+@dataclass(frozen=True)
+class State:
+    """Displacement and pressure of a solid.
+
+    Attributes
+    ----------
+    u
+        (n, 3) mm nodal displacement.
+    p
+        (n_cells, 4) MPa pressure coefficients of 1, xi, eta, zeta in each cell (positive in tension).
+    """
+
+    u: FloatArray
+    p: FloatArray
+
+    def moved(self, du: FloatArray, dp: FloatArray, factor: float = 1.0) -> State:
+        """Return the state moved by increments (n, 3) mm and (n_cells, 4) MPa."""
+        return State(self.u + factor * du, self.p + factor * dp)
+
+
+class Body(ABC):
+    """What Newton's method asks of a body: unknowns, their couplings, and the energy with its derivatives.
+
+    Attributes
+    ----------
+    nodes
+        (n, 3) mm, undeformed.
+    free
+        (n_free,) numbers of the free ones of the 3 n displacement components.
+    pattern
+        Sparse upper triangle of their couplings.
+    place
+        (n_cells, 3321) place in it of every entry of a cell's upper triangle, -1 for none.
+    nodal_volume
+        (n,) mm³ that each node stands for.
+    shear_modulus
+        MPa, the scale of the tangent.
+    """
+
+    nodes: FloatArray
+    free: IntArray
+    pattern: Pattern
+    place: IntArray
+    nodal_volume: FloatArray
+    shear_modulus: float
+
+    @abstractmethod
+    def rest(self) -> State:
+        """State at rest."""
+
+    @abstractmethod
+    def assemble(self, state: State, system: System) -> float:
+        """Add tangent and residual to `system`; return the stored energy, mJ, infinite where a cell is inverted."""
+
+    @abstractmethod
+    def recover_pressure(self, du: FloatArray) -> FloatArray:
+        """Pressure increments (n_cells, 4) MPa that belong to `du` (n, 3) mm since the last `assemble`."""
+
+
+@final
+class Solid(Body):
+    """A body of 27-node hexahedra with prescribed degrees of freedom.
+
+    Parameters
+    ----------
+    nodes
+        (n, 3) mm.
+    cells
+        (n_cells, 27) node numbers.
+    material
+        The material.
+    fixed
+        (n, 3) bool, True where the displacement is prescribed (its value stands in the state).
+    """
+
+    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: BoolArray) -> None:
+        self.nodes, self.material, self.fixed = nodes, material, fixed
+        cells = np.ascontiguousarray(cells, dtype=np.int64)
+        points, weights = gauss_points(GAUSS)
+        self.shape, local = shape_hexahedron(points)
+        jacobian = np.einsum("eai,gaj->egij", nodes[cells], local)
+        weight = np.linalg.det(jacobian) * weights
+        basis = np.column_stack([np.ones(len(points)), points])
+        mass = np.einsum("eg,gk,gm->ekm", weight, basis, basis)
+        self.equation = np.full(nodes.size, -1, np.int64)
+        self.free = np.flatnonzero(~fixed.ravel())
+        self.equation[self.free] = np.arange(len(self.free))
+        self.pattern, place = _find_pattern(cells, self.equation, len(self.free))
+        self.cells = Cells(
+            nodes=cells,
+            gradient=np.ascontiguousarray(np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian))),
+            weight=np.ascontiguousarray(weight),
+            basis=np.ascontiguousarray(basis),
+            inverse_mass=np.linalg.inv(mass),
+            place=place,
+        )
+        self.place = place
+        self.nodal_volume = np.zeros(len(nodes))
+        np.add.at(self.nodal_volume, cells, np.einsum("eg,ga->ea", self.cells.weight, self.shape**2))
+        self.shear_modulus = material.law.shear_modulus
+        self._F = np.empty((*weight.shape, 3, 3))
+        self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
+
+    @property
+    def unknowns(self) -> int:
+        """Number of free displacement components."""
+        return len(self.free)
+
+    def rest(self) -> State:
+        return State(np.zeros_like(self.nodes), np.zeros((len(self.cells.nodes), PRESSURES)))
+
+    def assemble(self, state: State, system: System) -> float:
+        response = self.respond(state)
+        if response is None:
+            return np.inf
+        return assemble_cells(self.cells, response, self.material.bulk_modulus, state.p, system, self._condensed)
+
+    def respond(self, state: State) -> Response | None:
+        """What the law answers at the Gauss points; `None` where a cell is turned inside out."""
+        if not deform_cells(self.cells, state.u, self._F):
+            return None
+        found = self.material.evaluate(self._F.reshape(-1, 3, 3))
+        energy, tau, c = (np.require(each, np.float64, ("C", "W")) for each in found)  # a law may be another's
+        shape = self.cells.weight.shape
+        return Response(self._F, energy.reshape(shape), tau.reshape(*shape, 6), c.reshape(*shape, 6, 6))
+
+    def recover_pressure(self, du: FloatArray) -> FloatArray:
+        dp = np.empty((len(self.cells.nodes), PRESSURES))
+        recover_pressure(self.cells, self.material.bulk_modulus, self._condensed, du, dp)
+        return dp
+
+
+def _find_pattern(cells: IntArray, equation: IntArray, size: int) -> tuple[Pattern, IntArray]:
+    """Sparse upper triangle of all cells, and the place in it of every entry of a cell's upper triangle."""
+    i, j = np.triu_indices(DOFS)
+    if not size:
+        return Pattern(np.zeros(1, np.int64), np.zeros(0, np.int64)), np.full((len(cells), len(i)), -1, np.int32)
+    dofs = equation[(3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), DOFS)]
+    row, column = np.minimum(dofs[:, i], dofs[:, j]), np.maximum(dofs[:, i], dofs[:, j])
+    key = np.where(row >= 0, row * size + column, -1)
+    unique, inverse = np.unique(key, return_inverse=True)
+    place = inverse.reshape(key.shape)
+    if len(unique) and unique[0] < 0:
+        unique, place = unique[1:], place - 1
+    start = np.searchsorted(unique // max(size, 1), np.arange(size + 1))
+    return Pattern(start=start, column=unique % max(size, 1)), np.ascontiguousarray(place, dtype=np.int32)

@@ -1,0 +1,53 @@
+"""What a user chooses about the solver."""
+
+from __future__ import annotations
+
+from palpate.core import Spec, parameter
+
+
+class SolverSpec(Spec):
+    """How a press is solved. The defaults hold 1 % in force and marker displacement over the paper's grid."""
+
+    backend: str = "auto"
+    penalty_ratio: float = parameter(
+        60.0,
+        unit="1",
+        meaning="contact penalty over E/T; ten times more changes the force by less than 0.1 %",
+        gt=1,
+        le=1e6,
+    )
+    tangential_ratio: float = parameter(1.0, unit="1", meaning="friction spring over contact penalty", gt=0, le=10)
+    smoothing_ratio: float = parameter(
+        1e-3, unit="1", meaning="width of the penalty's smooth start over the wall's thickness", gt=0, le=0.1
+    )
+    adhesion: float = parameter(
+        2e-2,
+        unit="1",
+        meaning="tension over E up to which the flat branch is held; beyond it the dome may turn inside out",
+        ge=0,
+        le=0.1,
+    )
+    tolerance: float = parameter(1e-4, unit="1", meaning="greatest residual over mu T²", gt=1e-12, le=1e-2)
+    first_step: float = parameter(
+        0.1, unit="mm", meaning="first increment, for a base radius of 20 mm; it grows with the skin", gt=0, le=10
+    )
+    largest_step: float = parameter(
+        0.8, unit="mm", meaning="largest increment, for a base radius of 20 mm; it grows with the skin", gt=0, le=10
+    )
+    friction_share: float = parameter(
+        1 / 12,
+        unit="1",
+        meaning="largest increment over the depth where there is friction: points that slide within it lose energy",
+        gt=0.01,
+        le=1,
+    )
+    smallest_step: float = parameter(
+        1e-3,
+        unit="mm",
+        meaning="smallest increment before the press gives up, for a base radius of 20 mm",
+        gt=0,
+        le=1,
+    )
+    iterations: int = parameter(
+        24, unit="1", meaning="Newton iterations before an increment is shortened", ge=4, le=100
+    )

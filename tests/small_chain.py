@@ -1,0 +1,47 @@
+"""A small chain for tests: coarse presses of a dome, and a model fitted to them in closed form."""
+
+import numpy as np
+
+from palpate.bench import Bench, VirtualBenchSpec
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import ArtefactStore
+from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.fea import WallSpec, solve_press
+from palpate.learn import fit_ridge, write_estimator
+from palpate.material import get_material
+from palpate.mesh import MeshSpec, mesh_dome
+
+DOME = DomeSpec()
+MARKERS = MarkerSpec(count=37)
+MATERIAL = get_material("zaid_2024_ecoflex_00_30")
+CELLS = 6
+TILTS = (0.0, 4.0, 8.0)
+
+
+def solve(tilt_deg, **wall):
+    mesh = mesh_dome(build_dome(DOME), MeshSpec(cells=CELLS))
+    return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, image_step=1.0, **wall))
+
+
+def small_dataset(**spec):
+    presses = [solve(tilt) for tilt in TILTS]
+    chosen = DatasetSpec(n_presses=300, max_tilt_deg=8.0, **{"jitter_px": 0.2} | spec)
+    return generate_dataset(presses, place_markers(build_dome(DOME), MARKERS), build_camera(), chosen)
+
+
+def write_small_model(path):
+    write_estimator(path, fit_ridge(small_dataset()))
+    return path
+
+
+def small_bench(folder, model, **spec):
+    chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "image_step": 0.9}
+    chosen |= {"cells": CELLS, "least_depth": 2.0} | spec
+    return Bench(
+        VirtualBenchSpec(**chosen), DOME, MARKERS, MATERIAL, CameraSpec(), model, ArtefactStore(folder / "store")
+    )
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(np.square(values))))

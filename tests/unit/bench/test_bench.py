@@ -1,0 +1,148 @@
+"""The virtual bench on coarse presses: the truth is known, so the chain can be held against it."""
+
+import csv
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from palpate.bench import Deviation, ToleranceSpec, play_unit, run_bench, run_budget, write_bench, write_budget
+from palpate.bench.bench import presses_of, unit_tilts
+from palpate.bench.budget import BudgetLine, recommend, total
+from palpate.bench.result import score_unit
+from palpate.camera import RenderSpec
+from palpate.core import PalpateError
+from small_chain import rms, small_bench, write_small_model
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bench")
+    return small_bench(folder, write_small_model(folder / "m.onnx"))
+
+
+@pytest.fixture(scope="module")
+def nominal(bench):
+    return play_unit(bench, Deviation())
+
+
+def change(unit, other):
+    return (unit.corrected() - unit.truth) - (other.corrected() - other.truth)
+
+
+def test_the_nominal_unit_is_read_from_degraded_images(nominal):
+    errors = nominal.corrected() - nominal.truth
+    assert not nominal.failure
+    assert len(errors) == 2 * 2 * 4
+    assert rms(errors[:, :2]) < 0.5
+    assert rms(errors[:, 2]) < 0.2
+    assert np.hypot(*nominal.truth[:, :2].T).max() <= 8.0
+
+
+def test_a_played_unit_is_not_played_again(bench, nominal, tmp_path):
+    shutil.copytree(bench.store.root, tmp_path / "store")
+    shutil.rmtree(tmp_path / "store" / "press")
+    again = play_unit(replace(bench, store=type(bench.store)(tmp_path / "store")), Deviation())
+    assert not (tmp_path / "store" / "press").exists()
+    assert np.array_equal(again.estimates, nominal.estimates)
+    assert again.zero == nominal.zero
+
+
+def test_the_presses_are_at_other_tilts_and_on_another_mesh_for_every_unit(bench):
+    tilts = [unit_tilts(bench.spec, unit) for unit in range(3)]
+    assert len({tuple(row) for row in tilts}) == 3
+    assert all(0 <= low < 4 <= high < 8 for low, high in tilts)
+    finer = replace(bench, spec=bench.spec.model_copy(update={"cells": None, "tilts": 1, "depth": 0.5}))
+    press = next(presses_of(finer, Deviation()))
+    assert press.mesh.spec.cells > 16
+
+
+def test_what_the_robot_takes_for_first_touch_does_not_matter_after_one_press(bench, nominal):
+    off = play_unit(bench, Deviation(touch=1.0))
+    assert off.zero.offset == pytest.approx(1.0 + nominal.zero.offset, abs=1e-9)
+    assert np.abs(change(off, nominal)).max() < 1e-9
+    blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
+    raw = play_unit(blind, Deviation(touch=1.0))
+    assert raw.zero is None
+    assert np.mean(raw.corrected() - raw.truth, axis=0)[2] == pytest.approx(-1.0, abs=0.15)
+
+
+def test_a_dome_seated_at_a_slant_is_read_wrong_by_as_much(bench, nominal):
+    slant = play_unit(bench, Deviation(seating_x_deg=0.3))
+    assert np.mean(change(slant, nominal), axis=0) == pytest.approx([-0.3, 0.0, 0.0], abs=1e-9)
+
+
+def test_a_dome_of_softer_silicone_is_read_the_same(bench, nominal):
+    soft = play_unit(bench, Deviation(modulus=-0.3))
+    assert np.abs(change(soft, nominal)[:, :2]).max() < 0.02
+
+
+def test_a_unit_whose_dots_cannot_be_named_is_a_failure_with_a_reason(bench):
+    lost = play_unit(bench, Deviation(missing=0.9))
+    assert lost.failure
+    result = score_unit(1, lost)
+    assert result.scores == ()
+    assert not result.as_good
+
+
+def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
+    quick = replace(bench, spec=bench.spec.model_copy(update={"tolerance": ToleranceSpec(friction=0, thickness=0)}))
+    results = list(run_bench(quick))
+    write_bench(tmp_path, quick, results)
+    said = json.loads((tmp_path / "bench.json").read_text())
+    assert said["made_by"]["palpate"]
+    assert said["spec"]["seed"] == 0
+    assert [unit["unit"] for unit in said["units"]] == [0, 1]
+    assert said["as_good_as_the_paper"]["of"] == 1
+    with (tmp_path / "bench.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["component"] for row in rows[:3]] == ["roll deg", "pitch deg", "depth mm"]
+    page = (tmp_path / "bench.md").read_text()
+    assert "the paper's sensor | roll deg | 0.58 | 0.49 | 1.62 | 0.54" in page
+    assert "place of each printed dot" in page
+
+
+def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):
+    only = {"seating_tilt_deg": 0.3, "touch": 1.0, "pad": 0.3}
+    none = {name: 0 for name in ToleranceSpec.model_fields if name not in only}
+    tolerance = ToleranceSpec(**none, **only)
+    chosen = replace(bench, spec=bench.spec.model_copy(update={"tolerance": tolerance, "azimuths": 1}))
+    lines = {line.name: line for line in run_budget(chosen)}
+    assert set(lines) == {"model", "images", "pad", "seating_tilt_deg", "touch", "touch_unknown"}
+    assert lines["seating_tilt_deg"].angle_deg == pytest.approx(0.3)
+    assert lines["touch"].depth < 1e-9
+    assert lines["touch_unknown"].depth == pytest.approx(1.0)
+    assert lines["images"].angle_deg < lines["model"].angle_deg
+    assert total(list(lines.values())) > 0.3
+    write_budget(tmp_path, chosen, list(lines.values()))
+    assert {path.name for path in tmp_path.iterdir()} == {"budget.json", "budget.csv", "budget.md", "budget.png"}
+
+
+def test_only_what_costs_much_and_can_be_learned_is_recommended():
+    costs = {"model": 0.05, "seating_tilt_deg": 0.4, "friction": 0.3, "dot": 0.01}
+    lines = [BudgetLine(name, name, "", cost, cost, 0.0, 1) for name, cost in costs.items()]
+    assert recommend(lines, ToleranceSpec()) == {"friction": 0.8}
+    assert total(lines) == pytest.approx(np.sqrt(sum(cost**2 for cost in costs.values())))
+
+
+def test_a_model_that_is_not_there_is_refused(bench, tmp_path):
+    with pytest.raises(PalpateError, match="cannot be read"):
+        play_unit(replace(bench, model=tmp_path / "none.onnx"), Deviation())
+
+
+def test_clean_images_are_another_bench(bench):
+    clean = replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()}))
+    assert not np.array_equal(play_unit(clean, Deviation()).estimates, play_unit(bench, Deviation()).estimates)
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_calculix_as_the_solver_gives_about_the_same_readings(bench):
+    quick = bench.spec.model_copy(update={"tilts": 1, "contact": "frictionless"})
+    units = [
+        play_unit(replace(bench, spec=quick.model_copy(update={"solver": solver})), Deviation())
+        for solver in ("palpate", "calculix")
+    ]
+    assert not units[1].failure
+    assert 0 < np.abs(change(*units)[:, :2]).max() < 0.6  # a coarse mesh of other elements

@@ -1,0 +1,105 @@
+"""The heart of the solver alone: a branch, its limit point and its jump on a von Mises truss with a closed form."""
+
+import numpy as np
+import pytest
+
+from palpate.core import FloatArray
+from palpate.mechanics import (
+    Body,
+    Continuation,
+    DeadLoad,
+    Ended,
+    LoadLoading,
+    Problem,
+    SolverSpec,
+    State,
+    System,
+    Unwatched,
+    make_linear_solver,
+)
+from palpate.mechanics.linear import Pattern
+
+HALF_SPAN, RISE, STIFFNESS = 10.0, 1.0, 2000.0
+
+
+class Truss(Body):
+    """Two bars that meet in an apex; ``E = k (z² - h²)² / (4 L³)``-like energy, shallow bars (von Mises 1923).
+
+    With the height z of the apex, each bar's Green strain is ``(z² - h²) / (2 L²)``: force along z
+    ``k z (z² - h²) / L³``, limit points at ``z = ± h / sqrt(3)`` under ``2 k h³ / (3 sqrt(3) L³)``.
+    """
+
+    nodes = np.array([[0.0, 0.0, RISE]])
+    free = np.array([2])
+    pattern = Pattern(np.array([0, 1]), np.array([0]))
+    place = np.empty((0, 3321), np.int64)
+    nodal_volume = np.ones(1)
+    shear_modulus = STIFFNESS / HALF_SPAN**3
+
+    def rest(self) -> State:
+        return State(np.zeros((1, 3)), np.zeros((0, 4)))
+
+    def assemble(self, state: State, system: System) -> float:
+        z = RISE + state.u[0, 2]
+        scale = STIFFNESS / HALF_SPAN**3
+        system.residual[2] += scale * z * (z**2 - RISE**2)
+        system.data[0] += scale * (3 * z**2 - RISE**2)
+        return scale * (z**2 - RISE**2) ** 2 / 4
+
+    def recover_pressure(self, du: FloatArray) -> FloatArray:
+        return np.zeros((0, 4))
+
+
+LIMIT = STIFFNESS / HALF_SPAN**3 * 2 * RISE**3 / (3 * np.sqrt(3))
+
+
+def follow(jumps: bool) -> Continuation:
+    problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
+    spec = SolverSpec(first_step=0.05, largest_step=0.1, smallest_step=1e-3)
+    down = DeadLoad(np.array([[0.0, 0.0, -1.0]]))
+    return Continuation(problem, LoadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=jumps)
+
+
+def height(path: Continuation) -> float:
+    return RISE + path.last.state.u[0, 2]
+
+
+def test_a_branch_is_followed_to_its_limit_point() -> None:
+    path = follow(jumps=False)
+    assert not path.advance(2 * LIMIT)
+    assert path.ended is Ended.BRANCH_ENDED
+    assert path.last.depth == pytest.approx(LIMIT, rel=2e-3)
+    assert height(path) == pytest.approx(RISE / np.sqrt(3), rel=0.05)
+
+
+def test_every_increment_is_an_equilibrium_and_the_work_is_stored() -> None:
+    path = follow(jumps=False)
+    path.advance(0.9 * LIMIT)
+    for increment in path.increments:
+        z = RISE + increment.state.u[0, 2]
+        assert STIFFNESS / HALF_SPAN**3 * z * (RISE**2 - z**2) == pytest.approx(increment.depth, abs=1e-8)
+        assert increment.loads.elastic == pytest.approx(STIFFNESS / HALF_SPAN**3 * (z**2 - RISE**2) ** 2 / 4)
+
+
+def test_past_the_limit_point_the_truss_snaps_through_and_goes_on() -> None:
+    path = follow(jumps=True)
+    assert path.advance(2 * LIMIT)
+    jumped = [increment for increment in path.increments if increment.jumped]
+    assert len(jumped) == 1
+    assert jumped[0].depth == pytest.approx(LIMIT, rel=0.03)
+    roots = np.roots([1.0, 0.0, -(RISE**2), 2 * LIMIT / (STIFFNESS / HALF_SPAN**3)])
+    assert height(path) == pytest.approx(roots[np.isreal(roots)].real[0], abs=1e-8)
+    assert height(path) < -RISE
+
+
+def test_an_increment_that_leads_elsewhere_is_cut_back() -> None:
+    """A first increment far beyond the limit point lands on the other branch: energy gained is not work done."""
+    problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
+    spec = SolverSpec(first_step=10.0, largest_step=10.0, smallest_step=1e-3)
+    down = DeadLoad(np.array([[0.0, 0.0, -1.0]]))
+    path = Continuation(problem, LoadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=False)
+    for share in (0.2, 0.4, 0.6):
+        assert path.advance(share * LIMIT)
+    assert not path.advance(2 * LIMIT)
+    assert path.last.depth == pytest.approx(LIMIT, rel=0.02)
+    assert height(path) > 0

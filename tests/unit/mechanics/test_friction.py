@@ -1,0 +1,71 @@
+"""Stick and slip of one point under a wall that is dragged along: Coulomb's law in closed form."""
+
+import numpy as np
+import pytest
+
+from palpate.fea import Ball, Plane
+from palpate.mechanics import ContactLaw
+from palpate.mechanics.friction import Met, correct_history, dissipated, return_to_limit, untouched
+
+UP = np.array([0.0, 0.0, 1.0])
+LAW = ContactLaw(stiffness=10.0, width=1e-6, tangential_stiffness=5.0, friction=0.4)
+DEEP = 0.1
+
+
+def wall(along: float) -> Plane:
+    return Plane(UP, np.array([along, 0.0, 0.0]))
+
+
+def point(reach: float, along: float = 0.0) -> np.ndarray:
+    return np.array([[along, 0.0, reach]])
+
+
+def touched(law: ContactLaw = LAW) -> tuple[Met, object]:
+    """A point that came to touch straight on, and its history."""
+    before, after = Met(point(-DEEP), wall(0.0)), Met(point(DEEP), wall(0.0))
+    return after, return_to_limit(law, correct_history(law, untouched(1), before, after), after)
+
+
+def test_a_point_that_touches_anew_sticks_where_it_crossed_the_surface() -> None:
+    before, after = Met(point(-1.0, 0.0), wall(0.0)), Met(point(3.0, 4.0), wall(0.0))
+    history = correct_history(LAW, untouched(1), before, after)
+    assert history.anchor[0] == pytest.approx([1.0, 0.0, 0.0])
+    assert history.limit[0] == pytest.approx(LAW.friction * LAW.stiffness * 3.0, rel=1e-5)
+
+
+def test_a_dragged_point_sticks_up_to_the_limit_and_then_slips() -> None:
+    _, history = touched()
+    limit = LAW.friction * LAW.stiffness * DEEP
+    most = limit / LAW.tangential_stiffness
+    for drag in (0.5 * most, 0.99 * most):
+        kept = return_to_limit(LAW, history, Met(point(DEEP), wall(drag)))
+        assert kept.anchor[0] == pytest.approx(history.anchor[0], abs=1e-12)
+        assert dissipated(LAW, history, Met(point(DEEP), wall(drag)), np.ones(1)) == 0.0
+    drag = 3.0 * most
+    slipped = return_to_limit(LAW, history, Met(point(DEEP), wall(drag)))
+    spring = -drag - slipped.anchor[0, 0]
+    assert abs(spring) * LAW.tangential_stiffness == pytest.approx(limit, rel=1e-5)
+    lost = dissipated(LAW, history, Met(point(DEEP), wall(drag)), np.ones(1))
+    assert lost == pytest.approx(limit * (drag - most), rel=1e-5)
+
+
+def test_a_point_that_lifts_sticks_no_more() -> None:
+    _, history = touched()
+    lifted = return_to_limit(LAW, history, Met(point(-DEEP), wall(0.0)))
+    assert lifted.limit[0] == 0.0
+
+
+@pytest.mark.parametrize(("friction", "limit"), [(0.0, 0.0), (np.inf, np.inf)])
+def test_no_friction_and_no_slip_are_the_ends_of_the_law(friction: float, limit: float) -> None:
+    law = LAW._replace(friction=friction)
+    met, history = touched(law)
+    assert history.limit[0] == limit
+    assert dissipated(law, history, met, np.ones(1)) == 0.0
+
+
+def test_on_a_ball_the_sticking_place_goes_with_the_ball() -> None:
+    ball = Ball(5.0, np.array([0.0, 0.0, 5.0]))
+    before, after = Met(point(-DEEP), ball), Met(point(DEEP), ball)
+    history = return_to_limit(LAW, correct_history(LAW, untouched(1), before, after), after)
+    assert history.anchor[0] == pytest.approx([0.0, 0.0, -5.0], abs=1e-12)
+    assert history.normal[0] == pytest.approx(UP)
