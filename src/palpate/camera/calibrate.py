@@ -19,9 +19,8 @@ from palpate.camera.find_board import find_board
 from palpate.camera.lens import Lens
 from palpate.camera.lenses.brown import Brown
 from palpate.camera.lenses.kannala_brandt import KannalaBrandt
-from palpate.core import PalpateError, Spec, load_opencv, parameter
+from palpate.core import FloatArray, PalpateError, Spec, load_opencv, parameter
 
-Array = NDArray[np.float64]
 _CELLS = (6, 8)
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
 
@@ -45,16 +44,16 @@ class CalibrateSpec(Spec):
 @dataclass(frozen=True, eq=False)
 class _View:
     name: str
-    points: Array
-    pixels: Array
+    points: FloatArray
+    pixels: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    intrinsics: Array
+    intrinsics: FloatArray
     model: Lens
-    covariance: Array
-    residuals: list[Array]
+    covariance: FloatArray
+    residuals: list[FloatArray]
 
 
 def calibrate_camera(
@@ -181,7 +180,7 @@ def _fit_fisheye(points: list[Any], pixels: list[Any], size: tuple[int, int]) ->
     return _Found(intrinsics, KannalaBrandt(*np.ravel(distortion).tolist()), np.full((8, 8), np.nan), residuals)
 
 
-def _covariance(slopes: list[Array], residuals: list[Array], lens: int) -> Array:
+def _covariance(slopes: list[FloatArray], residuals: list[FloatArray], lens: int) -> FloatArray:
     """σ² (JᵀJ)⁻¹ of the lens, the poses eliminated; of OpenCV's columns the first six are the pose."""
     normal = np.zeros((lens, lens))
     for slope in slopes:
@@ -197,7 +196,7 @@ def _covariance(slopes: list[Array], residuals: list[Array], lens: int) -> Array
     return full
 
 
-def _count_cells(pixels: Array, size: tuple[int, int]) -> NDArray[np.intp]:
+def _count_cells(pixels: FloatArray, size: tuple[int, int]) -> NDArray[np.intp]:
     row = np.clip((pixels[:, 1] / size[1] * _CELLS[0]).astype(int), 0, _CELLS[0] - 1)
     column = np.clip((pixels[:, 0] / size[0] * _CELLS[1]).astype(int), 0, _CELLS[1] - 1)
     counts = np.zeros(_CELLS, np.intp)

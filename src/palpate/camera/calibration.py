@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from palpate.camera.board import BoardSpec
 from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
-
-Array = NDArray[np.float64]
+from palpate.core import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +42,11 @@ class Calibration:
     lens: Lens
     width_px: int
     height_px: int
-    intrinsics_px: Array
+    intrinsics_px: FloatArray
     rms_px: float
-    covariance: Array
+    covariance: FloatArray
     image_names: tuple[str, ...]
-    image_rms_px: Array
+    image_rms_px: FloatArray
     rejected: tuple[tuple[str, str], ...]
     coverage: NDArray[np.intp]
     board: BoardSpec | None
@@ -58,12 +57,12 @@ class Calibration:
         return self.lens.model or self.lens.name
 
     @property
-    def distortion(self) -> Array:
+    def distortion(self) -> FloatArray:
         """(k,) coefficients of the lens."""
         return np.array(self.lens.coefficients)
 
     @property
-    def sd(self) -> Array:
+    def sd(self) -> FloatArray:
         """(k,) standard deviation of intrinsics and distortion."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 

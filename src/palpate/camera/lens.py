@@ -12,12 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
-from palpate.core import PalpateError, Registry
-
-Array = NDArray[np.float64]
+from palpate.core import FloatArray, PalpateError, Registry
 
 
 @dataclass(frozen=True)
@@ -45,11 +40,11 @@ class Lens(ABC):
         """Greatest radius on the unit plane up to which the lens is valid, infinite for most; beyond it it folds."""
 
     @abstractmethod
-    def distort(self, points: Array) -> Array:
+    def distort(self, points: FloatArray) -> FloatArray:
         """Where ideal points (..., 2) on the unit plane appear, (..., 2) on the same plane; NaN stays NaN."""
 
     @abstractmethod
-    def undistort(self, points: Array) -> Array:
+    def undistort(self, points: FloatArray) -> FloatArray:
         """Ideal points (..., 2) of observed ones (..., 2), which `distort` gives back to 1e-9.
 
         Raises

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from palpate.material.law import FloatArray
+from palpate.core import FloatArray
 from palpate.material.material import Material
 
 

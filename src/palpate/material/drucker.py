@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from palpate.core import FloatArray
 from palpate.material.curve import Mode, stretches
-from palpate.material.law import FloatArray, Law
+from palpate.material.law import Law
 
 LOW, HIGH = 0.05, 20.0
 """Uniaxial stretches between which a law is scanned, if data do not go further."""

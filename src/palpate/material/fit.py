@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.material.curve import Mode, stretches, uniaxial_range
 from palpate.material.drucker import StableRange, find_stable_ranges
-from palpate.material.law import FloatArray, Law, Model
+from palpate.material.law import Law, Model
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
 from palpate.material.sample import Sample
 from palpate.material.spec import FitSpec

@@ -15,11 +15,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.material.curve import Mode, stretches, uniaxial_range
 from palpate.material.drucker import drucker_matrix, scan_ends
 from palpate.material.fit import Fit, judge
-from palpate.material.law import FloatArray, Model
+from palpate.material.law import Model
 from palpate.material.least_squares import lengths, solve_linear, solve_positive_definite, solve_signed
 from palpate.material.make_law import get_model
 from palpate.material.sample import Loading, Sample

@@ -16,11 +16,8 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
-
-FloatArray = NDArray[np.float64]
+from palpate.core import FloatArray, PalpateError
 
 
 class DeckLine(NamedTuple):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import nnls
 
-from palpate.material.law import FloatArray
+from palpate.core import FloatArray
 
 _CUTS = 40
 """Rounds of cutting planes; four or five are usual."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.material.law import FloatArray, Law
+from palpate.core import FloatArray, PalpateError
+from palpate.material.law import Law
 
 DEFAULT_BULK_RATIO = 2000.0
 """K / mu of a silicone in this package: nearly incompressible (Poisson's ratio 0.49975)."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, fields
+from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.material.law import FloatArray, Law, Model
+from palpate.core import FloatArray
+from palpate.material.law import Law, Model
 from palpate.material.laws.invariants import drive
 
 
@@ -62,7 +63,26 @@ class LinearModel(Model):
 
 
 class ChainModel(Model):
-    """A function of I1 alone: linear in the modulus mu, with one shape, stable where mu is positive."""
+    """A function of I1 alone: linear in the modulus mu, with one shape, stable where mu is positive.
+
+    Attributes
+    ----------
+    form
+        The law, whose two fields are mu and the shape.
+    """
+
+    form: ClassVar[type[Law]]
+
+    @property
+    def name(self) -> str:
+        return self.form.name
+
+    @property
+    def shapes(self) -> tuple[str, ...]:
+        return (fields(self.form)[1].name,)
+
+    def law(self, linear: FloatArray, shapes: FloatArray) -> Law:
+        return self.form.from_numbers([float(linear[0]), float(shapes[0])])
 
     @abstractmethod
     def slope(self, principal: FloatArray, shape: float) -> tuple[FloatArray, FloatArray]:

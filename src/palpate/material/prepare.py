@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.core import PalpateError
-from palpate.material.law import FloatArray
+from palpate.core import FloatArray, PalpateError
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 

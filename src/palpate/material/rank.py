@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.material.curve import Mode, stretches
 from palpate.material.fit import Fit
 from palpate.material.fit_material import fit_rows
-from palpate.material.law import FloatArray
 from palpate.material.make_law import SECOND_INVARIANT, list_models
 from palpate.material.sample import Sample
 from palpate.material.spec import FitSpec

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.material.columns import Columns, Pair, find_columns
-from palpate.material.law import FloatArray
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import BenchSpec, StrainUnit, StressUnit
 from palpate.material.table import Table, read_table

@@ -8,8 +8,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.core import FloatArray
 from palpate.material.curve import Mode, stretches
-from palpate.material.law import FloatArray
 
 
 class Loading(StrEnum):

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError
-from palpate.material.law import FloatArray
+from palpate.core import FloatArray, PalpateError
 from palpate.material.spec import DECIMALS, DELIMITERS, BenchSpec
 
 MOST_ROWS = 50_000

@@ -7,12 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.material import LAWS, DeckLine, Law, Material, Mode, Model, read_material, stretches, write_material
-
-Array = NDArray[np.float64]
 
 _VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 
@@ -36,7 +33,7 @@ class LawSuite:
         raise NotImplementedError("Give the fixture `law`.")
 
     @pytest.fixture
-    def states(self) -> Array:
+    def states(self) -> FloatArray:
         """Deformation gradients (n, 3, 3) at which the law is evaluated; others where it locks before these."""
         F = np.eye(3) + 0.25 * np.random.default_rng(0).normal(size=(1500, 3, 3))
         return np.ascontiguousarray(F[np.linalg.det(F) > 0.3][:500])
@@ -44,7 +41,7 @@ class LawSuite:
     def test_it_is_found_by_its_name(self, law: Law) -> None:
         assert LAWS.get(law.name) is type(law)
 
-    def test_it_gives_new_arrays_of_the_right_shape_and_leaves_its_input(self, law: Law, states: Array) -> None:
+    def test_it_gives_new_arrays_of_the_right_shape_and_leaves_its_input(self, law: Law, states: FloatArray) -> None:
         before = states.copy()
         first, second = law.isochoric(states), law.isochoric(states)
         n = len(states)
@@ -55,7 +52,7 @@ class LawSuite:
             assert np.array_equal(a, b)
             assert not np.shares_memory(a, b)
 
-    def test_stress_is_the_slope_of_energy_and_the_tangent_that_of_stress(self, law: Law, states: Array) -> None:
+    def test_stress_is_the_slope_of_energy_and_the_tangent_that_of_stress(self, law: Law, states: FloatArray) -> None:
         """Central differences at two steps, extrapolated: their error is of the fourth order."""
         _, tau, c = law.isochoric(states)
         scale, stiffest = np.abs(tau).max(), np.abs(c).max(axis=(1, 2))
@@ -72,18 +69,18 @@ class LawSuite:
             assert np.abs(slope - tau[:, q]).max() < 1e-8 * scale
             assert (np.abs(turned - _tensor(c[:, :, q])).max(axis=(1, 2)) < 1e-7 * stiffest).all()
 
-    def test_the_tangent_is_symmetric(self, law: Law, states: Array) -> None:
+    def test_the_tangent_is_symmetric(self, law: Law, states: FloatArray) -> None:
         _, _, c = law.isochoric(states)
         assert np.abs(c - np.swapaxes(c, 1, 2)).max() < 1e-12 * np.abs(c).max()
 
-    def test_the_stress_has_no_mean_and_ignores_the_volume(self, law: Law, states: Array) -> None:
+    def test_the_stress_has_no_mean_and_ignores_the_volume(self, law: Law, states: FloatArray) -> None:
         energy, tau, _ = law.isochoric(states)
         assert np.abs(tau[:, :3].sum(axis=1)).max() < 1e-12 * np.abs(tau).max()
         swollen = law.isochoric(1.3 * states)
         assert swollen[0] == pytest.approx(energy, rel=1e-9, abs=1e-15)
         assert swollen[1] == pytest.approx(tau, abs=1e-10 * np.abs(tau).max())
 
-    def test_energy_and_stress_do_not_depend_on_the_frame_or_the_grain(self, law: Law, states: Array) -> None:
+    def test_energy_and_stress_do_not_depend_on_the_frame_or_the_grain(self, law: Law, states: FloatArray) -> None:
         Q = _rotations(len(states))
         energy, tau, c = law.isochoric(states)
         turned = law.isochoric(np.ascontiguousarray(Q @ states))
@@ -116,7 +113,7 @@ class LawSuite:
         with pytest.raises(PalpateError, match="takes"):
             type(law).from_numbers([0.1] * 40)
 
-    def test_twice_the_modulus_is_twice_the_stress(self, law: Law, states: Array) -> None:
+    def test_twice_the_modulus_is_twice_the_stress(self, law: Law, states: FloatArray) -> None:
         once, twice = law.isochoric(states), law.scaled(2.0).isochoric(states)
         for a, b in zip(once, twice, strict=True):
             assert b == pytest.approx(2 * a, rel=1e-10, abs=1e-12 * np.abs(b).max())
@@ -149,7 +146,7 @@ def _models(law: Law) -> list[Model]:
     return [model for model in law.models() if set(model.constants) == set(law.constants)]
 
 
-def _compare_slopes(model: Model, principal: Array, shapes: Array) -> None:
+def _compare_slopes(model: Model, principal: FloatArray, shapes: FloatArray) -> None:
     slopes = model.term_slopes(principal, shapes)
     assert slopes.shape == (len(principal), len(shapes))
     if len(shapes):
@@ -162,11 +159,11 @@ def _compare_slopes(model: Model, principal: Array, shapes: Array) -> None:
         assert model.signs(shapes).shape == (len(model.linear),)
 
 
-def _tensor(voigt: Array) -> Array:
+def _tensor(voigt: FloatArray) -> FloatArray:
     xx, yy, zz, xy, yz, zx = np.moveaxis(voigt, -1, 0)
     return np.stack([np.stack([xx, xy, zx], -1), np.stack([xy, yy, yz], -1), np.stack([zx, yz, zz], -1)], -2)
 
 
-def _rotations(count: int) -> Array:
+def _rotations(count: int) -> FloatArray:
     q, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(count, 3, 3)))
     return np.ascontiguousarray(q * np.sign(np.linalg.det(q))[:, None, None])

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from palpate.camera import LENSES, CameraSpec, Lens, build_camera
-from palpate.core import PalpateError
-
-Array = NDArray[np.float64]
+from palpate.core import FloatArray, PalpateError
 
 
 class LensSuite:
@@ -21,7 +18,7 @@ class LensSuite:
         raise NotImplementedError("Give the fixture `lens`.")
 
     @pytest.fixture
-    def points(self, lens: Lens) -> Array:
+    def points(self, lens: Lens) -> FloatArray:
         """Points (n, 2) on the unit plane where the lens is valid; the first is the middle."""
         reach = min(0.8, 0.9 * lens.limit)
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (400, 2)) * reach / np.sqrt(2)
@@ -30,7 +27,7 @@ class LensSuite:
     def test_it_is_found_by_its_name(self, lens: Lens) -> None:
         assert LENSES.get(lens.name) is type(lens)
 
-    def test_undistorted_points_are_distorted_to_where_they_were(self, lens: Lens, points: Array) -> None:
+    def test_undistorted_points_are_distorted_to_where_they_were(self, lens: Lens, points: FloatArray) -> None:
         assert lens.undistort(lens.distort(points)) == pytest.approx(points, abs=1e-8)
         assert lens.distort(points).shape == points.shape
         assert lens.distort(points[None, :3]) == pytest.approx(lens.distort(points)[None, :3])
@@ -47,7 +44,7 @@ class LensSuite:
         seen = lens.distort(np.column_stack([radius, np.zeros_like(radius)]))[:, 0]
         assert (np.diff(seen) > 0).all()
 
-    def test_the_mirrored_lens_shows_the_mirrored_image(self, lens: Lens, points: Array) -> None:
+    def test_the_mirrored_lens_shows_the_mirrored_image(self, lens: Lens, points: FloatArray) -> None:
         flip = np.array([-1.0, 1.0])
         assert lens.mirrored().distort(points * flip) * flip == pytest.approx(lens.distort(points), abs=1e-12)
 

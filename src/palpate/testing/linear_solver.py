@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from numpy.typing import NDArray
 
+from palpate.core import FloatArray
 from palpate.mechanics import LinearSolver, Pattern, SingularMatrixError
-
-Array = NDArray[np.float64]
 
 
 class LinearSolverSuite:
@@ -73,7 +71,7 @@ def _matrix(size: int, negative: int) -> sparse.csr_matrix:
     return sparse.csr_matrix(lower @ sparse.diags(signs * rng.uniform(1, 2, size)) @ lower.T)
 
 
-def _pattern_of(matrix: sparse.csr_matrix) -> tuple[Pattern, Array]:
+def _pattern_of(matrix: sparse.csr_matrix) -> tuple[Pattern, FloatArray]:
     upper = sparse.triu(matrix, format="csr")
     upper.sort_indices()
     return Pattern(upper.indptr.astype(np.int64), upper.indices.astype(np.int64)), upper.data

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_chain import rms, small_bench, write_small_model
 
 from palpate.bench import Deviation, ToleranceSpec, play_unit, run_bench, run_budget, write_bench, write_budget
 from palpate.bench.bench import presses_of, unit_tilts
@@ -15,6 +14,7 @@ from palpate.bench.budget import BudgetLine, recommend, total
 from palpate.bench.result import score_unit
 from palpate.camera import RenderSpec
 from palpate.core import PalpateError
+from small_chain import rms, small_bench, write_small_model
 
 
 @pytest.fixture(scope="module")

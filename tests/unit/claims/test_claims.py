@@ -2,7 +2,6 @@ import json
 from dataclasses import replace
 
 import pytest
-from results import FIRST, PAPER
 
 from palpate.claims import Verdict, judge_claims, read_evidence
 from palpate.claims import write_claims as write_page
@@ -12,6 +11,7 @@ from palpate.claims.judge_claims import JUDGES
 from palpate.claims.judge_material import judge_law, judge_mesh
 from palpate.core import PalpateError
 from palpate.grid import SpecificationGrid, evaluate_grid, write_grid
+from results import FIRST, PAPER
 
 HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.OPEN
 WHOLE = evaluate_grid(PAPER)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_dome
-from palpate.fea import Ended, WallSpec, read_press, solve_press, write_press
+from palpate.fea import WallSpec, read_press, solve_press, write_press
 from palpate.material import Material, Mode, fit_material, get_material, list_models, trace_curve
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec
-from palpate.mechanics import State, System, cauchy_stress
+from palpate.mechanics import Ended, State, System, cauchy_stress
 from palpate.mesh import MeshSpec, mesh_dome
 from palpate.verify.equilibrium import find_equilibrium, make_solid
 from palpate.verify.properties import distorted_cube

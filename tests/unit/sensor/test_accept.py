@@ -7,7 +7,6 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from small_chain import small_bench, write_small_model
 
 from palpate.bench import Deviation
 from palpate.bench.bench import presses_of
@@ -15,6 +14,7 @@ from palpate.bench.photograph import set_scene
 from palpate.cli import main
 from palpate.core import PalpateError, generator
 from palpate.sensor import AcceptSpec, Truth, accept_unit, read_readings, read_truth, write_acceptance
+from small_chain import small_bench, write_small_model
 
 COLUMNS = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
 

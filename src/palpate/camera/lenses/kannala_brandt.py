@@ -18,7 +18,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.camera.lens import Array, Lens, folded
+from palpate.camera.lens import Lens, folded
+from palpate.core import FloatArray
 
 _HALVINGS = 60
 _SMALL = 1e-12
@@ -55,12 +56,12 @@ class KannalaBrandt(Lens):
     def limit(self) -> float:
         return float(np.tan(self.widest)) if self.widest < np.pi / 2 else float("inf")
 
-    def distort(self, points: Array) -> Array:
+    def distort(self, points: FloatArray) -> FloatArray:
         radius = np.linalg.norm(points, axis=-1, keepdims=True)
         bent = self._bend(np.arctan(radius))
         return np.asarray(points * np.where(radius > _SMALL, bent / np.maximum(radius, _SMALL), 1.0))
 
-    def undistort(self, points: Array) -> Array:
+    def undistort(self, points: FloatArray) -> FloatArray:
         """The angle is found by halving: it grows with the radius of the image as far as the lens is valid."""
         points = np.asarray(points, float)
         bent = np.linalg.norm(points, axis=-1, keepdims=True)
@@ -76,7 +77,7 @@ class KannalaBrandt(Lens):
     def mirrored(self) -> KannalaBrandt:
         return self
 
-    def _bend(self, angle: Array | np.float64) -> Array:
+    def _bend(self, angle: FloatArray | np.float64) -> FloatArray:
         square = angle * angle
         series = self.k1 + square * (self.k2 + square * (self.k3 + square * self.k4))
         return np.asarray(angle * (1.0 + square * series))

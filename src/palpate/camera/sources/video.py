@@ -17,17 +17,7 @@ from palpate.core import PalpateError, load_opencv
 class VideoSource(Source):
     """A video file."""
 
-    suffixes: ClassVar[tuple[str, ...]] = (
-        ".mp4",
-        ".avi",
-        ".mov",
-        ".mkv",
-        ".webm",
-        ".m4v",
-        ".mpg",
-        ".mpeg",
-        ".ogv",
-    )
+    suffixes: ClassVar[tuple[str, ...]] = (".mp4", ".avi", ".mov", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ogv")
 
     def __init__(self, text: str) -> None:
         path = Path(text)

@@ -13,8 +13,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.core import PalpateError, kernel
-from palpate.material.law import DeckLine, FloatArray, Law, Model, refuse_stiffening
+from palpate.core import FloatArray, PalpateError, kernel
+from palpate.material.law import DeckLine, Law, Model, refuse_stiffening
 from palpate.material.laws.invariants import answers, first_invariant, left_cauchy_green, stretched
 from palpate.material.model import ChainModel
 
@@ -77,16 +77,7 @@ class ArrudaBoyce(Law):
 class ArrudaBoyceModel(ChainModel):
     """Linear in the modulus; the shape is lm."""
 
-    @property
-    def name(self) -> str:
-        return "arruda-boyce"
-
-    @property
-    def shapes(self) -> tuple[str, ...]:
-        return ("lm",)
-
-    def law(self, linear: FloatArray, shapes: FloatArray) -> Law:
-        return ArrudaBoyce(float(linear[0]), float(shapes[0]))
+    form: ClassVar[type[Law]] = ArrudaBoyce
 
     def slope(self, principal: FloatArray, shape: float) -> tuple[FloatArray, FloatArray]:
         order = np.arange(1, len(_CHAIN) + 1)

@@ -11,8 +11,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.core import PalpateError, kernel
-from palpate.material.law import DeckLine, FloatArray, Law, Model, refuse_stiffening
+from palpate.core import FloatArray, PalpateError, kernel
+from palpate.material.law import DeckLine, Law, Model, refuse_stiffening
 from palpate.material.laws.invariants import answers, first_invariant, left_cauchy_green, stretched
 from palpate.material.model import ChainModel
 
@@ -64,16 +64,7 @@ class Gent(Law):
 class GentModel(ChainModel):
     """Linear in the modulus; the shape is Jm."""
 
-    @property
-    def name(self) -> str:
-        return "gent"
-
-    @property
-    def shapes(self) -> tuple[str, ...]:
-        return ("Jm",)
-
-    def law(self, linear: FloatArray, shapes: FloatArray) -> Law:
-        return Gent(float(linear[0]), float(shapes[0]))
+    form: ClassVar[type[Law]] = Gent
 
     def slope(self, principal: FloatArray, shape: float) -> tuple[FloatArray, FloatArray]:
         x = stretched(principal)

@@ -14,8 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import kernel
-from palpate.material.law import FloatArray
+from palpate.core import FloatArray, kernel
 
 
 @kernel

@@ -17,8 +17,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.core import PalpateError, kernel
-from palpate.material.law import DeckLine, FloatArray, Law, Model, refuse_stiffening
+from palpate.core import FloatArray, PalpateError, kernel
+from palpate.material.law import DeckLine, Law, Model, refuse_stiffening
 from palpate.material.laws.invariants import answers, left_cauchy_green
 
 _EQUAL = 1e-6

@@ -11,8 +11,8 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from palpate.core import kernel
-from palpate.material.law import DeckLine, FloatArray, Law, Model
+from palpate.core import FloatArray, kernel
+from palpate.material.law import DeckLine, Law, Model
 from palpate.material.laws.invariants import add_projector, answers, left_cauchy_green, project
 
 _ORDER = ("C10", "C01", "C20", "C11", "C02", "C30")
@@ -38,8 +38,7 @@ class PolynomialLaw(Law):
         return energy, tau, c
 
     def scaled(self, modulus: float, stiffening: float = 1.0) -> Self:
-        factors = {item.name: modulus for item in fields(self)}
-        values = {name: getattr(self, name) * factor for name, factor in factors.items()}
+        values = {item.name: getattr(self, item.name) * modulus for item in fields(self)}
         return replace(self, **{n: v if n in _FIRST else v * stiffening for n, v in values.items()})
 
     def deck(self) -> DeckLine:
