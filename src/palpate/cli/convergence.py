@@ -16,7 +16,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 from palpate.cli.press import PressFlags
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import MarkerSpec, build_dome, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 
 _CELLS = "Cells from pole to rim of each mesh."
@@ -26,15 +26,14 @@ _OUT = "Folder for convergence.csv, .png and .svg; without it, only the table is
 
 def convergence(
     *,
-    flags: PressFlags | None = None,
+    flags: PressFlags = PressFlags(),
     meshes: Annotated[tuple[int, ...], Parameter(help=_CELLS, consume_multiple=True)] = CELLS,
     markers: Annotated[int, Parameter(help=_MARKERS)] = 169,
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     json: JsonFlag = False,
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
-    flags = flags or PressFlags()
-    points = place_markers(flags.dome(), MarkerSpec(count=markers)).positions
+    points = place_markers(build_dome(flags.dome), MarkerSpec(count=markers)).positions
     if out is not None:
         _make_folder(out)
     announce_compilation()

@@ -4,7 +4,7 @@ from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra
 from palpate.core.kernel import kernel
 from palpate.core.outside_links import refuse_outside_links
-from palpate.core.parameter import ParameterNote, Spec, parameter, parameters
+from palpate.core.parameter import ParameterNote, Spec, flag_of, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
@@ -24,6 +24,7 @@ __all__ = [
     "check_store",
     "child_seed",
     "clean_store",
+    "flag_of",
     "generator",
     "installed_version",
     "kernel",

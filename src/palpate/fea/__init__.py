@@ -15,7 +15,7 @@ from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.press import FEA_VERSION, Branch, Ended, Press
 from palpate.fea.solid import Solid, State
 from palpate.fea.solve_press import solve_press
-from palpate.fea.spec import SolverSpec, WallSpec, read_contact
+from palpate.fea.spec import SolverSpec, WallSpec, check_contact
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.stress import cauchy_stress
 
@@ -44,6 +44,7 @@ __all__ = [
     "Touch",
     "WallSpec",
     "cauchy_stress",
+    "check_contact",
     "check_export",
     "deck_text",
     "export_press",
@@ -51,7 +52,6 @@ __all__ = [
     "kernels_compiled",
     "make_linear_solver",
     "plot_convergence",
-    "read_contact",
     "read_press",
     "solve_press",
     "solve_press_calculix",

@@ -2,13 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import field_validator
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
 
-from palpate.core import PalpateError, Spec, parameter
+from palpate.core import Spec, parameter
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
+GREATEST_FRICTION = 10.0
+"""Greatest coefficient of friction; above it, choose `NO_SLIP`."""
+
+
+def check_contact(value: Any) -> str | float:
+    """Contact law as a spec holds it: ``frictionless``, ``no-slip``, or a coefficient of friction as a number.
+
+    Raises
+    ------
+    ValueError
+        If it is none of them; a spec that has such a field refuses it.
+    """
+    if value in (FRICTIONLESS, NO_SLIP):
+        return str(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = float("nan")
+    if not 0 <= number <= GREATEST_FRICTION:
+        raise PydanticCustomError(
+            "unknown_contact",
+            "the contact law '{given}' is not known; choose {words} or a coefficient from 0 to {most}",
+            {"given": str(value), "words": f"{FRICTIONLESS}, {NO_SLIP}", "most": f"{GREATEST_FRICTION:g}"},
+        )
+    return number
 
 
 class WallSpec(Spec):
@@ -19,28 +45,15 @@ class WallSpec(Spec):
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
-    image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", gt=0, le=60)
+    image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
     unload: bool = False
     """Whether the wall is drawn back to first touch, through the same images."""
-    contact: str | float = parameter(
+    contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         NO_SLIP,
         unit="1",
         meaning="frictionless, no-slip or the coefficient of friction",
         source="not printed in the paper; the code its group published holds what touches",
     )
-
-    @field_validator("contact", mode="before")
-    @classmethod
-    def _known_contact(cls, value: Any) -> Any:
-        if value in (FRICTIONLESS, NO_SLIP):
-            return value
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = -1.0
-        if not 0 <= number <= 10:
-            raise ValueError(f"contact is '{value}'; choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to 10")
-        return number
 
     @property
     def friction(self) -> float:
@@ -53,7 +66,7 @@ class WallSpec(Spec):
 class SolverSpec(Spec):
     """How a press is solved. The defaults hold 1 % in force and marker displacement over the paper's grid."""
 
-    backend: str = "auto"
+    backend: str = parameter("auto", unit="", meaning="linear solver, or auto; `palpate doctor` lists them")
     penalty_ratio: float = parameter(
         60.0,
         unit="1",
@@ -93,20 +106,3 @@ class SolverSpec(Spec):
 def contact_text(value: str | float) -> str:
     """Contact law as printed: ``frictionless``, ``no-slip`` or the coefficient."""
     return value if isinstance(value, str) else f"{value:g}"
-
-
-def read_contact(text: str) -> str | float:
-    """Read a contact law from the command line.
-
-    Raises
-    ------
-    PalpateError
-        If it is neither ``frictionless``, ``no-slip`` nor a number from 0 to 10.
-    """
-    try:
-        return WallSpec(contact=text).contact
-    except ValueError:
-        raise PalpateError(
-            f"The contact law '{text}' is not known.",
-            f"Choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to 10.",
-        ) from None

@@ -27,8 +27,8 @@ class MeshSpec(Spec):
         le=200,
     )
     layers: int = parameter(1, unit="1", meaning="cells through the thickness", ge=1, le=8)
-    rim: Rim = Rim.FLAT
-    whole: bool = False
+    rim: Rim = parameter(Rim.FLAT, unit="", meaning="base cut flat at z = 0, or radially from the sphere's centre")
+    whole: bool = parameter(False, unit="", meaning="solve the whole dome, not its half")
 
     def refined(self, factor: float, cells: int) -> MeshSpec:
         """Return the same mesh with `factor` times the cells along a meridian that has `cells` now."""
