@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -67,49 +66,56 @@ class PressFlags:
         return mesh_dome(build_dome(self.dome), self.mesh), self.material.material(), self.wall
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SolveFlags:
+    """Who solves a press, which branch, and how."""
+
+    solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE
+    branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT
+    advanced: SolverFlags = SolverSpec()
+
+    def refuse(self, wall: WallSpec) -> None:
+        """Refuse what cannot be solved, before anything is computed."""
+        if self.solver is Solver.PALPATE:
+            make_linear_solver(self.advanced.backend)
+        elif self.branch is Branch.INVERTED or wall.unload:
+            raise PalpateError(
+                "CalculiX presses the flat branch from rest to full depth.",
+                "Leave out --branch and --unload, or --solver.",
+            )
+        elif self.advanced.model_fields_set:
+            chosen = ", ".join(f"--{flag_of(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
+            raise PalpateError(f"{chosen} say how palpate solves, not CalculiX.", "Leave them out, or --solver.")
+
+    def solve(self, problem: tuple[Mesh, Material, WallSpec]) -> Press:
+        """Solve a press."""
+        if self.solver is Solver.CALCULIX:
+            return solve_press_calculix(*problem)
+        announce_compilation()
+        return solve_press(*problem, self.advanced, branch=self.branch)
+
+
 def press(
     *,
     flags: PressFlags = PressFlags(),
+    how: SolveFlags = SolveFlags(),
     points: Annotated[Path | None, Parameter(help=_POINTS)] = None,
-    solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE,
     export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
-    branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT,
-    advanced: SolverFlags = SolverSpec(),
     json: JsonFlag = False,
 ) -> None:
     """Press one dome by a flat wall and follow it image by image."""
+    how.refuse(flags.wall)
     followed = None if points is None else _read_inner_points(points, build_dome(flags.dome))
-    solve = _solver(flags, (solver, branch), advanced)
     if export is not None:
         check_export(export)
-    solved = solve()
+    solved = how.solve(flags.problem())
     if export is not None:
         export_press(export, solved)
     if json:
         print_json(describe_press(solved, followed))
     else:
         _print_press(solved)
-
-
-def _solver(flags: PressFlags, how: tuple[Solver, Branch], advanced: SolverSpec) -> Callable[[], Press]:
-    """What solves the press, once everything that can be refused before has been."""
-    solver, branch = how
-    problem = flags.problem()
-    if solver is Solver.PALPATE:
-        make_linear_solver(advanced.backend)
-        announce_compilation()
-        return lambda: solve_press(*problem, advanced, branch=branch)
-    if branch is Branch.INVERTED or flags.wall.unload:
-        raise PalpateError(
-            "CalculiX presses the flat branch from rest to full depth.",
-            "Leave out --branch and --unload, or --solver.",
-        )
-    if advanced != SolverSpec():
-        raise PalpateError(
-            "CalculiX has its own solver: the advanced flags are those of palpate's.",
-            f"Leave out --{flag_of(SolverSpec, next(iter(advanced.model_fields_set)))}, or --solver.",
-        )
-    return lambda: solve_press_calculix(*problem)
 
 
 def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> dict[str, Any]:
