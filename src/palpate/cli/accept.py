@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from palpate.camera import read_image
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json
+from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
 from palpate.sensor import AcceptSpec
@@ -59,6 +59,7 @@ def accept(
 
     if (model is None) == (readings is None):
         raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, one of them.")
+    check_folder(report.out)
     known = read_truth(truth)
     if readings is not None:
         estimates, flagged = read_readings(readings, known)

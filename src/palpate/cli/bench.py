@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_folder, print_json, print_table
 from palpate.cli.press import MaterialFlags
 from palpate.cli.unit import DesignFlags
 from palpate.core import ArtefactStore, PalpateError
@@ -60,9 +60,11 @@ def bench(
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
     from palpate.sensor import Bench
 
+    check_folder(out)
     chosen, design, material = flags.chosen(), flags.design, flags.material.material()
     store = ArtefactStore(out / "store")
     played = Bench(chosen, design.dome, design.markers, material, CameraSpec(), model, store)
+    played.check()
     announce_compilation()
     (_budget if budget else _units)(played, out, json)
 

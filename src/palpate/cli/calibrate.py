@@ -20,7 +20,7 @@ from palpate.camera import (
     write_calibration,
 )
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ def calibrate(
 ) -> None:
     """Find the focal length, centre and distortion of a camera from images of a board."""
     chosen = read_board(board)
+    check_file(print_board, ".pdf")
+    check_file(out)
     if print_board is not None:
         write_board(print_board, chosen)
         print(

@@ -13,9 +13,8 @@ from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_folder, print_json, print_table
 from palpate.cli.press import PressFlags
-from palpate.core import PalpateError
 from palpate.design import MarkerSpec, build_dome, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 
@@ -34,8 +33,7 @@ def convergence(
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
     points = place_markers(build_dome(flags.dome), MarkerSpec(count=markers)).positions
-    if out is not None:
-        _make_folder(out)
+    check_folder(out)
     announce_compilation()
     results = study_convergence(*flags.problem(), points, meshes, _tell)
     if out is not None:
@@ -50,14 +48,8 @@ def _tell(cells: int, press: Press) -> None:
     print(f"{cells} cells: {press.ended}, {press.cpu_s:.1f} CPU-seconds", file=sys.stderr)
 
 
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PalpateError(f"The folder {out} cannot be made: {error.strerror}.", "Choose another.") from error
-
-
 def _write_results(out: Path, results: Sequence[MeshResult]) -> None:
+    out.mkdir(parents=True, exist_ok=True)
     with (out / "convergence.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([field.name for field in fields(MeshResult)])

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
 from palpate.material import (
     MODELS,
@@ -97,6 +97,8 @@ def fit(
 ) -> None:
     """Fit a hyperelastic model to the files of a test bench and say how far it may be trusted."""
     spec = how.model_copy(update={"model": model})
+    check_file(out.output)
+    check_file(None if out.no_figure else out.figure, ".png", ".svg", ".pdf")
     samples = read_samples([*((path, None) for path in files), *tests.pairs()], curves)
     found = fit_material(samples, spec)
     told = describe_fit(samples, found, alone=out.alone)

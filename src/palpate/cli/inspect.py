@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from palpate.camera import list_images, read_image
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_file, print_json, print_table
 from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
 from palpate.sensor import Inspection, InspectSpec, draw_inspection, inspect_unit
@@ -36,7 +36,8 @@ def inspect(
     json: JsonFlag = False,
 ) -> int:
     """Tell the print error of every marker against its nominal place."""
-    _refuse_endings(out, picture)
+    check_file(out, ".csv")
+    check_file(picture, ".png", ".svg", ".pdf")
     inspection = inspect_unit(_read_images(image), built.unit(), wanted)
     rows = _rows(inspection)
     if out:
@@ -52,13 +53,6 @@ def inspect(
 
 def _read_images(place: Path) -> list[NDArray[Any]]:
     return [read_image(path) for path in (list_images(place) if place.is_dir() else (place,))]
-
-
-def _refuse_endings(out: Path | None, picture: Path | None) -> None:
-    """Refuse files of a kind that cannot be written, before anything is computed."""
-    for path, endings in ((out, (".csv",)), (picture, (".png", ".svg", ".pdf"))):
-        if path and path.suffix not in endings:
-            raise PalpateError(f"{path.name} is not a {' or '.join(endings)} file.", "Choose another ending.")
 
 
 def _rows(inspection: Inspection) -> list[dict[str, Any]]:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from palpate.camera import CameraSpec
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json
+from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import DomeFlags, MarkerFlags
 from palpate.design import DomeSpec, MarkerSpec, MountSpec
 from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
@@ -44,6 +44,7 @@ def make(
     json: JsonFlag = False,
 ) -> None:
     """Write mold, print pattern, enclosure and instructions of one design."""
+    check_folder(out)
     pack = write_pack(out, flags.spec())
     if json:
         print_json(_describe(pack))

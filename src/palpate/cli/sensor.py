@@ -15,7 +15,7 @@ from cyclopts import Parameter
 from palpate.camera import Source, list_images, open_source, read_image
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
 from palpate.markers import DetectSpec, prepare_detector
@@ -88,6 +88,12 @@ def live(
     from palpate.learn import open_predictor
     from palpate.sensor import describe_reading, open_sensor, run_sensor, write_readings
 
+    if flags.count is not None and flags.count < 1:
+        raise PalpateError(f"--count is {flags.count}.", "Give 1 or more, or leave it out.")
+    if out is not None and out.suffix == ".rosbag2":
+        check_folder(out)
+    else:
+        check_file(out, ".csv", ".jsonl", ".rosbag2")
     unit, predictor, many = flags.built.unit(), open_predictor(model), flags.rig.rest_images
     with _open(source, unit) as opened:
         images = opened.images()

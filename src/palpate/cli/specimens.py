@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import print_json
+from palpate.cli.output import check_folder, print_json
 from palpate.fabricate import ProcessSpec, write_specimen_molds
 
 _OUT = "New folder for the molds."
@@ -23,6 +23,7 @@ def specimens(
     json: JsonFlag = False,
 ) -> None:
     """Write molds of dumbbells (ASTM D412 die C) and cylinders (ASTM D395 type 1)."""
+    check_folder(out)
     files = write_specimen_molds(out, process, count)
     if json:
         print_json({"folder": str(out), "sha256": files})

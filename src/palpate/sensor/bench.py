@@ -43,7 +43,7 @@ from palpate.mesh import MeshSpec, mesh_dome
 from palpate.sensor.bench_spec import VirtualBenchSpec
 from palpate.sensor.deviation import Deviation
 from palpate.sensor.photograph import Scene, set_scene
-from palpate.sensor.sensor import Sensor, open_sensor
+from palpate.sensor.sensor import Sensor, check_model, open_sensor
 from palpate.sensor.touch import TouchZero, find_zero
 from palpate.sensor.unit import Unit
 
@@ -91,6 +91,16 @@ class Bench:
     def predictor(self) -> Predictor:
         """The model, opened."""
         return open_predictor(self.model)
+
+    def check(self) -> None:
+        """Refuse what no unit could be played with, before anything is solved.
+
+        Raises
+        ------
+        PalpateError
+            If the model cannot be opened, or is not of this design.
+        """
+        check_model(self.predictor, self.layout)
 
     @cached_property
     def model_sha256(self) -> str:

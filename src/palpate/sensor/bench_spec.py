@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
+from pydantic_core import PydanticCustomError
 
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
@@ -94,3 +95,13 @@ class VirtualBenchSpec(Spec):
     tolerance: ToleranceSpec = ToleranceSpec()
     render: RenderSpec = DEGRADED
     seed: int = parameter(0, unit="1", meaning="seed of units, directions and images", ge=0)
+
+    @model_validator(mode="after")
+    def _some_images_count(self) -> VirtualBenchSpec:
+        if self.least_depth > self.depth:
+            raise PydanticCustomError(
+                "no_image_counts",
+                "no image counts: they are {depth} mm deep at most, and from {least} mm on they count.",
+                {"depth": f"{self.depth:g}", "least": f"{self.least_depth:g}"},
+            )
+        return self
