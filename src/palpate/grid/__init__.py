@@ -6,7 +6,7 @@ from palpate.grid.evaluate_claims import evaluate_claims, read_evidence
 from palpate.grid.evaluate_grid import evaluate_grid
 from palpate.grid.evidence import Evidence
 from palpate.grid.export import export_grid
-from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, unit_of
+from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, name_row, rows_of, unit_of
 from palpate.grid.io import read_grid, write_grid
 from palpate.grid.model import copy_model
 from palpate.grid.panel import (
@@ -47,9 +47,11 @@ __all__ = [
     "evaluate_grid",
     "export_grid",
     "filter_rows",
+    "name_row",
     "plot_grid",
     "read_evidence",
     "read_grid",
+    "rows_of",
     "sort_rows",
     "unit_of",
     "write_claims",

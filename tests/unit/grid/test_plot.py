@@ -32,7 +32,7 @@ def test_every_kind_gives_png_and_svg(tmp_path, kind, metric, name):
         ("pie", "rmse_deg", "no kind of picture 'pie'"),
         ("heat", "rsme_deg", "Did you mean 'rmse_deg'"),
         ("heat", "shape", "is a text"),
-        ("depth", "travel_mm", "By depth it has: limit_deg"),
+        ("depth", "travel_mm", "By depth it has: rmse_deg, max_error_deg"),
         ("tilt", "limit_deg", "By tilt it has: rmse_deg"),
     ],
 )
