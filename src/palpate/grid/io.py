@@ -91,13 +91,12 @@ def read_grid(directory: Path) -> SpecificationGrid:
 
 
 def _write_json(path: Path, grid: SpecificationGrid) -> None:
-    content = {
-        "format": FORMAT,
-        "version": FORMAT_VERSION,
-        "units": {name: unit_of(name) for name in grid.columns if unit_of(name)},
-        **{table: [dict(row) for row in getattr(grid, table)] for table in ("designs", *TABLES)},
-    }
-    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    units = {name: unit_of(name) for name in grid.columns if unit_of(name)}
+    parts = [f'"format": "{FORMAT}"', f'"version": {FORMAT_VERSION}', f'"units": {json.dumps(units)}']
+    for table in ("designs", *TABLES):
+        rows = ",\n".join(json.dumps(dict(row), allow_nan=False) for row in getattr(grid, table))
+        parts.append(f'"{table}": [\n{rows}\n]')
+    path.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")  # a row a line
 
 
 def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:
