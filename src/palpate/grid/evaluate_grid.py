@@ -6,12 +6,16 @@ import json
 import math
 import statistics
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
 from palpate.grid.grid import Cell, Row, SpecificationGrid
 from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_limit, pool_limits
 from palpate.study import DesignResult, PressSummary
+
+Part = DepthErrors | TiltErrors
+Place = tuple[float, ...]
+"""A depth (mm), or the ends of an interval of tilt (degrees)."""
 
 
 def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
@@ -45,25 +49,19 @@ def _table(rows: Iterable[Row]) -> tuple[Row, ...]:
 
 def _by_depth(design: DesignResult) -> list[Row]:
     """Errors, limits and how near they come, by rising depth."""
+    errors = _by_place(design, lambda metrics: {(round(part.depth_mm, 6),): part for part in metrics.by_depth})
     limits = {round(limit.depth_mm, 6): limit for limit in design.limits}
-    clean, jittered = (
-        {round(part.depth_mm, 6): part for part in metrics.by_depth} if metrics else {}
-        for metrics in (design.clean, design.jittered)
-    )
     rows: list[Row] = []
-    for depth in sorted({*clean, *jittered, *limits}):
-        limit, seen, shaken = limits.get(depth), clean.get(depth), jittered.get(depth)
-        counted = seen or shaken
-        near = shaken is not None and limit is not None and limit.least_squares_deg > 0
+    for depth in sorted({*limits, *(place[0] for place in errors)}):
+        limit, found = limits.get(depth), errors.get((depth,), _errors_of(None, None))
+        rmse, bound = found["rmse_jitter_deg"], limit.least_squares_deg if limit else None
         row = {
             "depth_mm": depth,
-            **_errors(seen, ""),
-            **_errors(shaken, "_jitter"),
-            "validation_samples": counted.images if counted else None,
-            "limit_deg": limit.least_squares_deg if limit else None,
+            **found,
+            "limit_deg": bound,
             "limit_pitman_deg": limit.pitman_deg if limit else None,
             "limit_floor_deg": limit.floor_deg if limit else None,
-            "rmse_over_limit": shaken.angle.rmse / limit.least_squares_deg if near and shaken and limit else None,
+            "rmse_over_limit": rmse / bound if isinstance(rmse, float) and bound else None,
         }
         rows.append(row)
     return rows
@@ -71,17 +69,20 @@ def _by_depth(design: DesignResult) -> list[Row]:
 
 def _by_tilt(design: DesignResult) -> list[Row]:
     """Errors by rising interval of true tilt."""
-    clean, jittered = (
-        {(part.from_deg, part.to_deg): part for part in metrics.by_tilt} if metrics else {}
-        for metrics in (design.clean, design.jittered)
-    )
-    rows: list[Row] = []
-    for ends in sorted({*clean, *jittered}):
-        seen, shaken = clean.get(ends), jittered.get(ends)
-        counted = seen or shaken
-        row = {"tilt_from_deg": ends[0], "tilt_to_deg": ends[1], **_errors(seen, ""), **_errors(shaken, "_jitter")}
-        rows.append({**row, "validation_samples": counted.images if counted else None})
-    return rows
+    errors = _by_place(design, lambda metrics: {(part.from_deg, part.to_deg): part for part in metrics.by_tilt})
+    return [{"tilt_from_deg": ends[0], "tilt_to_deg": ends[1], **errors[ends]} for ends in sorted(errors)]
+
+
+def _by_place(design: DesignResult, cut: Callable[[Metrics], Mapping[Place, Part]]) -> dict[Place, dict[str, Cell]]:
+    """Clean and jittered errors of a design where `cut` has any."""
+    clean, jittered = (cut(metrics) if metrics else {} for metrics in (design.clean, design.jittered))
+    return {place: _errors_of(clean.get(place), jittered.get(place)) for place in {**clean, **jittered}}
+
+
+def _errors_of(clean: Part | None, jittered: Part | None) -> dict[str, Cell]:
+    counted = clean or jittered
+    images = {"validation_samples": counted.images if counted else None}
+    return {**_errors(clean, ""), **_errors(jittered, "_jitter"), **images}
 
 
 def _press(press: PressSummary) -> Row:
@@ -117,7 +118,7 @@ def _row(design: DesignResult) -> dict[str, Cell]:
     }
 
 
-def _errors(metrics: Metrics | DepthErrors | TiltErrors | None, suffix: str) -> dict[str, Cell]:
+def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
     return {
         f"rmse{suffix}_deg": metrics.angle.rmse if metrics else None,
         f"max_error{suffix}_deg": metrics.angle.max if metrics else None,

@@ -29,3 +29,10 @@ def test_flags_keep_their_names_defaults_and_units(command: str, flags: dict[str
     for name, (default, unit) in flags.items():
         assert found[name]["default"] == default, name
         assert not unit or f"({unit}" in found[name]["help"], name
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_two_fields_of_a_command_share_a_flag(command: str) -> None:
+    collection = COMMANDS[command].assemble_argument_collection()
+    names = [name for argument in collection if argument.parse and not argument.children for name in argument.names]
+    assert len(names) == len(set(names))
