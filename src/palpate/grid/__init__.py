@@ -5,7 +5,7 @@ from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
 from palpate.grid.evaluate_claims import evaluate_claims, read_evidence
 from palpate.grid.evaluate_grid import evaluate_grid
 from palpate.grid.evidence import Evidence
-from palpate.grid.export import export_grid
+from palpate.grid.export import export_grid, html_rows
 from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, name_row, rows_of, unit_of
 from palpate.grid.io import read_grid, write_grid
 from palpate.grid.model import copy_model
@@ -17,7 +17,7 @@ from palpate.grid.panel import (
     cut_panels,
     cut_tilt_panels,
 )
-from palpate.grid.plot import KINDS, plot_grid
+from palpate.grid.plot import KINDS, draw_grid, plot_grid
 from palpate.grid.query import filter_rows, sort_rows
 from palpate.grid.write_claims import write_claims
 
@@ -43,10 +43,12 @@ __all__ = [
     "cut_marker_panels",
     "cut_panels",
     "cut_tilt_panels",
+    "draw_grid",
     "evaluate_claims",
     "evaluate_grid",
     "export_grid",
     "filter_rows",
+    "html_rows",
     "name_row",
     "plot_grid",
     "read_evidence",

@@ -98,6 +98,12 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     return tuple(directory / draft.name for draft in drafts)
 
 
+def draw_grid(grid: SpecificationGrid, metric: str = "rmse_deg", kind: str = "heat") -> Figure:
+    """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
+    refuse_unknown(grid, kind, metric)
+    return draw_plot(grid, kind, metric)
+
+
 def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
     """Draw one metric of a grid; `kind` and `metric` as of `plot_grid`, the grid has at least one row."""
     from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel

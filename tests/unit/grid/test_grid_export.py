@@ -5,8 +5,7 @@ import pytest
 from results import make_design
 
 from palpate.core import MissingExtraError, PalpateError
-from palpate.grid import SpecificationGrid, evaluate_grid, export_grid
-from palpate.grid.export import html_rows
+from palpate.grid import SpecificationGrid, evaluate_grid, export_grid, html_rows
 
 GRID = evaluate_grid([make_design(), make_design(markers=7, failure="stopped")])
 
