@@ -49,7 +49,7 @@ SOLVE = (
 ROWS = {
     "run": Row("--study first --out new", ("--study",), ("--out",), ("--workers 0", "--timeout 0", "--cluster here")),
     "status": Row("--study first --out {results}", ("--study", "--out")),
-    "store check": Row("--folder {results}", ("--folder",)),
+    "store check": Row("--folder {spare}", ("--folder",)),
     "store gc": Row("{study} --folder {spare}", ("--folder", "STUDIES")),
     "press": Row("--cells 4", ("--points",), ("--export",), (*SOLVE, "--solver calculix --unload", "--branch up")),
     "deck": Row("--output new.inp --cells 4", (), ("--output",), (*SOLVE[1:], "--dialect x", "--element shells")),
