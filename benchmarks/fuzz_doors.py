@@ -175,7 +175,7 @@ def _grid_door(folder: Path) -> Door:
     from palpate.grid.database import write_database
 
     rows = tuple({"height_mm": 20.0, "markers": count, "rmse_deg": 0.1, "dome": "hemisphere"} for count in (7, 37))
-    write_database(folder / "grid.sqlite", SpecificationGrid(rows=rows, columns=tuple(rows[0])))
+    write_database(folder / "grid.sqlite", SpecificationGrid(rows))
     return Door("grid", ".sqlite", ((folder / "grid.sqlite").read_bytes(),), _read_grid)
 
 

@@ -28,10 +28,7 @@ COLUMNS = {
     "presses",
     "samples",
     "seed",
-    "dataset_seed",
-    "learning_seed",
     "limit_deg",
-    "limit_at_2_4mm_deg",
     "rmse_over_limit",
     "rmse_spread_deg",
 }

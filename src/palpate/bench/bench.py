@@ -80,6 +80,16 @@ class Bench:
         """The model, opened."""
         return open_predictor(self.model)
 
+    def check(self) -> None:
+        """Refuse what no unit could be played with, before anything is solved.
+
+        Raises
+        ------
+        PalpateError
+            If the model cannot be opened, or is not of this design.
+        """
+        check_model(self.predictor, self.layout)
+
     @cached_property
     def model_sha256(self) -> str:
         """What the model is known by."""

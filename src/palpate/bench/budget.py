@@ -67,6 +67,7 @@ def run_budget(bench: Bench) -> Iterator[BudgetLine]:
     PalpateError
         If the nominal unit cannot be played.
     """
+    bench.check()
     nominal = play_unit(bench, Deviation())
     clean = play_unit(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
     for played in (nominal, clean):

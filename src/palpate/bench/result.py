@@ -62,6 +62,7 @@ def run_bench(bench: Bench) -> Iterator[UnitResult]:
     PalpateError
         If a press cannot be solved, or the model is not of this design.
     """
+    bench.check()
     for number in range(bench.spec.units + 1):
         deviation = draw_deviation(bench.spec.tolerance, bench.spec.seed, number) if number else Deviation()
         yield score_unit(number, play_unit(bench, deviation))

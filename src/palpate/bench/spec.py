@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, model_validator
+from pydantic_core import PydanticCustomError
 
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
+from palpate.fea import check_contact
 
 DEGRADED = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
 """Light, lens and sensor of the bench's images."""
@@ -73,10 +77,10 @@ class VirtualBenchSpec(Spec):
     azimuths: int = parameter(4, unit="1", meaning="directions drawn at random for every tilt", ge=1, le=100)
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
     image_step: float = parameter(
-        0.7, unit="mm", meaning="travel between two images, other than the training's", gt=0, le=10
+        0.7, unit="mm", meaning="travel between two images, other than the training's", flag="step", gt=0, le=10
     )
     least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0, le=60)
-    contact: str | float = parameter(
+    contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         "no-slip",
         unit="1",
         meaning="contact of the nominal unit: frictionless, no-slip or the coefficient of friction",
@@ -91,3 +95,13 @@ class VirtualBenchSpec(Spec):
     tolerance: ToleranceSpec = ToleranceSpec()
     render: RenderSpec = DEGRADED
     seed: int = parameter(0, unit="1", meaning="seed of units, directions and images", ge=0)
+
+    @model_validator(mode="after")
+    def _some_images_count(self) -> VirtualBenchSpec:
+        if self.least_depth > self.depth:
+            raise PydanticCustomError(
+                "no_image_counts",
+                "no image counts: they are {depth} mm deep at most, and from {least} mm on they count.",
+                {"depth": f"{self.depth:g}", "least": f"{self.least_depth:g}"},
+            )
+        return self

@@ -33,7 +33,13 @@ class CameraSpec(Spec):
         source="none published for the paper's lens",
     )
     distance: float = parameter(
-        48.0, unit="mm", meaning="distance below the base plane", source=CALIBRATION, gt=0, le=1000
+        48.0,
+        unit="mm",
+        meaning="distance below the base plane",
+        source=CALIBRATION,
+        flag="camera-distance",
+        gt=0,
+        le=1000,
     )
     offset_x: float = parameter(0.0, unit="mm", meaning="offset from the dome's axis along x", ge=-50, le=50)
     offset_y: float = parameter(0.0, unit="mm", meaning="offset from the dome's axis along y", ge=-50, le=50)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
-from palpate.grid import Cell, Row, SpecificationGrid
+from palpate.grid.grid import Cell, Row, SpecificationGrid, rows_of
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
 """The paper's designs (mm, mm, 1)."""
 BASE_RADIUS_MM = 20.0
 
+Found = TypeVar("Found")
 Dome = tuple[float, float]
 """Height and thickness (mm)."""
 Design = tuple[float, float, int]
@@ -57,7 +58,7 @@ class Evidence:
     def rows(self) -> Mapping[Design, Row]:
         """The paper's designs among the rows; of several with the same markers the first."""
         found: dict[Design, Row] = {}
-        for row in self.grid.rows:
+        for row in self.grid.designs:
             if row["base_radius_mm"] == BASE_RADIUS_MM:
                 key = (_number(row["height_mm"]), _number(row["thickness_mm"]), int(_number(row["markers"])))
                 found.setdefault(key, row)
@@ -66,7 +67,8 @@ class Evidence:
     @property
     def label(self) -> str:
         """Contact law and way of learning, e.g. ``"no-slip, best"``; the folder's name where the grid has neither."""
-        spec: dict[str, Any] = next((json.loads(str(row["spec"])) for row in self.grid.rows if row.get("spec")), {})
+        specs = (json.loads(str(row["spec"])) for row in self.grid.designs if row.get("spec"))
+        spec: dict[str, Any] = next(specs, {})
         parts = (spec.get("wall", {}).get("contact"), spec.get("learning", {}).get("preset"))
         words = ", ".join(_word(part) for part in parts if part is not None)
         return words or self.folder
@@ -83,15 +85,20 @@ class Evidence:
 
     def domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float]:
         """One number a dome, from the first of its rows that has it; errors as of `figures`."""
-        return {dome: _number(cell) for dome, cell in self._of_domes(column, domes).items()}
+        found: dict[Dome, Cell] = self._of_domes(lambda row: row.get(column), domes)
+        return {dome: _number(cell) for dome, cell in found.items()}
 
-    def dome_texts(self, column: str, domes: Iterable[Dome]) -> dict[Dome, str]:
-        """One text a dome; errors as of `figures`."""
-        return {dome: str(cell) for dome, cell in self._of_domes(column, domes).items()}
+    def branches(self, domes: Iterable[Dome]) -> dict[Dome, list[tuple[float, str]]]:
+        """Tilt (degrees) and branch at full depth of every press of each dome; errors as of `figures`."""
+        numbers = {id(row): number for number, row in enumerate(self.grid.designs)}
+        found = self._of_domes(lambda row: rows_of(self.grid.presses, numbers[id(row)]) or None, domes)
+        return {
+            dome: [(_number(row["tilt_deg"]), str(row["branch"])) for row in rows] for dome, rows in found.items()
+        }
 
     def domes_or_none(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float | None]:
         """As `domes`; `None` for a dome that is there and to which the figure does not apply."""
-        found = self._of_domes("presses", domes)
+        found = self._of_domes(lambda row: row.get("presses"), domes)
         return {dome: next(self._numbers(column, dome), None) for dome in found}
 
     def _cells(self, column: str, designs: Iterable[Design]) -> dict[Design, Cell]:
@@ -101,12 +108,14 @@ class Evidence:
             raise MissingEvidenceError(missing, (str(self.rows.get(one, {}).get("failure") or "") for one in missing))
         return found
 
-    def _of_domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, Cell]:
+    def _of_domes(self, find: Callable[[Row], Found | None], domes: Iterable[Dome]) -> dict[Dome, Found]:
         found, missing, reasons = {}, [], []
         for dome in domes:
             rows = self._rows_of(dome)
-            found[dome] = next((row[column] for row in rows if row.get(column) is not None), None)
-            if found[dome] is None:
+            first = next((what for row in rows if (what := find(row)) is not None), None)
+            if first is not None:
+                found[dome] = first
+            else:
                 missing += [(*dome, markers) for markers in MARKERS]
                 reasons += [str(row.get("failure") or "") for row in rows]
         if missing:

@@ -45,10 +45,10 @@ def judge_deformation(evidence: Evidence) -> Finding:
 
 def judge_inversion(evidence: Evidence) -> Finding:
     """C5: T = 2 mm conforms, T = 1 mm inverts, more so at steeper angles."""
-    texts = evidence.dome_texts("branch_by_tilt", THIN + THICK)
+    branches = evidence.branches(THIN + THICK)
     gap = max(evidence.domes("apex_gap_mm", THICK).values())
-    thin = [pair for dome in THIN for pair in _branches(texts[dome])]
-    thick = [branch for dome in THICK for _, branch in _branches(texts[dome])]
+    thin = [pair for dome in THIN for pair in branches[dome]]
+    thick = [branch for dome in THICK for _, branch in branches[dome]]
     inverted = sum(branch == "inverted" for _, branch in thin)
     conforms = "inverted" not in thick and gap < LARGEST_GAP_MM
     figures = (
@@ -116,12 +116,6 @@ def judge_travel_by_thickness(evidence: Evidence) -> Finding:
 
 def _by_height(values: list[float]) -> str:
     return ", ".join(f"H{height:g} {value:.3g}" for height, value in zip(HEIGHTS, values, strict=True))
-
-
-def _branches(text: str) -> list[tuple[float, str]]:
-    """Tilt (degrees) and branch of each press from ``"0: flat; 2: inverted"``."""
-    pairs = (part.split(": ") for part in text.split("; "))
-    return [(float(tilt), branch) for tilt, branch in pairs]
 
 
 def _bistable(evidence: Evidence, domes: list[Dome]) -> str:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import html
+import json
 import os
 import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -148,8 +148,9 @@ def _cells(answers: Sequence[Answer]) -> list[list[str]]:
 def _provenance(grids: Sequence[Evidence]) -> list[str]:
     lines = []
     for evidence, name in zip(grids, name_sources(grids), strict=True):
-        versions = sorted({str(row["versions"]) for row in evidence.grid.rows if row.get("versions")})
-        seeds = sorted({str(row["seed"]) for row in evidence.grid.rows})
+        facts = [json.loads(str(row["versions"])) for row in evidence.grid.designs if row.get("versions")]
+        versions = sorted({" ".join(f"{name}={version}" for name, version in one.items()) for one in facts})
+        seeds = sorted({str(row["seed"]) for row in evidence.grid.designs})
         lines += [f"{name}: seed {', '.join(seeds)}; {' / '.join(versions)}", ""]
     return lines
 
@@ -172,8 +173,8 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
 
 
 def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
-    """The rows of the layout that comes first."""
-    return replace(grid, rows=tuple(row for row in grid.rows if row["markers"] == grid.rows[0]["markers"]))
+    """The designs of the layout that comes first."""
+    return grid.keep([row for row in grid.designs if row["markers"] == grid.designs[0]["markers"]])
 
 
 def _write_picture(path: Path, figure: Figure) -> None:

@@ -10,19 +10,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.camera import read_calibration, read_image
-from palpate.cli.design import DesignFlags
-from palpate.cli.flag import JsonFlag, default, flag
-from palpate.cli.output import print_json
+from palpate.camera import read_image
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_folder, print_json
+from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
-from palpate.design import place_markers
 from palpate.sensor import AcceptSpec
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from palpate.sensor import Truth
+    from palpate.learn import Predictor
+    from palpate.sensor import Truth, Unit
 
 OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as of `palpate verify`."""
@@ -30,33 +30,18 @@ OUTSIDE = 1
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
 _MODEL = "Model of this design, an ONNX file; then the images are read."
 _READINGS = "What `palpate live --out` wrote about these images, instead of a model."
-_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 _OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
 _NAME = "Name of the unit in the report."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class AcceptFlags:
-    """What `palpate accept` may be told besides the design."""
+class ReportFlags:
+    """What is written about the unit."""
 
-    lens: Annotated[Path | None, Parameter(help=_LENS)] = None
-    mark: Annotated[bool, Parameter(help="Whether the orientation mark is printed.")] = True
     name: Annotated[str, Parameter(help=_NAME)] = "unit"
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
-    rmse: Annotated[float, flag(AcceptSpec, "rmse_deg")] = default(AcceptSpec, "rmse_deg")
-    max_error: Annotated[float, flag(AcceptSpec, "max_deg")] = default(AcceptSpec, "max_deg")
-    depth_rmse: Annotated[float, flag(AcceptSpec, "depth_rmse")] = default(AcceptSpec, "depth_rmse")
-    least_depth: Annotated[float, flag(AcceptSpec, "least_depth")] = default(AcceptSpec, "least_depth")
-    without_pose: Annotated[float, flag(AcceptSpec, "without_pose")] = default(AcceptSpec, "without_pose")
-    zero: Annotated[bool, Parameter(help="Whether the depth's zero is found from the first press.")] = True
-    guard: Annotated[bool, flag(AcceptSpec, "guard")] = False
-
-    def spec(self) -> AcceptSpec:
-        """The spec of these flags."""
-        same = ("depth_rmse", "least_depth", "without_pose", "zero", "guard")
-        chosen: dict[str, Any] = {name: getattr(self, name) for name in same}
-        return AcceptSpec(rmse_deg=self.rmse, max_deg=self.max_error, **chosen)
+    json: JsonFlag = False
 
 
 def accept(
@@ -64,50 +49,46 @@ def accept(
     *,
     model: Annotated[Path | None, Parameter(help=_MODEL)] = None,
     readings: Annotated[Path | None, Parameter(help=_READINGS)] = None,
-    design: DesignFlags | None = None,
-    flags: AcceptFlags | None = None,
-    json: JsonFlag = False,
+    built: UnitFlags = UnitFlags(),
+    wanted: Annotated[AcceptSpec, flags_of(AcceptSpec, group="Tolerances")] = AcceptSpec(),
+    report: ReportFlags = ReportFlags(),
 ) -> int:
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
+    from palpate.learn import open_predictor
     from palpate.sensor import accept_unit, acceptance_page, read_readings, read_truth, write_acceptance
 
-    design, flags = design or DesignFlags(), flags or AcceptFlags()
     if (model is None) == (readings is None):
         raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, one of them.")
+    check_folder(report.out)
     known = read_truth(truth)
     if readings is not None:
         estimates, flagged = read_readings(readings, known)
     else:
         assert model is not None
-        estimates, flagged = _read(truth.parent, known, model, (design, flags))
-    found = accept_unit(known, estimates, flagged, flags.spec())
-    if flags.out is not None:
-        write_acceptance(flags.out, found, flags.name)
-        print(f"Report: {flags.out / 'accept.pdf'}", file=sys.stderr)
-    if json:
-        print_json({"unit": flags.name, **found.as_dict()})
+        estimates, flagged = _read(truth.parent, known, open_predictor(model), built.unit())
+    found = accept_unit(known, estimates, flagged, wanted)
+    if report.out is not None:
+        write_acceptance(report.out, found, report.name)
+        print(f"Report: {report.out / 'accept.pdf'}", file=sys.stderr)
+    if report.json:
+        print_json({"unit": report.name, **found.as_dict()})
     else:
-        print(acceptance_page(found, flags.name))
+        print(acceptance_page(found, report.name))
     return 0 if found.passed else OUTSIDE
 
 
 def _read(
-    folder: Path, known: Truth, model: Path, chosen: tuple[DesignFlags, AcceptFlags]
+    folder: Path, known: Truth, predictor: Predictor, unit: Unit
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     import numpy as np
 
-    from palpate.learn import open_predictor
-    from palpate.sensor import Unit, open_sensor, run_sensor
+    from palpate.sensor import open_sensor, run_sensor
 
-    design, flags = chosen
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
         )
-    dome = design.dome()
-    lens = read_calibration(flags.lens).camera_spec() if flags.lens else None
-    unit = Unit(dome, place_markers(dome, design.marker_spec()), marked=flags.mark, lens=lens)
-    sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, open_predictor(model))
+    sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, predictor)
     found = list(run_sensor(sensor, _images(folder, known.images)))
     poses = np.array([[reading.rx_deg, reading.ry_deg, reading.depth_mm] for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])

@@ -5,19 +5,18 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from palpate.bench import ToleranceSpec, VirtualBenchSpec
-from palpate.camera import CameraSpec
+from palpate.camera import CameraSpec, RenderSpec
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.design import DesignFlags
-from palpate.cli.flag import JsonFlag, default, flag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_folder, print_json, print_table
+from palpate.cli.press import MaterialFlags
+from palpate.cli.unit import DesignFlags
 from palpate.core import ArtefactStore, PalpateError
-from palpate.design import DomeSpec
-from palpate.fea import WallSpec, read_contact
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
@@ -27,57 +26,45 @@ _MODEL = "Model of this design, an ONNX file, trained for the nominal camera."
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
 _BUDGET = "Measure every imperfection alone instead of sampled units."
-_ZERO = "Whether the depth's zero is found by one press before those that count."
 _CLEAN = "Images without uneven light, blur, noise and dirt."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
 class BenchFlags:
-    """How the bench presses and looks."""
+    """The design, how its units are built, pressed and seen."""
 
-    units: Annotated[int, flag(VirtualBenchSpec, "units")] = default(VirtualBenchSpec, "units")
-    tilts: Annotated[int, flag(VirtualBenchSpec, "tilts")] = default(VirtualBenchSpec, "tilts")
-    azimuths: Annotated[int, flag(VirtualBenchSpec, "azimuths")] = default(VirtualBenchSpec, "azimuths")
-    depth: Annotated[float, flag(VirtualBenchSpec, "depth")] = default(VirtualBenchSpec, "depth")
-    step: Annotated[float, flag(VirtualBenchSpec, "image_step")] = default(VirtualBenchSpec, "image_step")
-    cells: Annotated[int | None, flag(VirtualBenchSpec, "cells")] = None
-    solver: Annotated[Literal["palpate", "calculix"], flag(VirtualBenchSpec, "solver")] = "palpate"
-    contact: Annotated[str, flag(WallSpec, "contact")] = default(WallSpec, "contact")
-    material: Annotated[str, flag(MaterialSpec, "name")] = default(MaterialSpec, "name")
+    design: DesignFlags = DesignFlags()
+    material: MaterialFlags = MaterialSpec()
+    spec: Annotated[VirtualBenchSpec, flags_of(VirtualBenchSpec, without="tolerance render", group="Bench")] = (
+        VirtualBenchSpec()
+    )
     tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = ()
-    zero: Annotated[bool, Parameter(help=_ZERO)] = True
     clean: Annotated[bool, Parameter(negative="", help=_CLEAN)] = False
-    seed: Annotated[int, flag(VirtualBenchSpec, "seed")] = default(VirtualBenchSpec, "seed")
 
-    def spec(self) -> VirtualBenchSpec:
+    def chosen(self) -> VirtualBenchSpec:
         """The spec of these flags."""
-        from palpate.camera import RenderSpec
-
-        chosen: dict[str, Any] = {"image_step": self.step, "contact": read_contact(self.contact)}
-        chosen["tolerance"] = ToleranceSpec.model_validate(dict(_read_pair(text) for text in self.tolerance))
-        chosen |= {"render": RenderSpec()} if self.clean else {}
-        same = ("units", "tilts", "azimuths", "depth", "cells", "solver", "zero", "seed")
-        return VirtualBenchSpec(**{name: getattr(self, name) for name in same}, **chosen)
+        tolerance = ToleranceSpec.model_validate(dict(_read_pair(text) for text in self.tolerance))
+        render = RenderSpec() if self.clean else self.spec.render
+        return self.spec.model_copy(update={"tolerance": tolerance, "render": render})
 
 
 def bench(
     *,
     model: Annotated[Path, Parameter(help=_MODEL)],
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
-    design: DesignFlags | None = None,
-    flags: BenchFlags | None = None,
+    flags: BenchFlags = BenchFlags(),
     budget: Annotated[bool, Parameter(negative="", help=_BUDGET)] = False,
     json: JsonFlag = False,
 ) -> None:
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
     from palpate.bench import Bench
 
-    design, flags = design or DesignFlags(), flags or BenchFlags()
-    dome = DomeSpec(height=design.height, base_radius=design.base_radius, thickness=design.thickness)
-    material = MaterialSpec(name=flags.material).material()
+    check_folder(out)
+    chosen, design, material = flags.chosen(), flags.design, flags.material.material()
     store = ArtefactStore(out / "store")
-    played = Bench(flags.spec(), dome, design.marker_spec(), material, CameraSpec(), model, store)
+    played = Bench(chosen, design.dome, design.markers, material, CameraSpec(), model, store)
+    played.check()
     announce_compilation()
     (_budget if budget else _units)(played, out, json)
 

@@ -11,16 +11,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from cyclopts import CycloptsError
+from cyclopts import Argument, CycloptsError, default_name_transform
 from pydantic import ValidationError
 
 from palpate.core import PalpateError
 
 DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
-
-_FLAGS = {"tilt_deg": "tilt", "azimuth_deg": "azimuth", "image_step": "step", "count": "markers", "name": "material"}
-"""Flags whose name is not that of the spec's field."""
 
 
 def guarded(command: Callable[[], Any]) -> int:
@@ -30,8 +27,10 @@ def guarded(command: Callable[[], Any]) -> int:
     except PalpateError as error:
         return _refuse(error.what, error.remedy)
     except ValidationError as error:
-        return _refuse("\n".join(_say(details) for details in error.errors()), "See --help for units and bounds.")
+        return _refuse(_say_all(error), "See --help for units and bounds.")
     except CycloptsError as error:
+        if isinstance(error.__cause__, ValidationError):
+            return _refuse(_say_all(error.__cause__, error.argument), "See --help for units and bounds.")
         return _refuse(str(error).strip(), "See --help.")
     except KeyboardInterrupt:
         print("Interrupted.", file=sys.stderr)
@@ -50,10 +49,15 @@ def _refuse(what: str, remedy: str) -> int:
     return BAD_INPUT
 
 
-def _say(details: Any) -> str:
-    place = [str(part) for part in details["loc"]]
-    flag = "--" + _FLAGS.get(place[0], place[0]).replace("_", "-") + ": " if place else ""
-    given, message = details["input"], details["msg"].rstrip(".")
+def _say_all(error: ValidationError, argument: Argument | None = None) -> str:
+    """What is wrong with a spec, a line a field; the spec's argument knows the names of its flags."""
+    transform = argument.parameter.name_transform if argument is not None else None
+    return "\n".join(_say(details, transform or default_name_transform) for details in error.errors())
+
+
+def _say(details: Any, transform: Callable[[str], str]) -> str:
+    flag = f"--{transform(str(details['loc'][0]))}: " if details["loc"] else ""
+    given, message = details["input"], details["msg"].removeprefix("Value error, ").rstrip(".")
     shown = f" (given {given})" if isinstance(given, str | int | float) and str(given) not in message else ""
     return f"{flag}{message}{shown}."
 

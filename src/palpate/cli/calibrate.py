@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -19,8 +19,8 @@ from palpate.camera import (
     write_board,
     write_calibration,
 )
-from palpate.cli.flag import JsonFlag, flag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
 
 if TYPE_CHECKING:
@@ -36,13 +36,15 @@ def calibrate(
     folder: Annotated[Path | None, Parameter(help=_FOLDER)] = None,
     *,
     board: Annotated[str, Parameter(help=_BOARD)] = "charuco",
-    lens: Annotated[Literal["pinhole", "fisheye"], flag(CalibrateSpec, "lens")] = "pinhole",
+    spec: Annotated[CalibrateSpec, flags_of(CalibrateSpec, without="board")] = CalibrateSpec(),
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     print_board: Annotated[Path | None, Parameter(help=_PRINT)] = None,
     json: JsonFlag = False,
 ) -> None:
     """Find the focal length, centre and distortion of a camera from images of a board."""
     chosen = read_board(board)
+    check_file(print_board, ".pdf")
+    check_file(out)
     if print_board is not None:
         write_board(print_board, chosen)
         print(
@@ -53,7 +55,7 @@ def calibrate(
             return
     if folder is None:
         raise PalpateError("No folder of images was given.", "Give one, or --print-board FILE.pdf.")
-    found = calibrate_camera(_read(folder), CalibrateSpec(board=chosen, lens=lens))
+    found = calibrate_camera(_read(folder), spec.model_copy(update={"board": chosen}))
     if out is not None:
         write_calibration(out, found)
     if json:

@@ -13,10 +13,9 @@ from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_folder, print_json, print_table
 from palpate.cli.press import PressFlags
-from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import MarkerSpec, build_dome, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 
 _CELLS = "Cells from pole to rim of each mesh."
@@ -26,17 +25,15 @@ _OUT = "Folder for convergence.csv, .png and .svg; without it, only the table is
 
 def convergence(
     *,
-    flags: PressFlags | None = None,
+    flags: PressFlags = PressFlags(),
     meshes: Annotated[tuple[int, ...], Parameter(help=_CELLS, consume_multiple=True)] = CELLS,
     markers: Annotated[int, Parameter(help=_MARKERS)] = 169,
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     json: JsonFlag = False,
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
-    flags = flags or PressFlags()
-    points = place_markers(flags.dome(), MarkerSpec(count=markers)).positions
-    if out is not None:
-        _make_folder(out)
+    points = place_markers(build_dome(flags.dome), MarkerSpec(count=markers)).positions
+    check_folder(out)
     announce_compilation()
     results = study_convergence(*flags.problem(), points, meshes, _tell)
     if out is not None:
@@ -51,14 +48,8 @@ def _tell(cells: int, press: Press) -> None:
     print(f"{cells} cells: {press.ended}, {press.cpu_s:.1f} CPU-seconds", file=sys.stderr)
 
 
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PalpateError(f"The folder {out} cannot be made: {error.strerror}.", "Choose another.") from error
-
-
 def _write_results(out: Path, results: Sequence[MeshResult]) -> None:
+    out.mkdir(parents=True, exist_ok=True)
     with (out / "convergence.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([field.name for field in fields(MeshResult)])

@@ -18,9 +18,9 @@ def deck(
     output: Annotated[Path, Parameter(name=["--output", "-o"], help="File to write, usually .inp.")],
     dialect: Annotated[Dialect, Parameter(help="Program that reads the deck.")] = Dialect.ABAQUS,
     element: Annotated[DeckElement, Parameter(help=_ELEMENT)] = DeckElement.SOLID,
-    flags: PressFlags | None = None,
+    flags: PressFlags = PressFlags(),
 ) -> None:
     """Write the complete input file of a press in mm, N and MPa."""
-    mesh, material, wall = (flags or PressFlags()).problem()
+    mesh, material, wall = flags.problem()
     write_deck(output, mesh, material, wall, DeckSpec(dialect=dialect, element=element))
     print(f"{output}: {mesh.dome.name} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")

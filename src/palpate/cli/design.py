@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Annotated, Any
+from dataclasses import asdict
+from typing import Any
 
-from cyclopts import Parameter
-
-from palpate.cli.flag import JsonFlag, default, flag
+from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
+from palpate.cli.unit import DomeFlags, MarkerFlags
 from palpate.design import (
     Dome,
     DomeSpec,
@@ -22,44 +20,19 @@ from palpate.design import (
 )
 
 
-@Parameter(name="*")
-@dataclass(frozen=True)
-class DesignFlags:
-    """What `palpate design` may be told."""
-
-    height: Annotated[float, flag(DomeSpec, "height")] = default(DomeSpec, "height")
-    thickness: Annotated[float, flag(DomeSpec, "thickness")] = default(DomeSpec, "thickness")
-    base_radius: Annotated[float, flag(DomeSpec, "base_radius")] = default(DomeSpec, "base_radius")
-    markers: Annotated[int | None, flag(MarkerSpec, "count")] = None
-    rings: Annotated[tuple[float, ...] | None, flag(MarkerSpec, "ring_diameters")] = None
-    layout: Annotated[Path | None, flag(MarkerSpec, "file")] = None
-    marker_diameter: Annotated[float, flag(MarkerSpec, "diameter")] = default(MarkerSpec, "diameter")
-
-    def dome(self) -> Dome:
-        """The dome of these flags."""
-        return build_dome(DomeSpec(height=self.height, base_radius=self.base_radius, thickness=self.thickness))
-
-    def marker_spec(self) -> MarkerSpec:
-        """The layout of these flags; only what was said counts as chosen."""
-        chosen = {"count": self.markers, "ring_diameters": self.rings, "file": self.layout}
-        said = {name: value for name, value in chosen.items() if value is not None}
-        return MarkerSpec(diameter=self.marker_diameter, **said)  # type: ignore[arg-type]
-
-
-def design(*, flags: DesignFlags | None = None, json: JsonFlag = False) -> None:
+def design(*, dome: DomeFlags = DomeSpec(), markers: MarkerFlags = MarkerSpec(), json: JsonFlag = False) -> None:
     """Radius, shape, marker positions and limits of one design."""
-    flags = flags or DesignFlags()
-    dome = flags.dome()
-    layout = place_markers(dome, flags.marker_spec())
-    findings = check_design(dome, layout)
+    built = build_dome(dome)
+    layout = place_markers(built, markers)
+    findings = check_design(built, layout)
     if json:
-        print_json(_describe(dome, layout, findings))
+        print_json(_describe(built, layout, findings))
         return
     print(
-        f"{dome.shape}: height {dome.height:g} mm, base radius {dome.base_radius:g} mm, "
-        f"thickness {dome.thickness:g} mm\n"
-        f"inner radius {dome.radius:.4g} mm, outer radius {dome.outer_radius:.4g} mm, "
-        f"centre at z = {dome.center_z:.4g} mm"
+        f"{built.shape}: height {built.height:g} mm, base radius {built.base_radius:g} mm, "
+        f"thickness {built.thickness:g} mm\n"
+        f"inner radius {built.radius:.4g} mm, outer radius {built.outer_radius:.4g} mm, "
+        f"centre at z = {built.center_z:.4g} mm"
     )
     rows = [[str(i), *(f"{value:.3f}" for value in point)] for i, point in enumerate(layout.positions)]
     print_table(f"{len(layout)} markers of {layout.diameter:g} mm", ["marker", "x mm", "y mm", "z mm"], rows)

@@ -7,33 +7,18 @@ import re
 import shutil
 import sys
 from dataclasses import asdict, dataclass
+from importlib import metadata
+
+from packaging.markers import Marker
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 from palpate.core import installed_version, provenance
 
-REQUIRED = {
-    "numpy": "numpy",
-    "scipy": "scipy",
-    "numba": "numba",
-    "h5py": "h5py",
-    "pydantic": "pydantic",
-    "ruamel.yaml": "ruamel.yaml",
-    "matplotlib": "matplotlib",
-}
-"""Distribution → module without which nothing runs."""
-
-EXTRAS = {
-    "torch": ("torch", "learn"),
-    "optuna": ("optuna", "learn"),
-    "build123d": ("build123d", "cad"),
-    "trimesh": ("trimesh", "cad"),
-    "ezdxf": ("ezdxf", "cad"),
-    "meshio": ("meshio", "viz"),
-    "pyvista": ("pyvista", "viz"),
-    "nicegui": ("nicegui", "web"),
-}
-"""Distribution → module, and the extra that brings it."""
+FOR_DEVELOPERS = {"all", "docs", "test"}
+"""Extras that a user of palpate does not need."""
 
 SYSTEM_PACKAGES = {
     "libGL.so.1": "libgl1",
@@ -57,10 +42,11 @@ class Check:
 
 def doctor(*, json: JsonFlag = False) -> int:
     """Say what is installed, which solver backend is used, and name what is missing."""
-    checks = [_check_python(), *(_check_module(name, module, "") for name, module in REQUIRED.items())]
+    needed = _needed()
+    checks = [_check_python(), *(_check_package(name, "") for name, extra in needed.items() if not extra)]
     required_ok = all(check.ok for check in checks)
     backends = _check_backends() if required_ok else []
-    checks += [_check_module(name, module, extra) for name, (module, extra) in EXTRAS.items()]
+    checks += [_check_package(name, extra) for name, extra in needed.items() if extra]
     checks.append(_check_calculix())
     used = next((check.name for check in backends if check.ok), None)
     healthy = required_ok and used is not None
@@ -86,19 +72,50 @@ def _check_python() -> Check:
     return Check("python", sys.version_info >= (3, 11), version, "" if sys.version_info >= (3, 11) else "Use 3.11.")
 
 
-def _check_module(name: str, module: str, extra: str) -> Check:
-    wanted = f'"palpate[{extra}]"' if extra else name
+def _needed() -> dict[str, str]:
+    """What palpate's own metadata asks for on this machine: distribution to the extra that brings it, or to none.
+
+    Without metadata, as in a folder of sources that was never installed, nothing is known to be needed. A backend of
+    the linear solver, which only some platforms need, is looked at by itself.
+    """
     try:
-        importlib.import_module(module)
+        needed = [Requirement(text) for text in metadata.requires("palpate") or ()]
+    except metadata.PackageNotFoundError:
+        return {}
+    extras = sorted({extra for item in needed for extra in re.findall(r"extra == ['\"](\w+)", str(item.marker))})
+    found = {item.name: "" for item in needed if item.marker is None}
+    for extra in (name for name in extras if name not in FOR_DEVELOPERS):
+        chosen = [item.name for item in needed if item.marker and _only_for(item.marker, extra)]
+        found |= {name: extra for name in chosen if name not in found}
+    return found
+
+
+def _only_for(marker: Marker, extra: str) -> bool:
+    return marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
+
+
+def _check_package(name: str, extra: str) -> Check:
+    wanted = f'"palpate[{extra}]"' if extra else name
+    if installed_version(name) is None:
+        return Check(name, False, "not installed", f"pip install {wanted}")
+    try:
+        importlib.import_module(_module_of(name))
     except Exception as error:  # an old package beside a new one fails as it likes
-        if isinstance(error, ModuleNotFoundError) and error.name == module:
-            return Check(name, False, "not installed", f"pip install {wanted}")
         missing = re.search(r"lib[\w.+-]+\.so[.\d]*", str(error))
         if missing is not None:
             package = SYSTEM_PACKAGES.get(missing[0], f"the system package with {missing[0]}")
             return Check(name, False, f"{missing[0]} is missing", f"apt-get install {package}")
         return Check(name, False, f"does not load: {error}"[:60], f"pip install --upgrade {wanted}")
     return Check(name, True, installed_version(name) or "")
+
+
+def _module_of(name: str) -> str:
+    """The module by which a distribution is imported: that of its own name, else the first that it brings."""
+    brought = metadata.packages_distributions().items()
+    modules = sorted(module for module, names in brought if canonicalize_name(name) in map(canonicalize_name, names))
+    public = [module for module in modules if not module.startswith("_")]
+    own = name.lower().replace("-", "_")
+    return own if own in public else next(iter(public or modules), own)
 
 
 def _check_calculix() -> Check:

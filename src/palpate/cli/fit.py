@@ -10,8 +10,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.cli.flag import JsonFlag, default, flag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
 from palpate.material import (
     BenchSpec,
@@ -65,53 +65,11 @@ class FilesByTest:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class BenchFlags:
+class CurveFlags:
     """How the files are to be read and the curves prepared."""
 
-    strain: Annotated[str | None, flag(BenchSpec, "strain")] = None
-    strain_unit: Annotated[str | None, flag(BenchSpec, "strain_unit")] = None
-    stress: Annotated[str | None, flag(BenchSpec, "stress")] = None
-    stress_unit: Annotated[str | None, flag(BenchSpec, "stress_unit")] = None
-    true_stress: Annotated[bool, flag(BenchSpec, "true_stress")] = False
-    gauge_length: Annotated[float | None, flag(BenchSpec, "gauge_length")] = None
-    section: Annotated[float | None, flag(BenchSpec, "section")] = None
-    sample: Annotated[str | None, flag(BenchSpec, "sample")] = None
-    decimal: Annotated[str | None, flag(BenchSpec, "decimal")] = None
-    delimiter: Annotated[str | None, flag(BenchSpec, "delimiter")] = None
-    least_stretch: Annotated[float, flag(PrepareSpec, "least_stretch")] = default(PrepareSpec, "least_stretch")
-    greatest_stretch: Annotated[float, flag(PrepareSpec, "greatest_stretch")] = default(
-        PrepareSpec, "greatest_stretch"
-    )
-    toe: Annotated[str, flag(PrepareSpec, "toe")] = default(PrepareSpec, "toe")
-    strain_factor: Annotated[float, flag(PrepareSpec, "strain_factor")] = default(PrepareSpec, "strain_factor")
-    points: Annotated[int, flag(PrepareSpec, "points")] = default(PrepareSpec, "points")
-
-    def bench(self) -> BenchSpec:
-        """How the files are to be read."""
-        return BenchSpec(**{name: getattr(self, name) for name in BenchSpec.model_fields if name != "loading"})
-
-    def prepare(self) -> PrepareSpec:
-        """How the curves are to be prepared."""
-        names = ("least_stretch", "greatest_stretch", "toe", "strain_factor", "points")
-        return PrepareSpec(**{name: getattr(self, name) for name in names})
-
-
-@Parameter(name="*")
-@dataclass(frozen=True)
-class FitFlags:
-    """How the model is fitted."""
-
-    model: Annotated[str, Parameter(help=_MODEL)] = default(FitSpec, "model")
-    weighting: Annotated[str, flag(FitSpec, "weighting")] = str(default(FitSpec, "weighting"))
-    stable: Annotated[bool, flag(FitSpec, "stable")] = False
-    stable_from: Annotated[float, flag(FitSpec, "stable_from")] = default(FitSpec, "stable_from")
-    stable_to: Annotated[float, flag(FitSpec, "stable_to")] = default(FitSpec, "stable_to")
-    confidence: Annotated[float, flag(FitSpec, "confidence")] = default(FitSpec, "confidence")
-    largest_exponent: Annotated[float, flag(FitSpec, "largest_exponent")] = default(FitSpec, "largest_exponent")
-
-    def spec(self) -> FitSpec:
-        """How the model is fitted."""
-        return FitSpec(**{name: getattr(self, name) for name in FitSpec.model_fields})
+    bench: Annotated[BenchSpec, flags_of(BenchSpec, without="loading", group="Files")] = BenchSpec()
+    prepare: Annotated[PrepareSpec, flags_of(PrepareSpec, group="Curves")] = PrepareSpec()
 
 
 @Parameter(name="*")
@@ -131,15 +89,17 @@ class OutputFlags:
 def fit(
     files: Annotated[tuple[Path, ...], Parameter(help=_FILES, negative="")] = (),
     *,
-    tests: FilesByTest | None = None,
-    bench: BenchFlags | None = None,
-    how: FitFlags | None = None,
-    out: OutputFlags | None = None,
+    tests: FilesByTest = FilesByTest(),
+    curves: CurveFlags = CurveFlags(),
+    model: Annotated[str, Parameter(help=_MODEL)] = FitSpec().model,
+    how: Annotated[FitSpec, flags_of(FitSpec, without="model", group="Fit")] = FitSpec(),
+    out: OutputFlags = OutputFlags(),
 ) -> None:
     """Fit a hyperelastic model to the files of a test bench and say how far it may be trusted."""
-    bench, how, out = bench or BenchFlags(), how or FitFlags(), out or OutputFlags()
-    samples = read_samples([*((path, None) for path in files), *(tests or FilesByTest()).pairs()], bench)
-    spec = how.spec()
+    spec = how.model_copy(update={"model": model})
+    check_file(out.output)
+    check_file(None if out.no_figure else out.figure, ".png", ".svg", ".pdf")
+    samples = read_samples([*((path, None) for path in files), *tests.pairs()], curves)
     found = fit_material(samples, spec)
     told = describe_fit(samples, found, alone=out.alone)
     written = []
@@ -156,15 +116,14 @@ def fit(
         _print(told)
 
 
-def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: BenchFlags) -> list[Sample]:
+def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags) -> list[Sample]:
     """Read and prepare the samples of files, each with its test or none."""
     if not files:
         raise PalpateError("There are no files.", "Give the CSV files of a test: palpate fit tension_*.csv.")
-    spec, prepare = flags.bench(), flags.prepare()
     return [
-        prepare_sample(sample, prepare)
+        prepare_sample(sample, flags.prepare)
         for path, loading in files
-        for sample in read_bench(path, spec.model_copy(update={"loading": loading}))
+        for sample in read_bench(path, flags.bench.model_copy(update={"loading": loading}))
     ]
 
 

@@ -1,33 +1,51 @@
-"""Flags read from specs: meaning, unit, bounds and default are declared once, at the field."""
+"""Flags read from specs: type, meaning, unit, bounds and default are declared once, at the field."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from enum import Enum
+from typing import Annotated, get_args
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter, default_name_transform
 from pydantic import BaseModel
 
-from palpate.core import parameters
+from palpate.core import flag_of
 
 JsonFlag = Annotated[bool, Parameter(name="--json", negative="", help="Print JSON, and only JSON.")]
 """`--json` of every command."""
 
 
-def flag(spec: type[BaseModel], name: str, *names: str) -> Parameter:
-    """A flag that carries the meaning, unit and bounds of a spec's field.
+def flags_of(spec: type[BaseModel], *, only: str = "", without: str = "", group: str | None = None) -> Parameter:
+    """Every field of a spec as a flag of the command whose argument is annotated with it.
 
     Parameters
     ----------
-    spec, name
-        The spec and its field.
-    *names
-        Names of the flag, if they are not that of the variable.
+    spec
+        The spec; `palpate.core.flag_of` names its flags.
+    only, without
+        Names of fields, with spaces between, that alone become flags, or that do not.
+    group
+        Heading under which the flags stand in the help, if not that of the command's own.
     """
-    note = next(note for note in parameters(spec) if note.name == name)
-    text = f"{note.help()[:1].upper()}{note.help()[1:]}."
-    return Parameter(name=names or None, help=text, negative="", consume_multiple=True)
+    kinds = [field.annotation for field in spec.model_fields.values()]
+    choices = {
+        member.name: str(member.value)
+        for kind in (part for kind in kinds for part in (kind, *get_args(kind)))
+        if isinstance(kind, type) and issubclass(kind, Enum)
+        for member in kind
+    }
 
+    def transform(name: str) -> str:
+        """Name of a field as its flag, of an enum's member as its value, which the spec reads."""
+        if name in spec.model_fields:
+            return flag_of(spec, name)
+        return choices.get(name) or default_name_transform(name)
 
-def default(spec: type[BaseModel], name: str) -> Any:
-    """Default of a spec's field."""
-    return spec.model_fields[name].get_default(call_default_factory=True)
+    left_out = [name for name in spec.model_fields if name in without.split() or (only and name not in only.split())]
+    return Parameter(
+        name="*",
+        name_transform=transform,
+        parse=rf"^(?!({'|'.join(left_out)})$)" if left_out else None,  # read against the field's own name
+        negative_iterable=(),
+        consume_multiple=True,
+        group=Group.create_ordered(group) if group else None,
+    )

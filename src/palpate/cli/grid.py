@@ -12,7 +12,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from palpate.grid import Comparison
+    from palpate.grid import Comparison, SpecificationGrid
 
 app = App(name="grid", help="Look at a specification grid.")
 
@@ -26,7 +26,7 @@ Sort = Annotated[
 @app.command
 def show(directory: Directory, *, where: Where = None, sort: Sort = None, json: JsonFlag = False) -> None:
     """Show the grid of a result folder, its rows chosen and sorted."""
-    rows = _choose(directory, where, sort).rows
+    rows = _choose(directory, where, sort).designs
     if json:
         print_json(rows)
     else:
@@ -69,8 +69,7 @@ def export(
     from palpate.grid import export_grid
 
     grid = _choose(directory, where, sort)
-    export_grid(to, grid)
-    print(f"{to}: {len(grid.rows)} designs")
+    print(f"{', '.join(map(str, export_grid(to, grid)))}: {len(grid.designs)} designs")
 
 
 @app.command
@@ -124,15 +123,13 @@ def print_grid(title: str, rows: Sequence[Mapping[str, Any]]) -> None:
     print_table(title, [name.replace("_", " ") for name in columns], [_cells(row, columns) for row in rows])
 
 
-def _choose(directory: Path, where: str | None, sort: str | None) -> Any:
-    """The grid of a folder with its rows chosen and sorted."""
-    from dataclasses import replace
-
+def _choose(directory: Path, where: str | None, sort: str | None) -> SpecificationGrid:
+    """The grid of a folder with its designs chosen and sorted."""
     from palpate.grid import filter_rows, read_grid, sort_rows
 
     grid = read_grid(directory)
-    rows = grid.rows if where is None else filter_rows(grid.rows, where)
-    return replace(grid, rows=rows if sort is None else sort_rows(rows, sort))
+    rows = grid.designs if where is None else filter_rows(grid.designs, where)
+    return grid.keep(rows if sort is None else sort_rows(rows, sort))
 
 
 def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> None:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.camera import list_images, read_calibration, read_image
-from palpate.cli.design import DesignFlags
-from palpate.cli.flag import JsonFlag, default, flag
-from palpate.cli.output import print_json, print_table
+from palpate.camera import list_images, read_image
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_file, print_json, print_table
+from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
-from palpate.design import place_markers
-from palpate.sensor import Inspection, InspectSpec, Unit, draw_inspection, inspect_unit
+from palpate.sensor import Inspection, InspectSpec, draw_inspection, inspect_unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,43 +22,28 @@ OUTSIDE = 1
 """Exit code where a dot is missing or out of place, as of `palpate verify`."""
 
 _IMAGE = "Image of the finished, untouched dome, or a folder of several, which are averaged."
-_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
-_MARK = "Whether the orientation mark is printed."
 _OUT = "File for the table, .csv."
 _PICTURE = "File for a picture of the errors, .png, .svg or .pdf."
-
-
-@Parameter(name="*")
-@dataclass(frozen=True)
-class InspectFlags:
-    """What `palpate inspect` may be told besides the design."""
-
-    lens: Annotated[Path | None, Parameter(help=_LENS)] = None
-    mark: Annotated[bool, Parameter(help=_MARK)] = True
-    tolerance: Annotated[float, flag(InspectSpec, "tolerance")] = default(InspectSpec, "tolerance")
-    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
-    picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None
 
 
 def inspect(
     image: Annotated[Path, Parameter(help=_IMAGE)],
     *,
-    design: DesignFlags | None = None,
-    flags: InspectFlags | None = None,
+    built: UnitFlags = UnitFlags(),
+    wanted: Annotated[InspectSpec, flags_of(InspectSpec)] = InspectSpec(),
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
+    picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None,
     json: JsonFlag = False,
 ) -> int:
     """Tell the print error of every marker against its nominal place."""
-    design, flags = design or DesignFlags(), flags or InspectFlags()
-    _refuse_endings(flags)
-    dome = design.dome()
-    lens = read_calibration(flags.lens).camera_spec() if flags.lens else None
-    unit = Unit(dome, place_markers(dome, design.marker_spec()), marked=flags.mark, lens=lens)
-    inspection = inspect_unit(_read_images(image), unit, InspectSpec(tolerance=flags.tolerance))
+    check_file(out, ".csv")
+    check_file(picture, ".png", ".svg", ".pdf")
+    inspection = inspect_unit(_read_images(image), built.unit(), wanted)
     rows = _rows(inspection)
-    if flags.out:
-        _write_table(flags.out, rows)
-    if flags.picture:
-        _write_picture(flags.picture, inspection)
+    if out:
+        _write_table(out, rows)
+    if picture:
+        _write_picture(picture, inspection)
     if json:
         print_json({"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows})
     else:
@@ -70,13 +53,6 @@ def inspect(
 
 def _read_images(place: Path) -> list[NDArray[Any]]:
     return [read_image(path) for path in (list_images(place) if place.is_dir() else (place,))]
-
-
-def _refuse_endings(flags: InspectFlags) -> None:
-    """Refuse files of a kind that cannot be written, before anything is computed."""
-    for path, endings in ((flags.out, (".csv",)), (flags.picture, (".png", ".svg", ".pdf"))):
-        if path and path.suffix not in endings:
-            raise PalpateError(f"{path.name} is not a {' or '.join(endings)} file.", "Choose another ending.")
 
 
 def _rows(inspection: Inspection) -> list[dict[str, Any]]:

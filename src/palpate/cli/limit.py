@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,11 +17,11 @@ from palpate.cli.run import RESULTS
 from palpate.core import PalpateError
 
 if TYPE_CHECKING:
+    from palpate.grid import Row
     from palpate.study import DesignLimits
 
 _SOURCE = "YAML file of a study, a preset (first, paper, best), or the result folder of a finished study."
 _COLUMNS = ["height mm", "thickness mm", "markers", "depth mm", "least squares deg", "Pitman deg", "floor deg"]
-_AT_DEPTH = re.compile(r"limit_at_(\d+)_(\d+)mm_deg")
 
 
 def limit(
@@ -76,26 +75,25 @@ def _describe(design: DesignLimits) -> dict[str, Any]:
 
 def _read(folder: Path) -> list[dict[str, Any]]:
     """The limits that stand in the grid of a finished study."""
-    from palpate.grid import read_grid
+    from palpate.grid import read_grid, rows_of
 
     grid = read_grid(folder)
-    depths = [match for name in grid.columns if (match := _AT_DEPTH.fullmatch(name))]
-    if not depths:
+    if all(row["limit_deg"] is None for row in grid.by_depth):
         raise PalpateError(f"The grid of {folder} holds no limits.", "Give the study's YAML file, or run it again.")
-    return [_describe_row(row, depths) for row in grid.rows]
+    return [_describe_row(row, rows_of(grid.by_depth, number)) for number, row in enumerate(grid.designs)]
 
 
-def _describe_row(row: Mapping[str, Any], depths: list[re.Match[str]]) -> dict[str, Any]:
+def _describe_row(row: Row, depths: Sequence[Row]) -> dict[str, Any]:
     names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "limit_deg", "limit_pitman_deg")
     by_depth = [
         {
-            "depth_mm": float(f"{at[1]}.{at[2]}"),
-            "least_squares_deg": row[at[0]],
-            "pitman_deg": row[at[0].replace("limit", "limit_pitman")],
-            "floor_deg": row[at[0].replace("limit", "limit_floor")],
+            "depth_mm": at["depth_mm"],
+            "least_squares_deg": at["limit_deg"],
+            "pitman_deg": at["limit_pitman_deg"],
+            "floor_deg": at["limit_floor_deg"],
         }
-        for at in sorted(depths, key=lambda at: float(f"{at[1]}.{at[2]}"))
-        if row[at[0]] is not None
+        for at in depths
+        if at["limit_deg"] is not None
     ]
     return {
         **{name: row[name] for name in names},

@@ -9,72 +9,43 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from palpate.camera import CameraSpec
-from palpate.cli.design import DesignFlags
-from palpate.cli.flag import JsonFlag, default, flag
-from palpate.cli.output import print_json
-from palpate.design import DomeSpec, MountSpec
-from palpate.fabricate import CameraBody, FabricationPack, PackSpec, PadMapping, ProcessSpec, write_pack
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_folder, print_json
+from palpate.cli.unit import DomeFlags, MarkerFlags
+from palpate.design import DomeSpec, MarkerSpec, MountSpec
+from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."
-_MAPPING = "How the pad carries dots: along the axis, or to equal arcs."
-_CAMERA = "Camera that the enclosure is made for."
-_MARK = "Print the orientation mark, one dot outside the rings."
 
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class ProcessFlags:
-    """How the module is made."""
+class PackFlags:
+    """What is made, and how: the specs of a pack, each field a flag."""
 
-    material: Annotated[str, flag(MaterialSpec, "name")] = default(MaterialSpec, "name")
-    shrinkage: Annotated[float, flag(ProcessSpec, "shrinkage_percent")] = default(ProcessSpec, "shrinkage_percent")
-    clearance: Annotated[float, flag(ProcessSpec, "clearance")] = default(ProcessSpec, "clearance")
-    mold_wall: Annotated[float, flag(ProcessSpec, "mold_wall")] = default(ProcessSpec, "mold_wall")
-    mold_floor: Annotated[float, flag(ProcessSpec, "mold_floor")] = default(ProcessSpec, "mold_floor")
-    flange_width: Annotated[float, flag(MountSpec, "flange_width")] = default(MountSpec, "flange_width")
-    flange_thickness: Annotated[float, flag(MountSpec, "flange_thickness")] = default(MountSpec, "flange_thickness")
-    draft: Annotated[float, flag(MountSpec, "draft_deg")] = default(MountSpec, "draft_deg")
-    camera_distance: Annotated[float, flag(CameraSpec, "distance")] = default(CameraSpec, "distance")
-    camera: Annotated[CameraBody, Parameter(help=_CAMERA)] = CameraBody.BOARD28
-    mapping: Annotated[PadMapping, Parameter(help=_MAPPING)] = PadMapping.AXIS
-    mark: Annotated[bool, Parameter(help=_MARK)] = True
+    dome: DomeFlags = DomeSpec()
+    markers: MarkerFlags = MarkerSpec()
+    mount: Annotated[MountSpec, flags_of(MountSpec, group="Flange")] = MountSpec()
+    material: Annotated[MaterialSpec, flags_of(MaterialSpec, only="name", group="Material")] = MaterialSpec()
+    process: Annotated[ProcessSpec, flags_of(ProcessSpec, group="Process")] = ProcessSpec()
+    camera: Annotated[CameraSpec, flags_of(CameraSpec, only="distance", group="Camera")] = CameraSpec()
 
-    def process(self) -> ProcessSpec:
-        """The process of these flags."""
-        return ProcessSpec(
-            shrinkage_percent=self.shrinkage,
-            clearance=self.clearance,
-            mold_wall=self.mold_wall,
-            mold_floor=self.mold_floor,
-            camera_body=self.camera,
-            mapping=self.mapping,
-            orientation_mark=self.mark,
-        )
-
-    def mount(self) -> MountSpec:
-        """The flange of these flags."""
-        return MountSpec(flange_width=self.flange_width, flange_thickness=self.flange_thickness, draft_deg=self.draft)
+    def spec(self) -> PackSpec:
+        """The spec of these flags."""
+        material = self.material.material()
+        return PackSpec(self.dome, self.markers, self.mount, material, self.process, self.camera)
 
 
 def make(
     *,
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
-    design: DesignFlags | None = None,
-    flags: ProcessFlags | None = None,
+    flags: PackFlags = PackFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Write mold, print pattern, enclosure and instructions of one design."""
-    design, flags = design or DesignFlags(), flags or ProcessFlags()
-    spec = PackSpec(
-        dome=DomeSpec(height=design.height, base_radius=design.base_radius, thickness=design.thickness),
-        markers=design.marker_spec(),
-        mount=flags.mount(),
-        material=MaterialSpec(name=flags.material).material(),
-        process=flags.process(),
-        camera=CameraSpec(distance=flags.camera_distance),
-    )
-    pack = write_pack(out, spec)
+    check_folder(out)
+    pack = write_pack(out, flags.spec())
     if json:
         print_json(_describe(pack))
         return

@@ -1,14 +1,18 @@
-"""What a command prints: JSON for machines, tables for people."""
+"""What a command prints, and where it may write: JSON for machines, tables for people, files looked at beforehand."""
 
 from __future__ import annotations
 
 import json
 import math
+import os
 import sys
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
+
+from palpate.core import PalpateError
 
 PIPE_WIDTH = 160
 """Columns of text where no terminal says how many there are."""
@@ -28,6 +32,41 @@ def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     for row in rows:
         table.add_row(*row)
     console.print(table)
+
+
+def check_file(path: Path | None, *endings: str) -> None:
+    """Refuse a file that could not be written, before anything is computed; `None` is fine.
+
+    Raises
+    ------
+    PalpateError
+        If its name has none of the endings, if given, or it is a folder, or its folder is not there or read-only.
+    """
+    if path is None:
+        return
+    if endings and path.suffix.lower() not in endings:
+        raise PalpateError(f"{path.name} does not end in {' or '.join(endings)}.", "Name the file so.")
+    if path.is_dir():
+        raise PalpateError(f"{path} is a folder.", "Name a file in it.")
+    if not path.parent.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        reason = "may not be written to" if path.parent.is_dir() else "is no folder"
+        raise PalpateError(f"{path} cannot be written: {path.parent} {reason}.", "Name a file in another folder.")
+
+
+def check_folder(path: Path | None) -> None:
+    """Refuse a folder that could neither be made nor written to, before anything is computed; `None` is fine.
+
+    Raises
+    ------
+    PalpateError
+        If it, or the nearest folder above it that is there, is a file or read-only.
+    """
+    if path is None:
+        return
+    there = next(place for place in (path, *path.absolute().parents) if place.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        reason = "may not be written to" if there.is_dir() else "is a file"
+        raise PalpateError(f"The folder {path} cannot be written: {there} {reason}.", "Choose another folder.")
 
 
 def _are_numbers(rows: list[list[str]], column: int) -> bool:

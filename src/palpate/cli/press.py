@@ -12,13 +12,15 @@ from cyclopts import Parameter
 from numpy.typing import NDArray
 
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag, default, flag
+from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
-from palpate.core import PalpateError
+from palpate.cli.unit import DomeFlags
+from palpate.core import PalpateError, flag_of
 from palpate.deck import solve_press_calculix
-from palpate.design import Dome, DomeSpec, Rim, build_dome, read_points
-from palpate.fea import Branch, Press, WallSpec, check_export, export_press, read_contact, solve_press
+from palpate.design import Dome, DomeSpec, build_dome, read_points
+from palpate.fea import Branch, Press, SolverSpec, WallSpec, check_export, export_press, solve_press
 from palpate.material import Material
+from palpate.mechanics import make_linear_solver
 from palpate.mesh import Mesh, MeshSpec, mesh_dome
 from palpate.study import MaterialSpec
 
@@ -35,78 +37,77 @@ class Solver(StrEnum):
     CALCULIX = "calculix"
 
 
+WallFlags = Annotated[WallSpec, flags_of(WallSpec, group="Wall")]
+MaterialFlags = Annotated[MaterialSpec, flags_of(MaterialSpec, group="Material")]
+MeshFlags = Annotated[MeshSpec, flags_of(MeshSpec, group="Mesh")]
+SolverFlags = Annotated[SolverSpec, flags_of(SolverSpec, group="Advanced")]
+
+
 @Parameter(name="*")
 @dataclass(frozen=True)
 class PressFlags:
-    """What `palpate press` may be told."""
+    """What is pressed, and by which wall: the specs of a press, each field a flag."""
 
-    height: Annotated[float, flag(DomeSpec, "height")] = default(DomeSpec, "height")
-    thickness: Annotated[float, flag(DomeSpec, "thickness")] = default(DomeSpec, "thickness")
-    base_radius: Annotated[float, flag(DomeSpec, "base_radius")] = default(DomeSpec, "base_radius")
-    tilt: Annotated[float, flag(WallSpec, "tilt_deg")] = default(WallSpec, "tilt_deg")
-    azimuth: Annotated[float, flag(WallSpec, "azimuth_deg")] = default(WallSpec, "azimuth_deg")
-    depth: Annotated[float, flag(WallSpec, "depth")] = default(WallSpec, "depth")
-    step: Annotated[float, flag(WallSpec, "image_step")] = default(WallSpec, "image_step")
-    contact: Annotated[str, flag(WallSpec, "contact")] = default(WallSpec, "contact")
-    material: Annotated[str, flag(MaterialSpec, "name")] = default(MaterialSpec, "name")
-    bulk_ratio: Annotated[float | None, flag(MaterialSpec, "bulk_ratio")] = None
-    rim: Annotated[Rim, Parameter(help="Base cut flat at z = 0, or radially from the sphere's centre.")] = Rim.FLAT
-    whole: Annotated[bool, Parameter(negative="", help="Solve the whole dome, not its half.")] = False
-    cells: Annotated[int | None, flag(MeshSpec, "cells")] = None
-    unload: Annotated[bool, Parameter(negative="", help="Draw the wall back to first touch as well.")] = False
-
-    def dome(self) -> Dome:
-        """The dome of these flags."""
-        return build_dome(DomeSpec(height=self.height, base_radius=self.base_radius, thickness=self.thickness))
+    dome: DomeFlags = DomeSpec()
+    wall: WallFlags = WallSpec()
+    material: MaterialFlags = MaterialSpec()
+    mesh: MeshFlags = MeshSpec()
 
     def problem(self) -> tuple[Mesh, Material, WallSpec]:
         """What is pressed: mesh, material and wall of these flags."""
-        material = MaterialSpec(name=self.material, bulk_ratio=self.bulk_ratio).material()
-        wall = WallSpec(
-            tilt_deg=self.tilt,
-            azimuth_deg=self.azimuth,
-            depth=self.depth,
-            image_step=self.step,
-            contact=read_contact(self.contact),
-            unload=self.unload,
-        )
-        return mesh_dome(self.dome(), MeshSpec(cells=self.cells, rim=self.rim, whole=self.whole)), material, wall
+        return mesh_dome(build_dome(self.dome), self.mesh), self.material.material(), self.wall
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SolveFlags:
+    """Who solves a press, which branch, and how."""
+
+    solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE
+    branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT
+    advanced: SolverFlags = SolverSpec()
+
+    def refuse(self, wall: WallSpec) -> None:
+        """Refuse what cannot be solved, before anything is computed."""
+        if self.solver is Solver.PALPATE:
+            make_linear_solver(self.advanced.backend)
+        elif self.branch is Branch.INVERTED or wall.unload:
+            raise PalpateError(
+                "CalculiX presses the flat branch from rest to full depth.",
+                "Leave out --branch and --unload, or --solver.",
+            )
+        elif self.advanced.model_fields_set:
+            chosen = ", ".join(f"--{flag_of(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
+            raise PalpateError(f"{chosen} say how palpate solves, not CalculiX.", "Leave them out, or --solver.")
+
+    def solve(self, problem: tuple[Mesh, Material, WallSpec]) -> Press:
+        """Solve a press."""
+        if self.solver is Solver.CALCULIX:
+            return solve_press_calculix(*problem)
+        announce_compilation()
+        return solve_press(*problem, self.advanced, branch=self.branch)
 
 
 def press(
     *,
-    flags: PressFlags | None = None,
+    flags: PressFlags = PressFlags(),
+    how: SolveFlags = SolveFlags(),
     points: Annotated[Path | None, Parameter(help=_POINTS)] = None,
-    solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE,
     export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
-    branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT,
     json: JsonFlag = False,
 ) -> None:
     """Press one dome by a flat wall and follow it image by image."""
-    flags = flags or PressFlags()
-    followed = None if points is None else _read_inner_points(points, flags.dome())
-    problem = flags.problem()
+    how.refuse(flags.wall)
+    followed = None if points is None else _read_inner_points(points, build_dome(flags.dome))
     if export is not None:
         check_export(export)
-    solved = _solve(problem, solver, branch)
+    solved = how.solve(flags.problem())
     if export is not None:
         export_press(export, solved)
     if json:
         print_json(describe_press(solved, followed))
     else:
         _print_press(solved)
-
-
-def _solve(problem: tuple[Mesh, Material, WallSpec], solver: Solver, branch: Branch) -> Press:
-    if solver is Solver.PALPATE:
-        announce_compilation()
-        return solve_press(*problem, branch=branch)
-    if branch is Branch.INVERTED or problem[2].unload:
-        raise PalpateError(
-            "CalculiX presses the flat branch from rest to full depth.",
-            "Leave out --branch and --unload, or --solver.",
-        )
-    return solve_press_calculix(*problem)
 
 
 def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> dict[str, Any]:

@@ -88,9 +88,9 @@ def run(
             f"The grid cannot be written to {folder}: {error.strerror or error}.", "Make room and run it again."
         ) from error
     if json:
-        print_json({"out": str(folder), **_tally(result), "designs": grid.rows})
+        print_json({"out": str(folder), **_tally(result), "designs": grid.designs})
     else:
-        print_grid(chosen.name, grid.rows)
+        print_grid(chosen.name, grid.designs)
         print(f"{_sentence(result)} Results: {folder}")
     for failure in result.failures:
         print(f"{failure.task}: {failure.reason}", file=sys.stderr)

@@ -8,18 +8,18 @@ from dataclasses import dataclass
 from itertools import chain, islice
 from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from palpate.camera import Source, list_images, open_source, read_calibration, read_image
+from palpate.camera import Source, list_images, open_source, read_image
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.design import DesignFlags
-from palpate.cli.flag import JsonFlag, flag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_file, check_folder, print_json, print_table
+from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
-from palpate.design import place_markers
 from palpate.markers import DetectSpec, prepare_detector
+from palpate.sensor import RigSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,26 +32,19 @@ _SOURCE = (
     "images show the untouched dome."
 )
 _MODEL = "Model of this design, an ONNX file."
-_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 _OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
-_MARK = "Whether the orientation mark is printed."
 _PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
 _PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
-_REFINE = "Refine focal length and centre by the rest image, where the lens is not calibrated well."
 _COUNT = "Readings after which it ends; without it, when the source does."
-_REST = "Number of images at rest at the beginning, which are averaged."
 
 
 def find(
     folder: Annotated[Path, Parameter(help=_FOLDER)],
     *,
-    polarity: Annotated[Literal["auto", "dark", "bright"], flag(DetectSpec, "polarity")] = "auto",
-    method: Annotated[Literal["centroid", "opencv"], flag(DetectSpec, "method")] = "centroid",
-    diameter: Annotated[float | None, flag(DetectSpec, "diameter_px", "--diameter")] = None,
+    spec: Annotated[DetectSpec, flags_of(DetectSpec)] = DetectSpec(),
     json: JsonFlag = False,
 ) -> None:
     """Find the dots of every image, with size, polarity and mask read from each."""
-    spec = DetectSpec(polarity=polarity, method=method, diameter_px=diameter)
     rows: list[dict[str, Any]] = []
     for path in list_images(folder):
         try:
@@ -73,15 +66,13 @@ def find(
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class UnitFlags:
-    """What `palpate live` may be told about the unit: its lens, mark, images at rest and a known press."""
+class LiveFlags:
+    """The unit, when its readings count, and a press with a known pose."""
 
-    lens: Annotated[Path | None, Parameter(help=_LENS)] = None
-    mark: Annotated[bool, Parameter(help=_MARK)] = True
+    built: UnitFlags = UnitFlags()
+    rig: Annotated[RigSpec, flags_of(RigSpec, group="Readings")] = RigSpec()
     press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
     press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
-    rest_images: Annotated[int, Parameter(help=_REST)] = 1
-    refine_lens: Annotated[bool, Parameter(negative="", help=_REFINE)] = False
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
 
 
@@ -90,29 +81,27 @@ def live(
     model: Annotated[Path, Parameter(help=_MODEL)],
     source: Annotated[str, Parameter(help=_SOURCE)],
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
-    design: DesignFlags | None = None,
-    flags: UnitFlags | None = None,
+    flags: LiveFlags = LiveFlags(),
     json: JsonFlag = False,
 ) -> int:
     """Estimate the pose of the wall in every image of a camera or a recording, as it comes."""
     from palpate.learn import open_predictor
-    from palpate.sensor import RigSpec, Unit, describe_reading, open_sensor, run_sensor, write_readings
+    from palpate.sensor import describe_reading, open_sensor, run_sensor, write_readings
 
-    design, flags = design or DesignFlags(), flags or UnitFlags()
-    if flags.rest_images < 1:
-        raise PalpateError(f"{flags.rest_images} images at rest leave nothing to begin with.", "Give at least one.")
-    dome = design.dome()
-    lens = read_calibration(flags.lens).camera_spec() if flags.lens else None
-    unit = Unit(dome, place_markers(dome, design.marker_spec()), marked=flags.mark, lens=lens)
-    predictor = open_predictor(model)
+    if flags.count is not None and flags.count < 1:
+        raise PalpateError(f"--count is {flags.count}.", "Give 1 or more, or leave it out.")
+    if out is not None and out.suffix == ".rosbag2":
+        check_folder(out)
+    else:
+        check_file(out, ".csv", ".jsonl", ".rosbag2")
+    unit, predictor, many = flags.built.unit(), open_predictor(model), flags.rig.rest_images
     with _open(source, unit) as opened:
         images = opened.images()
-        rest, spec = _at_rest(images, flags.rest_images), RigSpec(refine_lens=flags.refine_lens)
-        sensor = open_sensor(rest, unit, predictor, spec, known=_known_press(flags, unit))
+        sensor = open_sensor(_at_rest(images, many), unit, predictor, flags.rig, known=_known_press(flags, unit))
         print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:
-            raise PalpateError(f"{flags.rest_images} images at rest leave nothing to read.", "Record more.")
+            raise PalpateError(f"{many} images at rest leave nothing to read.", "Record more.")
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
         rows = (describe_reading(reading) for reading in (write_readings(out, readings) if out else readings))
         (_print_json if json else _print_lines)(rows)
@@ -141,7 +130,7 @@ def _describe_rest(sensor: Sensor) -> str:
     )
 
 
-def _known_press(flags: UnitFlags, unit: Unit) -> KnownPress | None:
+def _known_press(flags: LiveFlags, unit: Unit) -> KnownPress | None:
     if flags.press_image is None and flags.press_pose is None:
         return None
     if flags.press_image is None or flags.press_pose is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,14 +18,15 @@ _TILTS = "Tilts in deg that are followed; without it, the one of --tilt."
 
 def stability(
     *,
-    flags: PressFlags | None = None,
+    flags: PressFlags = PressFlags(),
     tilts: Annotated[tuple[float, ...], Parameter(help=_TILTS, consume_multiple=True)] = (),
     json: JsonFlag = False,
 ) -> None:
     """Follow both stable states of a dome: where the inverted one exists, where the flat one ends, their energy."""
-    flags = flags or PressFlags()
+    walls = [flags.wall.model_validate({**dict(flags.wall), "tilt_deg": tilt}) for tilt in tilts] or [flags.wall]
+    mesh, material, _ = flags.problem()
     announce_compilation()
-    found = [find_stability(*replace(flags, tilt=tilt).problem()) for tilt in tilts or (flags.tilt,)]
+    found = [find_stability(mesh, material, wall) for wall in walls]
     if json:
         print_json([describe_stability(one) for one in found])
         return

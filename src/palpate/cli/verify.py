@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import check_file, print_json, print_table
 from palpate.verify import Outcome, choose_cases, format_deviation, format_number, run_cases, write_page
 
 OUTSIDE = 1
@@ -27,6 +27,7 @@ def verify(
     json: JsonFlag = False,
 ) -> int:
     """Solve problems with known answers and show how near ours are."""
+    check_file(markdown)
     outcomes = []
     for outcome in run_cases(choose_cases(only, quick=quick)):
         outcomes.append(outcome)

@@ -5,7 +5,7 @@ from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
 from palpate.core.kernel import kernel
 from palpate.core.outside_links import refuse_outside_links
-from palpate.core.parameter import ParameterNote, Spec, parameter, parameters
+from palpate.core.parameter import ParameterNote, Spec, flag_of, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
 from palpate.core.seeds import child_seed, generator
@@ -32,6 +32,7 @@ __all__ = [
     "check_store",
     "child_seed",
     "clean_store",
+    "flag_of",
     "generator",
     "installed_version",
     "kernel",

@@ -18,7 +18,8 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
-_QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)\s*$")
+_QUANTITY = re.compile(r"^\s*((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*([^\d\s].*?)\s*$")
+"""A number that is read to its end, then a unit: a number alone is none."""
 
 
 def parameter(
@@ -27,6 +28,7 @@ def parameter(
     unit: str,
     meaning: str,
     source: str = "",
+    flag: str = "",
     **bounds: float,
 ) -> Any:
     """Declare one number of a spec.
@@ -41,20 +43,30 @@ def parameter(
         One phrase for help texts and documentation.
     source
         Where the default comes from, if it is not our own choice.
+    flag
+        Name on the command line without its dashes, where it is not the field's own (`flag_of`).
     **bounds
         Any of `gt`, `ge`, `lt`, `le`, in the same unit.
     """
-    extra: dict[str, Any] = {"unit": unit, "source": source}
-    return Field(default, description=meaning, json_schema_extra=extra, **bounds)  # type: ignore[call-overload]
+    extra: dict[str, Any] = {"unit": unit, "source": source, "meaning": meaning, "flag": flag}
+    limits = ", ".join(f"{_SIGNS[name]} {value:g}" for name, value in bounds.items())
+    inside = "; ".join(part for part in (unit if unit != "1" else "", limits) if part)
+    help_text = f"{meaning[:1].upper()}{meaning[1:]}" + (f" ({inside})." if inside else ".")
+    return Field(default, description=help_text, json_schema_extra=extra, **bounds)  # type: ignore[call-overload]
+
+
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+_UNIT_ENDINGS = ("_deg", "_px", "_percent")
 
 
 class Spec(BaseModel):
     """What a person may choose for one stage: frozen, unknown keys refused, units checked.
 
-    A field with a unit accepts a number or a text such as ``"2 mm"``; any other unit is refused.
+    A field with a unit accepts a number or a text such as ``"2 mm"``; any other unit is refused, and so is a number
+    that is not finite.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     @field_validator("*", mode="before")
     @classmethod
@@ -70,6 +82,8 @@ class ParameterNote:
     ----------
     name, meaning, unit, source
         As declared; `unit` is empty for a field without one.
+    help
+        Meaning, unit and bounds in one sentence, e.g. ``"Bore (mm; > 0, <= 20)."``: help of the flag.
     default
         Value used when nothing is chosen, or `None` for a required field.
     bounds
@@ -82,23 +96,14 @@ class ParameterNote:
     default: Any
     bounds: str
     source: str
-
-    def help(self) -> str:
-        """One line for a command's help: meaning, unit and bounds, e.g. ``"bore (mm; > 0, <= 20)"``."""
-        unit = "" if self.unit == "1" else self.unit
-        inside = "; ".join(part for part in (unit, self.bounds) if part)
-        return f"{self.meaning} ({inside})" if inside else self.meaning
-
-
-_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+    help: str
 
 
 def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
     """Describe every field of `spec`, in the order of declaration."""
     notes = []
     for name, field in spec.model_fields.items():
-        extra = field.json_schema_extra
-        extra = extra if isinstance(extra, dict) else {}
+        extra = _declared(spec, name)
         bounds = [
             f"{sign} {getattr(item, bound):g}"
             for item in field.metadata
@@ -108,20 +113,34 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
         notes.append(
             ParameterNote(
                 name=name,
-                meaning=field.description or "",
+                meaning=str(extra.get("meaning", "")),
                 unit=str(extra.get("unit", "")),
                 default=None if field.is_required() else field.get_default(call_default_factory=True),
                 bounds=", ".join(bounds),
                 source=str(extra.get("source", "")),
+                help=field.description or "",
             )
         )
     return tuple(notes)
 
 
-def _without_unit(spec: type[Spec], name: str, value: Any) -> Any:
+def flag_of(spec: type[BaseModel], name: str) -> str:
+    """Name of a field on the command line, without dashes: its declared flag, or its name without the unit."""
+    declared = str(_declared(spec, name).get("flag", ""))
+    ending = next((ending for ending in _UNIT_ENDINGS if name.endswith(ending)), "")
+    return declared or name.removesuffix(ending).replace("_", "-").lower()
+
+
+def _declared(spec: type[BaseModel], name: str) -> dict[str, Any]:
+    """What `parameter` wrote down about a field; empty for a field that it did not declare."""
     field = spec.model_fields.get(name)
     extra = field.json_schema_extra if field is not None else None
-    if not isinstance(extra, dict) or "unit" not in extra:
+    return dict(extra) if isinstance(extra, dict) else {}
+
+
+def _without_unit(spec: type[Spec], name: str, value: Any) -> Any:
+    extra = _declared(spec, name)
+    if "unit" not in extra:
         return value
     if isinstance(value, list | tuple):
         return [_without_unit(spec, name, item) for item in value]

@@ -8,6 +8,7 @@ from pydantic import SerializerFunctionWrapHandler, field_validator, model_seria
 from pydantic_core import PydanticCustomError
 
 from palpate.core import Spec, parameter
+from palpate.fea import check_contact
 
 
 class RandomiseSpec(Spec):
@@ -42,8 +43,10 @@ class RandomiseSpec(Spec):
     @field_validator("frictions")
     @classmethod
     def _frictions_fall(cls, frictions: tuple[float, ...]) -> tuple[float, ...]:
-        if not all(0.05 <= friction <= 10 for friction in frictions) or len(set(frictions)) < len(frictions):
-            raise PydanticCustomError("bad_frictions", "frictions are numbers from 0.05 to 10, each given once.", {})
+        for friction in frictions:
+            check_contact(friction)
+        if any(friction < 0.05 for friction in frictions) or len(set(frictions)) < len(frictions):
+            raise PydanticCustomError("bad_frictions", "frictions are numbers of 0.05 or more, each given once.", {})
         return tuple(sorted(frictions, reverse=True))
 
     @property

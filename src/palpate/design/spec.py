@@ -53,19 +53,27 @@ class MarkerSpec(Spec):
         unit="1",
         meaning="number of markers, 1 + 3 n (n + 1) for n rings about the apex",
         source=PAPER,
+        flag="markers",
         ge=1,
     )
     ring_diameters: tuple[float, ...] | None = parameter(
-        None, unit="mm", meaning="diameters of the rings projected on the base plane; ring k has 6 k markers"
+        None,
+        unit="mm",
+        meaning="diameters of the rings projected on the base plane; ring k has 6 k markers",
+        flag="rings",
     )
     file: Path | None = parameter(
-        None, unit="", meaning="CSV of a free layout with the columns x_mm, y_mm and, if wished, z_mm"
+        None,
+        unit="",
+        meaning="CSV of a free layout with the columns x_mm, y_mm and, if wished, z_mm",
+        flag="layout",
     )
     diameter: float = parameter(
         1.5,
         unit="mm",
         meaning="diameter of a printed dot",
         source="measured in published images",
+        flag="marker-diameter",
         gt=0,
         le=10,
     )

@@ -42,8 +42,12 @@ class ProcessSpec(Spec):
     vent_diameter: float = parameter(1.5, unit="mm", meaning="diameter of a vent", ge=0.5, le=5)
     vents: int = parameter(6, unit="1", meaning="number of vents at the highest ring of the cavity", ge=2, le=24)
     printer_wall: float = parameter(0.8, unit="mm", meaning="thinnest wall the printer makes", ge=0.1, le=5)
-    mapping: PadMapping = PadMapping.AXIS
-    orientation_mark: bool = True
+    mapping: PadMapping = parameter(
+        PadMapping.AXIS, unit="", meaning="how the pad carries dots: along the axis, or to equal arcs"
+    )
+    orientation_mark: bool = parameter(
+        True, unit="", meaning="print the orientation mark, one dot outside the rings", flag="mark"
+    )
     smallest_dot: float = parameter(0.4, unit="mm", meaning="smallest dot the pad prints", gt=0, le=5)
     smallest_gap: float = parameter(0.3, unit="mm", meaning="smallest gap between dots the pad keeps", gt=0, le=5)
     steepest_deg: float = parameter(
@@ -55,7 +59,9 @@ class ProcessSpec(Spec):
     working_tilt_deg: float = parameter(
         12.0, unit="deg", meaning="greatest tilt of the wall that it is used at", source=PAPER, ge=0, le=45
     )
-    camera_body: CameraBody = CameraBody.BOARD28
+    camera_body: CameraBody = parameter(
+        CameraBody.BOARD28, unit="", meaning="camera that the enclosure is made for", flag="camera"
+    )
     excess_percent: float = parameter(
         30.0, unit="%", meaning="elastomer mixed beyond the module's volume, for cup and sprues", ge=0, le=300
     )

@@ -12,7 +12,7 @@ from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.plot_press import html_table, picture_press, plot_press, tabulate_press
 from palpate.fea.press import FEA_VERSION, Branch, Press
 from palpate.fea.solve_press import image_depths, solve_press
-from palpate.fea.spec import FRICTIONLESS, NO_SLIP, ObstacleSpec, contact_text, read_contact
+from palpate.fea.spec import FRICTIONLESS, NO_SLIP, ObstacleSpec, check_contact, contact_text
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.wall import Plane, WallSpec
 from palpate.mechanics import Ended, SolverSpec
@@ -37,6 +37,7 @@ __all__ = [
     "SolverSpec",
     "Stability",
     "WallSpec",
+    "check_contact",
     "check_export",
     "contact_text",
     "export_press",
@@ -48,7 +49,6 @@ __all__ = [
     "picture_press",
     "plot_convergence",
     "plot_press",
-    "read_contact",
     "read_press",
     "solve_press",
     "study_convergence",

@@ -3,17 +3,43 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import field_validator
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
 
-from palpate.core import FloatArray, PalpateError, Spec, parameter
+from palpate.core import FloatArray, Spec, parameter
 from palpate.design import turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
+GREATEST_FRICTION = 10.0
+"""Greatest coefficient of friction; above it, choose `NO_SLIP`."""
+
+
+def check_contact(value: Any) -> str | float:
+    """Contact law as a spec holds it: ``frictionless``, ``no-slip``, or a coefficient of friction as a number.
+
+    Raises
+    ------
+    ValueError
+        If it is none of them; a spec that has such a field refuses it.
+    """
+    if value in (FRICTIONLESS, NO_SLIP):
+        return str(value)
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = float("nan")
+    if not 0 <= number <= GREATEST_FRICTION:
+        raise PydanticCustomError(
+            "unknown_contact",
+            "the contact law '{given}' is not known; choose {words} or a coefficient from 0 to {most}",
+            {"given": str(value), "words": f"{FRICTIONLESS}, {NO_SLIP}", "most": f"{GREATEST_FRICTION:g}"},
+        )
+    return number
 
 
 class ObstacleSpec(Spec, ABC):
@@ -24,23 +50,15 @@ class ObstacleSpec(Spec, ABC):
     """
 
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
-    image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", gt=0, le=60)
+    image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
     unload: bool = False
     """Whether the wall is drawn back to first touch, through the same images."""
-    contact: str | float = parameter(
+    contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         NO_SLIP,
         unit="1",
         meaning="frictionless, no-slip or the coefficient of friction",
         source="not printed in the paper; the code its group published holds what touches",
     )
-
-    @field_validator("contact", mode="before")
-    @classmethod
-    def _known_contact(cls, value: Any) -> Any:
-        try:
-            return read_contact(value)
-        except PalpateError as error:
-            raise ValueError(str(error)) from None
 
     @property
     def friction(self) -> float:
@@ -81,28 +99,6 @@ class ObstacleSpec(Spec, ABC):
     def turn(self, mesh: Mesh) -> FloatArray:
         """Rotation (3, 3) from the frame of the mesh to the skin's."""
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
-
-
-def read_contact(value: Any) -> str | float:
-    """Read a contact law: ``frictionless``, ``no-slip`` or a coefficient of friction from 0 to 10.
-
-    Raises
-    ------
-    PalpateError
-        If it is none of these.
-    """
-    if value in (FRICTIONLESS, NO_SLIP):
-        return str(value)
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = -1.0
-    if not 0 <= number <= 10:
-        raise PalpateError(
-            f"The contact law '{value}' is not known.",
-            f"Choose {FRICTIONLESS}, {NO_SLIP} or a coefficient from 0 to 10.",
-        )
-    return number
 
 
 def contact_text(value: str | float) -> str:

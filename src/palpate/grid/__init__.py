@@ -3,12 +3,12 @@
 from palpate.grid.compare import METRICS, Comparison, Difference, compare_grids
 from palpate.grid.draw import write_picture
 from palpate.grid.evaluate_grid import evaluate_grid
-from palpate.grid.export import export_grid
-from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, unit_of
+from palpate.grid.export import export_grid, html_rows
+from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, name_row, rows_of, unit_of
 from palpate.grid.io import read_grid, write_grid
 from palpate.grid.model import copy_model
 from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
-from palpate.grid.plot import KINDS, draw_plot, name_plot, plot_grid, refuse_unknown
+from palpate.grid.plot import KINDS, draw_grid, draw_plot, name_plot, plot_grid, refuse_unknown
 from palpate.grid.query import filter_rows, sort_rows
 
 __all__ = [
@@ -28,14 +28,18 @@ __all__ = [
     "cut_marker_panels",
     "cut_panels",
     "cut_tilt_panels",
+    "draw_grid",
     "draw_plot",
     "evaluate_grid",
     "export_grid",
     "filter_rows",
+    "html_rows",
     "name_plot",
+    "name_row",
     "plot_grid",
     "read_grid",
     "refuse_unknown",
+    "rows_of",
     "sort_rows",
     "unit_of",
     "write_grid",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -77,8 +76,8 @@ def compare_grids(
         If a metric is in neither grid, or is a text.
     """
     for metric in metrics:
-        cells = [row[metric] for grid in (first, second) if metric in grid.columns for row in grid.rows]
-        if not cells and (first.rows or second.rows):
+        cells = [row[metric] for grid in (first, second) if metric in grid.columns for row in grid.designs]
+        if not cells and (first.designs or second.designs):
             raise PalpateError(f"Neither grid has a column '{metric}'.", "Choose a metric of `palpate grid show`.")
         if any(isinstance(cell, str) for cell in cells):
             raise PalpateError(f"'{metric}' is a text and has no ratio.", "Choose a column of numbers.")
@@ -96,7 +95,7 @@ def _by_design(grid: SpecificationGrid) -> dict[Design, Row]:
     """Rows by dome, markers and which layout of as many markers it is."""
     seen: Counter[Design] = Counter()
     found: dict[Design, Row] = {}
-    for row in grid.rows:
+    for row in grid.designs:
         design = tuple(row[name] for name in DESIGN)
         found[(*design, seen[design])] = row
         seen[design] += 1
@@ -134,10 +133,7 @@ def _differences(pairs: Sequence[tuple[Mapping[str, str], Mapping[str, str]]]) -
 def _facts(row: Row) -> dict[str, str]:
     """Spec, seeds and versions behind a row, flat."""
     facts = {name.replace("_", " "): str(row[name]) for name in SEEDS if row.get(name) is not None}
-    for part in re.split(r" (?=[\w-]+=)", str(row.get("versions") or "")):
-        name, _, version = part.partition("=")
-        if version:
-            facts[f"version {name}"] = version
+    facts |= {f"version {name}": version for name, version in json.loads(str(row.get("versions") or "{}")).items()}
     spec = row.get("spec")
     if not isinstance(spec, str):
         return {**facts, "spec": UNRECORDED}

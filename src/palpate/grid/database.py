@@ -3,8 +3,8 @@
     design      one row a design: every figure that belongs to the design as a whole
     by_depth    one row a design and depth: rmse_deg, max_error_deg, limit_deg, …
     by_tilt     one row a design and interval of tilt
+    presses     one row a design and press: tilt_deg, ended, branch, force_n, …
     provenance  one row a design and fact: keys of its artefacts down to the presses, versions, spec (JSON)
-    grid        names of the columns, in order
 
 It is written in one transaction of a database in WAL mode: whoever reads meanwhile sees the older grid.
 """
@@ -12,7 +12,6 @@ It is written in one transaction of a database in WAL mode: whoever reads meanwh
 from __future__ import annotations
 
 import json
-import re
 import sqlite3
 from collections.abc import Iterable, Sequence
 from contextlib import closing
@@ -20,17 +19,16 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import PalpateError
-from palpate.grid.grid import Cell, Row, SpecificationGrid, depth_of, tilts_of
+from palpate.grid.grid import Cell, Row, SpecificationGrid
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 APPLICATION = 0x70616C70
 """Marks the file as ours in its header: "palp"."""
 WAIT_S = 30.0
 """How long to wait for another writer, s."""
 
-DEPTH, TILT = ("depth_mm",), ("tilt_from_deg", "tilt_to_deg")
-Table = dict[tuple[float, ...], dict[str, Cell]]
-"""Cells of one design by place (depth or interval of tilt), then by figure."""
+KEYS = {"by_depth": ("depth_mm",), "by_tilt": ("tilt_from_deg", "tilt_to_deg"), "presses": ("tilt_deg",)}
+"""Columns that every table beside the designs has, behind the design's number."""
 
 
 def write_database(path: Path, grid: SpecificationGrid) -> None:
@@ -74,21 +72,18 @@ def _write(path: Path, grid: SpecificationGrid) -> None:
     with closing(sqlite3.connect(path, timeout=WAIT_S, isolation_level=None)) as database:
         database.execute("PRAGMA journal_mode = WAL")
         database.execute("BEGIN IMMEDIATE")
-        for name in ("design", "by_depth", "by_tilt", "provenance", "grid"):
+        for name in ("design", *KEYS, "provenance", "grid"):  # the last is of schema 1
             database.execute(f"DROP TABLE IF EXISTS {name}")
-        plain = [name for name in grid.columns if not (depth_of(name) or tilts_of(name) or _is_provenance(name))]
-        designs = [{"design": number, **{name: row[name] for name in plain}} for number, row in enumerate(grid.rows)]
+        plain = [name for name in grid.columns if not _is_provenance(name)]
+        designs = [
+            {"design": number, **{name: row[name] for name in plain}} for number, row in enumerate(grid.designs)
+        ]
         _fill(database, "design", ["design", *plain], designs)
-        for table, keys, cut in (("by_depth", DEPTH, _by_depth), ("by_tilt", TILT, _by_tilt)):
-            rows = [
-                {"design": number, **dict(zip(keys, place, strict=True)), **cells}
-                for number, row in enumerate(grid.rows)
-                for place, cells in cut(row).items()
-            ]
-            _fill(database, table, ["design", *keys, *dict.fromkeys(name for row in rows for name in row)], rows)
-        facts = [fact for number, row in enumerate(grid.rows) for fact in _provenance(number, row)]
-        _fill(database, "provenance", ["design", "kind", "number", "value"], facts)
-        _fill(database, "grid", ["columns"], [{"columns": json.dumps(grid.columns)}])
+        for table, keys in KEYS.items():
+            rows: tuple[Row, ...] = getattr(grid, table)
+            _fill(database, table, ["design", *keys, *(rows[0] if rows else ())], rows)
+        facts = [fact for number, row in enumerate(grid.designs) for fact in _provenance(number, row)]
+        _fill(database, "provenance", ["design", "kind", "name", "value"], facts)
         database.execute(f"PRAGMA application_id = {APPLICATION}")
         database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
         database.execute("COMMIT")
@@ -98,51 +93,35 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
     with closing(sqlite3.connect(f"{path.resolve().as_uri()}?{mode}", uri=True, timeout=WAIT_S)) as database:
         database.row_factory = sqlite3.Row
         marks = [database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")]
-        if marks != [APPLICATION, SCHEMA_VERSION]:
-            raise ValueError(f"it is not a grid of schema {SCHEMA_VERSION}")
-        columns = tuple(json.loads(database.execute("SELECT columns FROM grid").fetchone()[0]))
-        cells: list[dict[Any, Any]] = [dict(row) for row in database.execute("SELECT * FROM design ORDER BY design")]
-        for table, keys in (("by_depth", DEPTH), ("by_tilt", TILT)):
-            for row in database.execute(f"SELECT * FROM {table}"):
-                cells[row["design"]][table, *(row[key] for key in keys)] = dict(row)
-        for row in database.execute("SELECT * FROM provenance ORDER BY design, kind, number"):
-            cells[row["design"]].setdefault(row["kind"], []).append(row["value"])
-    rows = tuple({name: _cell(found, name) for name in columns} for found in cells)
-    return SpecificationGrid(rows=rows, columns=columns)
+        if marks[0] != APPLICATION:
+            raise ValueError("it is no grid")
+        refuse_older(path, marks[1], SCHEMA_VERSION)
+        designs = [dict(row) for row in database.execute("SELECT * FROM design ORDER BY design")]
+        for number, row in enumerate(designs):
+            if row.pop("design") != number:
+                raise ValueError("its designs are not numbered from 0")
+        tables = [[dict(row) for row in database.execute(f"SELECT * FROM {table}")] for table in KEYS]
+        facts: dict[str, list[dict[str, str]]] = {}
+        for fact in database.execute("SELECT * FROM provenance ORDER BY rowid"):
+            found = facts.setdefault(fact["kind"], [{} for _ in designs])
+            found[fact["design"]][fact["name"]] = fact["value"]
+    for kind, found in facts.items():
+        for row, parts in zip(designs, found, strict=True):
+            row[kind] = _join(kind, parts) if parts else None
+    for row in (row for table in (designs, *tables) for row in table):
+        if not all(cell is None or isinstance(cell, int | float | str) for cell in row.values()):
+            raise ValueError("a cell holds neither a number nor a text")
+    return SpecificationGrid(tuple(designs), *(tuple(table) for table in tables))
 
 
-def _cell(found: dict[Any, Any], column: str) -> Cell:
-    """One cell of a design from all that was found of it."""
-    value: Any
-    if at_depth := depth_of(column):
-        row = found.get(("by_depth", at_depth[1]))
-        value = row.get(at_depth[0]) if isinstance(row, dict) else None
-    elif at_tilt := tilts_of(column):
-        row = found.get(("by_tilt", *at_tilt[1:]))
-        value = row.get(at_tilt[0]) if isinstance(row, dict) else None
-    else:
-        value = found.get(column)
-    if isinstance(value, list):
-        return " ".join(value)
-    if value is None or isinstance(value, int | float | str):
-        return value
-    raise ValueError(f"{column} holds {type(value).__name__}")
-
-
-def _by_depth(row: Row) -> Table:
-    table: Table = {}
-    for name, cell in row.items():
-        if (at := depth_of(name)) and cell is not None:
-            table.setdefault((at[1],), {})[at[0]] = cell
-    return table
-
-
-def _by_tilt(row: Row) -> Table:
-    table: Table = {}
-    for name, cell in row.items():
-        if (at := tilts_of(name)) and cell is not None:
-            table.setdefault(at[1:], {})[at[0]] = cell
-    return table
+def refuse_older(path: Path, version: Any, known: int) -> None:
+    """Refuse a grid that another version of palpate wrote, with a `PalpateError` that says what to do."""
+    if version != known:
+        age = "an older" if isinstance(version, int) and version < known else "another"
+        raise PalpateError(
+            f"{path} was written by {age} palpate: its format is {version}, this one reads {known}.",
+            "Run the study again: what its folder holds stays valid, so only the grid is written anew.",
+        )
 
 
 def _is_provenance(column: str) -> bool:
@@ -150,13 +129,21 @@ def _is_provenance(column: str) -> bool:
 
 
 def _provenance(number: int, row: Row) -> Iterable[dict[str, Cell]]:
-    for name in filter(_is_provenance, row):
-        cell = row[name]
+    for kind in filter(_is_provenance, row):
+        cell = row[kind]
         if isinstance(cell, str):
-            parts = re.split(r" (?=[\w-]+=)", cell) if name == "versions" else [cell]
-            parts = cell.split(" ") if name.endswith("_key") else parts
-            for place, part in enumerate(parts):
-                yield {"design": number, "kind": name, "number": place, "value": part}
+            parts: dict[Any, Any] = {"": cell}
+            if kind == "versions":
+                parts = json.loads(cell)
+            elif kind.endswith("_key"):
+                parts = dict(enumerate(cell.split(" ")))
+            for name, value in parts.items():
+                yield {"design": number, "kind": kind, "name": str(name), "value": str(value)}
+
+
+def _join(kind: str, parts: dict[str, str]) -> str:
+    """What `_provenance` took apart."""
+    return json.dumps(parts) if kind == "versions" else " ".join(parts.values())
 
 
 def _fill(database: sqlite3.Connection, table: str, names: Sequence[str], rows: Sequence[Row]) -> None:

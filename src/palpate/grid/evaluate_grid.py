@@ -6,15 +6,20 @@ import json
 import math
 import statistics
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict
 
-from palpate.grid.grid import Cell, SpecificationGrid, depth_text
-from palpate.learn import Coverage, Metrics, compare_with_limit, pool_limits
+from palpate.grid.grid import Cell, Row, SpecificationGrid
+from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_limit, pool_limits
 from palpate.study import DesignResult, PressSummary
+
+Part = DepthErrors | TiltErrors
+Place = tuple[float, ...]
+"""A depth (mm), or the ends of an interval of tilt (degrees)."""
 
 
 def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
-    """Put one row of figures a design together.
+    """Put the figures of every design together.
 
     Parameters
     ----------
@@ -26,21 +31,62 @@ def evaluate_grid(designs: Sequence[DesignResult]) -> SpecificationGrid:
     SpecificationGrid
         A row for every design, also for one whose chain broke: its figures are empty, `failure` says why.
     """
-    rows = [_row(design) for design in designs]
-    columns = tuple(dict.fromkeys(name for row in rows for name in row))
-    columns = (*(name for name in columns if name not in _LAST), *(name for name in columns if name in _LAST))
-    return SpecificationGrid(rows=tuple({name: row.get(name) for name in columns} for row in rows), columns=columns)
+    numbered = list(enumerate(designs))
+    return SpecificationGrid(
+        designs=_table(_row(design) for design in designs),
+        by_depth=_table({"design": number, **row} for number, design in numbered for row in _by_depth(design)),
+        by_tilt=_table({"design": number, **row} for number, design in numbered for row in _by_tilt(design)),
+        presses=_table({"design": number, **_press(one)} for number, design in numbered for one in design.presses),
+    )
 
 
-_LAST = (
-    "seed",
-    "dataset_seed",
-    "learning_seed",
-    "versions",
-    "spec",
-    *(f"{kind}_key" for kind in ("press", "dataset", "limit", "estimator", "learning")),
-    "failure",
-)
+def _table(rows: Iterable[Row]) -> tuple[Row, ...]:
+    """Rows that all have every column; a cell without a figure is empty."""
+    found = list(rows)
+    columns = dict.fromkeys(name for row in found for name in row)
+    return tuple({name: row.get(name) for name in columns} for row in found)
+
+
+def _by_depth(design: DesignResult) -> list[Row]:
+    """Errors, limits and how near they come, by rising depth."""
+    errors = _by_place(design, lambda metrics: {(round(part.depth_mm, 6),): part for part in metrics.by_depth})
+    limits = {round(limit.depth_mm, 6): limit for limit in design.limits}
+    rows: list[Row] = []
+    for depth in sorted({*limits, *(place[0] for place in errors)}):
+        limit, found = limits.get(depth), errors.get((depth,), _errors_of(None, None))
+        rmse, bound = found["rmse_jitter_deg"], limit.least_squares_deg if limit else None
+        row = {
+            "depth_mm": depth,
+            **found,
+            "limit_deg": bound,
+            "limit_pitman_deg": limit.pitman_deg if limit else None,
+            "limit_floor_deg": limit.floor_deg if limit else None,
+            "rmse_over_limit": rmse / bound if isinstance(rmse, float) and bound else None,
+        }
+        rows.append(row)
+    return rows
+
+
+def _by_tilt(design: DesignResult) -> list[Row]:
+    """Errors by rising interval of true tilt."""
+    errors = _by_place(design, lambda metrics: {(part.from_deg, part.to_deg): part for part in metrics.by_tilt})
+    return [{"tilt_from_deg": ends[0], "tilt_to_deg": ends[1], **errors[ends]} for ends in sorted(errors)]
+
+
+def _by_place(design: DesignResult, cut: Callable[[Metrics], Mapping[Place, Part]]) -> dict[Place, dict[str, Cell]]:
+    """Clean and jittered errors of a design where `cut` has any."""
+    clean, jittered = (cut(metrics) if metrics else {} for metrics in (design.clean, design.jittered))
+    return {place: _errors_of(clean.get(place), jittered.get(place)) for place in {**clean, **jittered}}
+
+
+def _errors_of(clean: Part | None, jittered: Part | None) -> dict[str, Cell]:
+    counted = clean or jittered
+    images = {"validation_samples": counted.images if counted else None}
+    return {**_errors(clean, ""), **_errors(jittered, "_jitter"), **images}
+
+
+def _press(press: PressSummary) -> Row:
+    return {name: _finite(cell) if isinstance(cell, float) else cell for name, cell in asdict(press).items()}
 
 
 def _row(design: DesignResult) -> dict[str, Cell]:
@@ -63,16 +109,16 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         **_evidence(design),
         **_details(design.clean, ""),
         **_details(design.jittered, "_jitter"),
+        "failure": design.failure,
         "seed": design.seed,
         **{f"{stage}_seed": design.spec.get(stage, {}).get("seed") for stage in ("dataset", "learning")},
-        "versions": " ".join(f"{name}={version}" for name, version in sorted(design.versions.items())),
+        "versions": json.dumps(dict(design.versions), sort_keys=True),
         "spec": json.dumps(design.spec, sort_keys=True),
         **{f"{kind}_key": " ".join(keys) for kind, keys in design.artefacts.items()},
-        "failure": design.failure,
     }
 
 
-def _errors(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
+def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
     return {
         f"rmse{suffix}_deg": metrics.angle.rmse if metrics else None,
         f"max_error{suffix}_deg": metrics.angle.max if metrics else None,
@@ -89,24 +135,14 @@ def _spread(design: DesignResult) -> dict[str, Cell]:
 
 
 def _limits(design: DesignResult) -> dict[str, Cell]:
-    """Bounds on the jittered RMSE and how near it comes, over all depths and by depth."""
+    """Bounds on the jittered RMSE and how near it comes, over all depths."""
     judged = compare_with_limit(design.jittered, design.limits) if design.jittered else None
     pooled = judged[0] if judged else pool_limits(design.limits)
-    found: dict[str, Cell] = {
+    return {
         "limit_deg": pooled.least_squares_deg if pooled else None,
         "limit_pitman_deg": pooled.pitman_deg if pooled else None,
         "rmse_over_limit": judged[1] if judged else None,
     }
-    by_depth = design.jittered.by_depth if design.jittered else ()
-    rmse = {depth_text(errors.depth_mm): errors.angle.rmse for errors in by_depth}
-    for limit in design.limits:
-        depth = depth_text(limit.depth_mm)
-        found[f"limit_at_{depth}mm_deg"] = limit.least_squares_deg
-        found[f"limit_pitman_at_{depth}mm_deg"] = limit.pitman_deg
-        found[f"limit_floor_at_{depth}mm_deg"] = limit.floor_deg
-        if depth in rmse and limit.least_squares_deg > 0:
-            found[f"rmse_over_limit_at_{depth}mm"] = rmse[depth] / limit.least_squares_deg
-    return found
 
 
 def _coverage(coverage: Coverage | None) -> dict[str, Cell]:
@@ -123,7 +159,7 @@ def _coverage(coverage: Coverage | None) -> dict[str, Cell]:
 
 
 def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
-    """Every summary figure per axis, and RMSE and maximum of the angle by depth and by tilt."""
+    """Every summary figure per axis."""
     if metrics is None:
         return {}
     found: dict[str, Cell] = {}
@@ -133,16 +169,6 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
             if axis == "angle" and figure in ("rmse", "max"):
                 continue  # these two are the grid's main columns
             found[f"{figure}_{axis}{suffix}_{unit}"] = getattr(summary, figure)
-    for errors in metrics.by_depth:
-        depth = f"{depth_text(errors.depth_mm)}mm"
-        found[f"rmse_at_{depth}{suffix}_deg"] = errors.angle.rmse
-        found[f"max_error_at_{depth}{suffix}_deg"] = errors.angle.max
-        found[f"validation_samples_at_{depth}"] = errors.images
-    for part in metrics.by_tilt:
-        tilts = f"tilt_{part.from_deg:g}_to_{part.to_deg:g}"
-        found[f"rmse_at_{tilts}{suffix}_deg"] = part.angle.rmse
-        found[f"max_error_at_{tilts}{suffix}_deg"] = part.angle.max
-        found[f"validation_samples_at_{tilts}"] = part.images
     return found
 
 
@@ -155,8 +181,6 @@ def _presses(presses: Sequence[PressSummary]) -> dict[str, Cell]:
         "displacement_mean_straight_mm": straight.displacement_mean_mm if straight else None,
         "displacement_max_mm": max((press.displacement_max_mm for press in presses), default=None),
         "apex_gap_mm": max((press.apex_gap_mm for press in presses), default=None),
-        "branch_by_tilt": "; ".join(f"{press.tilt_deg:g}: {press.branch}" for press in presses),
-        "depth_by_tilt_mm": "; ".join(f"{press.tilt_deg:g}: {press.ended_depth_mm:.2f}" for press in presses),
     }
 
 

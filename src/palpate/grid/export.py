@@ -6,27 +6,65 @@ import csv
 import html
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from palpate.core import PalpateError, load_extra
-from palpate.grid.grid import MAIN_COLUMNS, Cell, SpecificationGrid, unit_of
+from palpate.grid.grid import MAIN_COLUMNS, TABLES, Cell, Row, SpecificationGrid, name_row, unit_of
+
+SHORT = (
+    "height_mm",
+    "base_radius_mm",
+    "thickness_mm",
+    "shape",
+    "markers",
+    "rmse_deg",
+    "max_error_deg",
+    "rmse_jitter_deg",
+    "max_error_jitter_deg",
+    "rmse_spread_deg",
+    "rmse_depth_mm",
+    "limit_deg",
+    "limit_pitman_deg",
+    "rmse_over_limit",
+    "interval_coverage",
+    "interval_half_width_deg",
+    "travel_mm",
+    "peak_stress_mpa",
+    "peak_stress_straight_mpa",
+    "force_n",
+    "bistable_from_mm",
+    "presses",
+    "presses_inverted",
+    "samples",
+    "dropped",
+    "ended",
+    "seed",
+    "failure",
+)
+"""Columns of a design in CSV, behind its name: those that decide. SQLite, JSON and Parquet have all."""
 
 
-def export_grid(path: Path, grid: SpecificationGrid) -> None:
+def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
     """Write a grid to `path`, replacing it; the ending chooses the form.
 
     Parameters
     ----------
     path
-        ``.csv`` and ``.parquet`` get every column, ``.md`` the main ones for people.
+        ``.csv`` gets the columns that decide, ``.parquet`` all, ``.md`` the main ones for people. The tables by
+        depth, by tilt and of presses stand beside the first two: ``grid_by_depth.csv``, … beside ``grid.csv``.
     grid
-        The rows to write.
+        The designs to write.
+
+    Returns
+    -------
+    tuple[Path, ...]
+        The files that were written.
 
     Raises
     ------
     PalpateError
-        If the ending is another, or the file cannot be written.
+        If the ending is another, or a file cannot be written.
     MissingExtraError
         If Parquet is asked for and pyarrow is not installed.
     """
@@ -37,27 +75,56 @@ def export_grid(path: Path, grid: SpecificationGrid) -> None:
         )
     try:
         with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
-            draft = Path(folder) / path.name
-            writer(draft, grid)
-            os.replace(draft, path)
+            writer(Path(folder) / path.name, grid)
+            drafts = sorted(Path(folder).iterdir())
+            for draft in drafts:
+                os.replace(draft, path.parent / draft.name)
     except OSError as error:
         raise PalpateError(f"{path} cannot be written: {error.strerror or error}.", "Choose another file.") from error
+    return tuple(path.parent / draft.name for draft in drafts)
 
 
-def write_csv(path: Path, grid: SpecificationGrid) -> None:
-    """Write every column as CSV; a cell without a figure is empty."""
+def write_csv(path: Path, grid: SpecificationGrid, beside: str = "{stem}_{table}") -> None:
+    """Write the four tables as CSV; a cell without a figure is empty.
+
+    Parameters
+    ----------
+    path
+        File of the designs: their names and the columns of `SHORT` that they have.
+    grid
+        The grid.
+    beside
+        How the files of the other tables are named, from ``stem`` of the file and ``table``.
+    """
+    names = [name_row(row) for row in grid.designs]
+    columns = [name for name in SHORT if name in grid.columns]
+    rows = zip(names, grid.designs, strict=True)
+    _write_rows(path, [{"name": name, **{column: row[column] for column in columns}} for name, row in rows])
+    for table in TABLES:
+        numbered: Sequence[Row] = getattr(grid, table)
+        file = path.with_name(beside.format(stem=path.stem, table=table) + path.suffix)
+        _write_rows(file, [{"name": names[int(str(row["design"]))], **row} for row in numbered])
+
+
+def _write_rows(path: Path, rows: Sequence[Row]) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, grid.columns)
+        writer = csv.DictWriter(file, list(rows[0]) if rows else ["name"])
         writer.writeheader()
-        writer.writerows({name: "" if cell is None else cell for name, cell in row.items()} for row in grid.rows)
+        writer.writerows({name: "" if cell is None else cell for name, cell in row.items()} for row in rows)
 
 
 def _write_parquet(path: Path, grid: SpecificationGrid) -> None:
+    _write_columns(path, grid.designs)
+    for table in TABLES:
+        _write_columns(path.with_name(f"{path.stem}_{table}{path.suffix}"), getattr(grid, table))
+
+
+def _write_columns(path: Path, rows: Sequence[Row]) -> None:
     pyarrow = load_extra("pyarrow", "parquet")
     parquet = load_extra("pyarrow.parquet", "parquet", "pyarrow")
     fields, arrays = [], []
-    for name in grid.columns:
-        cells = [row[name] for row in grid.rows]
+    for name in rows[0] if rows else ():
+        cells = [row[name] for row in rows]
         texts = any(isinstance(cell, str) for cell in cells)
         known = [cell for cell in cells if cell is not None]
         whole = bool(known) and all(isinstance(cell, int) for cell in known)
@@ -71,7 +138,7 @@ def _write_parquet(path: Path, grid: SpecificationGrid) -> None:
 def _write_markdown(path: Path, grid: SpecificationGrid) -> None:
     columns = [name for name in MAIN_COLUMNS if name in grid.columns]
     lines = [_line([_heading(name) for name in columns]), _line(["---:"] * len(columns))]
-    lines += [_line([_text(row[name]) for name in columns]) for row in grid.rows]
+    lines += [_line([_text(row[name]) for name in columns]) for row in grid.designs]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -79,7 +146,7 @@ def html_rows(grid: SpecificationGrid) -> str:
     """The main columns as an HTML table, a row a design, its texts escaped."""
     columns = [name for name in MAIN_COLUMNS if name in grid.columns]
     head = "".join(f"<th>{html.escape(_heading(name))}</th>" for name in columns)
-    rows = ["".join(f"<td>{html.escape(_text(row[name]))}</td>" for name in columns) for row in grid.rows]
+    rows = ["".join(f"<td>{html.escape(_text(row[name]))}</td>" for name in columns) for row in grid.designs]
     return f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"
 
 

@@ -1,14 +1,9 @@
-"""The noun of the stage: one row of figures a design."""
+"""The noun of the stage: figures of every design, as four tables."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Cell = float | int | str | None
 """A figure, a word, or nothing where the chain broke or the figure does not apply."""
@@ -35,8 +30,8 @@ MAIN_COLUMNS = (
 )
 """Columns that a person reads first."""
 
-_AT_DEPTH = re.compile(r"_at_(\d+)_(\d+)mm")
-_AT_TILT = re.compile(r"_at_tilt_(\d+)_to_(\d+)")
+TABLES = ("by_depth", "by_tilt", "presses")
+"""The tables beside that of the designs; the first column of each is ``design``."""
 
 UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 
@@ -45,12 +40,21 @@ UNITS = {"_mm": "mm", "_deg": "deg", "_mpa": "MPa", "_n": "N", "_px": "px"}
 class SpecificationGrid:
     """The paper's result: how good each design is, and what it was made from.
 
+    Every row of a table has every column of it. Names of columns end in their unit (``_mm``, ``_deg``, ``_mpa``,
+    ``_n``). In the last three tables ``design`` is the number of the row in `designs`, from 0.
+
     Attributes
     ----------
-    rows
-        One a design, in the order of the study; every row has every column.
-    columns
-        Names in order; a suffix names the unit (``_mm``, ``_deg``, ``_mpa``, ``_n``).
+    designs
+        One row a design, in the order of the study.
+    by_depth
+        One a design and depth: ``design``, ``depth_mm``, then ``rmse_deg``, ``max_error_deg``, both ``_jitter``,
+        ``validation_samples``, ``limit_deg``, ``limit_pitman_deg``, ``limit_floor_deg``, ``rmse_over_limit``.
+    by_tilt
+        One a design and interval of true tilt: ``design``, ``tilt_from_deg``, ``tilt_to_deg``, then the errors.
+    presses
+        One a design and press: ``design``, ``tilt_deg``, ``ended`` and ``ended_depth_mm``, ``force_n`` and ``branch``
+        in the deepest image, ``peak_stress_mpa``, ``displacement_max_mm``, ``displacement_mean_mm``, ``apex_gap_mm``.
 
     Notes
     -----
@@ -61,62 +65,54 @@ class SpecificationGrid:
     jittered RMSE over the first. ``interval_coverage`` is the share of true angles inside their interval of the level
     ``interval_level``, on jittered images of presses that neither trained nor calibrated it (``interval_presses`` of
     them), ``interval_half_width_deg`` its mean half-width; ``called_outside`` the share of those images that were
-    called out of the trained range. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis,
-    ``rmse_at_2_4mm_deg``, … per depth (here 2.4 mm), ``rmse_at_tilt_0_to_2_deg``, … per interval of true tilt.
+    called out of the trained range. ``rmse_rx_deg``, …, ``bias_ry_deg`` and ``rmse_depth_mm`` are per axis.
     ``travel_mm`` is the distance in space of a marker from rest, as mean over the markers and over the sampled
     poses at the greatest depth. ``peak_stress_mpa`` is the greatest von Mises stress in any image of any press,
     ``force_n`` the wall's force in the deepest image of the press of least tilt, ``peak_stress_straight_mpa`` the
     stress of that press alone. ``displacement_max_mm`` and ``apex_gap_mm`` are the greatest over all presses in their
-    deepest images; ``branch_by_tilt`` and ``depth_by_tilt_mm`` say for each tilt how its press ended. From
-    ``bistable_from_mm`` on the dome has a second, inverted state (empty: none up to the greatest depth). ``spec`` is
-    JSON.
+    deepest images. From ``bistable_from_mm`` on the dome has a second, inverted state (empty: none up to the greatest
+    depth). ``spec`` and ``versions`` are JSON.
     """
 
-    rows: tuple[Row, ...]
-    columns: tuple[str, ...]
+    designs: tuple[Row, ...]
+    by_depth: tuple[Row, ...] = ()
+    by_tilt: tuple[Row, ...] = ()
+    presses: tuple[Row, ...] = ()
 
     def __post_init__(self) -> None:
-        for row in self.rows:
-            if tuple(row) != self.columns:
-                raise ValueError(f"row {dict(row)} does not have the columns {self.columns}")
+        for table in ("designs", *TABLES):
+            rows = getattr(self, table)
+            if any(tuple(row) != tuple(rows[0]) for row in rows):
+                raise ValueError(f"the rows of {table} do not have the same columns")
+            if table in TABLES and not all(row["design"] in range(len(self.designs)) for row in rows):
+                raise ValueError(f"{table} has a row of no design")
 
-    def plot(self, metric: str = "rmse_deg", kind: str = "heat") -> Figure:
-        """Draw one metric, as `palpate.grid.plot_grid` does, without writing it.
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of `designs`, in order."""
+        return tuple(self.designs[0]) if self.designs else ()
 
-        Raises
-        ------
-        PalpateError
-            If there is no such kind or metric, or no design has the figure.
-        """
-        from palpate.grid.plot import draw_plot, refuse_unknown  # here, because pictures know results
-
-        refuse_unknown(self, kind, metric)
-        return draw_plot(self, kind, metric)
-
-    def _repr_html_(self) -> str:
-        from palpate.grid.export import html_rows
-
-        return html_rows(self)
+    def keep(self, designs: Sequence[Row]) -> SpecificationGrid:
+        """The grid of some of its own designs alone, in the order given."""
+        numbers = {id(row): number for number, row in enumerate(self.designs)}
+        places = {numbers[id(row)]: place for place, row in enumerate(designs)}
+        tables = (
+            tuple({**row, "design": places[row["design"]]} for row in getattr(self, table) if row["design"] in places)
+            for table in TABLES
+        )
+        return SpecificationGrid(tuple(designs), *tables)
 
 
-def depth_text(depth_mm: float) -> str:
-    """Depth (mm) as part of a column's name, exact to 1e-6 mm: 2.4 is ``"2_4"``, 8 is ``"8_0"``."""
-    whole, _, part = f"{depth_mm:.6f}".partition(".")
-    return f"{whole}_{part.rstrip('0') or '0'}"
+def rows_of(table: Sequence[Row], design: int) -> tuple[Row, ...]:
+    """The rows of `by_depth`, `by_tilt` or `presses` of one design, by its number in the grid."""
+    return tuple(row for row in table if row["design"] == design)
+
+
+def name_row(row: Row) -> str:
+    """Name of a design in words, e.g. ``"H20 T2, 169 markers"``."""
+    return f"H{row['height_mm']:g} T{row['thickness_mm']:g}, {row['markers']} markers"
 
 
 def unit_of(column: str) -> str:
     """Unit of a column by its suffix; empty for a pure number or a word."""
     return next((unit for suffix, unit in UNITS.items() if column.endswith(suffix)), "")
-
-
-def depth_of(column: str) -> tuple[str, float] | None:
-    """Figure and depth (mm) of a column by depth, ``rmse_at_2_4mm_deg`` gives ``("rmse_deg", 2.4)``; else `None`."""
-    match = _AT_DEPTH.search(column)
-    return (column.replace(match[0], ""), float(f"{match[1]}.{match[2]}")) if match else None
-
-
-def tilts_of(column: str) -> tuple[str, float, float] | None:
-    """Figure and interval of tilt (degrees) of a column such as ``rmse_at_tilt_0_to_2_deg``; else `None`."""
-    match = _AT_TILT.search(column)
-    return (column.replace(match[0], ""), float(match[1]), float(match[2])) if match else None

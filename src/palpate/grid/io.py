@@ -8,12 +8,12 @@ import tempfile
 from pathlib import Path
 
 from palpate.core import PalpateError
-from palpate.grid.database import read_database, write_database
+from palpate.grid.database import read_database, refuse_older, write_database
 from palpate.grid.export import write_csv
-from palpate.grid.grid import SpecificationGrid, unit_of
+from palpate.grid.grid import TABLES, SpecificationGrid, unit_of
 from palpate.grid.plot import draw_plot, name_plot
 
-FORMAT, FORMAT_VERSION = "palpate specification grid", 1
+FORMAT, FORMAT_VERSION = "palpate specification grid", 2
 
 DATABASE = "grid.sqlite"
 
@@ -38,11 +38,12 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     Parameters
     ----------
     directory
-        Made if it does not exist. Gets ``grid.sqlite``, ``grid.csv``, ``grid.json``, one ``heat_map_….png`` and
+        Made if it does not exist. Gets ``grid.sqlite`` and ``grid.json`` with everything, ``grid.csv`` with the
+        columns that decide, ``by_depth.csv``, ``by_tilt.csv`` and ``presses.csv``, one ``heat_map_….png`` and
         ``.svg`` for each of the four errors, and ``marker_travel``, ``error_by_depth`` and
         ``error_by_depth_jitter`` as both.
     grid
-        At least one row; a grid without rows has no pictures.
+        A grid without designs has no pictures.
 
     Raises
     ------
@@ -53,9 +54,9 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".writing-", dir=directory) as name:
             drafts = Path(name)
-            write_csv(drafts / "grid.csv", grid)
+            write_csv(drafts / "grid.csv", grid, "{table}")
             _write_json(drafts / "grid.json", grid)
-            if grid.rows:
+            if grid.designs:
                 _write_pictures(drafts, grid)
             write_database(directory / DATABASE, grid)
             for draft in sorted(drafts.iterdir()):
@@ -72,33 +73,30 @@ def read_grid(directory: Path) -> SpecificationGrid:
     Raises
     ------
     PalpateError
-        If there is none, or it is not a grid.
+        If there is none, or it is not a grid, or one that an older palpate wrote.
     """
     if (directory / DATABASE).is_file():
         return read_database(directory / DATABASE)
     path = directory / "grid.json"
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT or content["version"] != FORMAT_VERSION:
-            raise ValueError(f"it is not a {FORMAT} of version {FORMAT_VERSION}")
-        columns = tuple(content["columns"])
-        rows = tuple({name: row[name] for name in columns} for row in content["rows"])
+        if content["format"] != FORMAT:
+            raise ValueError(f"it is not a {FORMAT}")
+        refuse_older(path, content["version"], FORMAT_VERSION)
+        return SpecificationGrid(*(tuple(dict(row) for row in content[table]) for table in ("designs", *TABLES)))
     except FileNotFoundError:
         raise PalpateError(f"{directory} has no grid.json.", "Give the result folder of a finished study.") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise PalpateError(f"{path} cannot be read as a grid: {error}.", "Run the study again.") from error
-    return SpecificationGrid(rows=rows, columns=columns)
 
 
 def _write_json(path: Path, grid: SpecificationGrid) -> None:
-    content = {
-        "format": FORMAT,
-        "version": FORMAT_VERSION,
-        "columns": list(grid.columns),
-        "units": {name: unit_of(name) for name in grid.columns if unit_of(name)},
-        "rows": [dict(row) for row in grid.rows],
-    }
-    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    units = {name: unit_of(name) for name in grid.columns if unit_of(name)}
+    parts = [f'"format": "{FORMAT}"', f'"version": {FORMAT_VERSION}', f'"units": {json.dumps(units)}']
+    for table in ("designs", *TABLES):
+        rows = ",\n".join(json.dumps(dict(row), allow_nan=False) for row in getattr(grid, table))
+        parts.append(f'"{table}": [\n{rows}\n]')
+    path.write_text("{\n" + ",\n".join(parts) + "\n}\n", encoding="utf-8")  # a row a line
 
 
 def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from palpate.core import PalpateError
-from palpate.grid.grid import SpecificationGrid
+from palpate.grid.grid import SpecificationGrid, name_row
 from palpate.learn import open_predictor
 
 
@@ -32,10 +32,10 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
     PalpateError
         If the grid has no row, its design has no model, or a file cannot be read or written.
     """
-    if not grid.rows:
+    if not grid.designs:
         raise PalpateError("No design of the grid is left.", "Choose fewer conditions in --where.")
-    row = grid.rows[0]
-    name = f"H{row['height_mm']:g} T{row['thickness_mm']:g}, {row['markers']} markers"
+    row = grid.designs[0]
+    name = name_row(row)
     key = row.get("estimator_key")
     if not isinstance(key, str) or not key:
         raise PalpateError(f"{name} has no model.", "Its chain broke: see the column failure.")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.grid.grid import Row, SpecificationGrid, depth_of, tilts_of
+from palpate.grid.grid import Row, SpecificationGrid
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,12 +24,15 @@ class Panel:
         (h,) and (t,), rising.
     values
         (h, t) figures; NaN where there is none.
+    designs
+        (h, t) numbers of the designs in the grid; -1 where there is none.
     """
 
     title: str
     heights_mm: tuple[float, ...]
     thicknesses_mm: tuple[float, ...]
     values: NDArray[np.float64]
+    designs: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,20 +65,22 @@ def cut_panels(grid: SpecificationGrid, column: str) -> tuple[Panel, ...]:
     Parameters
     ----------
     grid
-        At least one row.
+        At least one design.
     column
         Name of a column of numbers.
     """
-    heights = sorted({_number(row["height_mm"]) for row in grid.rows})
-    thicknesses = sorted({_number(row["thickness_mm"]) for row in grid.rows})
-    values: dict[tuple[int, int], NDArray[np.float64]] = {}
-    for row, (height, thickness), markers, layout in _designs(grid):
-        table = values.setdefault((markers, layout), np.full((len(heights), len(thicknesses)), np.nan))
-        table[heights.index(height), thicknesses.index(thickness)] = _number(row[column])
-    return tuple(
-        Panel(_title(markers, layout), tuple(heights), tuple(thicknesses), values[markers, layout])
-        for markers, layout in sorted(values)
-    )
+    heights = sorted({_number(row["height_mm"]) for row in grid.designs})
+    thicknesses = sorted({_number(row["thickness_mm"]) for row in grid.designs})
+    shape = (len(heights), len(thicknesses))
+    panels: dict[tuple[int, int], Panel] = {}
+    for number, (row, (height, thickness), markers, layout) in enumerate(_designs(grid)):
+        if (markers, layout) not in panels:
+            cells = (np.full(shape, np.nan), np.full(shape, -1))
+            panels[markers, layout] = Panel(_title(markers, layout), tuple(heights), tuple(thicknesses), *cells)
+        panel = panels[markers, layout]
+        place = heights.index(height), thicknesses.index(thickness)
+        panel.values[place], panel.designs[place] = _number(row[column]), number
+    return tuple(panels[key] for key in sorted(panels))
 
 
 def cut_depth_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
@@ -84,18 +89,17 @@ def cut_depth_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple
     Parameters
     ----------
     grid
-        At least one row.
+        At least one design.
     column
-        Name of a figure that has columns by depth, as ``rmse_deg`` has ``rmse_at_2_4mm_deg``.
+        Name of a column of `SpecificationGrid.by_depth`.
     """
-    found = {name: depth_of(name) for name in grid.columns}
-    return _cut_curves(grid, {at[1]: name for name, at in found.items() if at and at[0] == column})
+    return _cut_curves(grid, [(row, _number(row["depth_mm"])) for row in grid.by_depth], column)
 
 
 def cut_tilt_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
-    """Cut one figure by the middles of the intervals of tilt (degrees); parameters as of `cut_depth_panels`."""
-    found = {name: tilts_of(name) for name in grid.columns}
-    return _cut_curves(grid, {(at[1] + at[2]) / 2: name for name, at in found.items() if at and at[0] == column})
+    """Cut a column of `by_tilt` by the middles of its intervals (degrees); see `cut_depth_panels`."""
+    middles = [(_number(row["tilt_from_deg"]) + _number(row["tilt_to_deg"])) / 2 for row in grid.by_tilt]
+    return _cut_curves(grid, list(zip(grid.by_tilt, middles, strict=True)), column)
 
 
 def cut_marker_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tuple[CurvePanel, ...]:
@@ -103,7 +107,7 @@ def cut_marker_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tupl
 
     Of two layouts with the same number of markers on the same dome the first counts.
     """
-    counts = tuple(sorted({int(_number(row["markers"])) for row in grid.rows}))
+    counts = tuple(sorted({int(_number(row["markers"])) for row in grid.designs}))
     curves: dict[float, dict[tuple[float, float], list[float]]] = {}
     for row, dome, markers, layout in _designs(grid):
         if layout == 0:
@@ -113,12 +117,13 @@ def cut_marker_panels(grid: SpecificationGrid, column: str = "rmse_deg") -> tupl
     return tuple(_curve_panel(f"H = {height:g} mm", curves[height], places) for height in sorted(curves))
 
 
-def _cut_curves(grid: SpecificationGrid, columns: dict[float, str]) -> tuple[CurvePanel, ...]:
-    """One panel a layout, with the columns by the place where each stands on the axis."""
-    places = tuple(sorted(columns))
+def _cut_curves(grid: SpecificationGrid, placed: Sequence[tuple[Row, float]], column: str) -> tuple[CurvePanel, ...]:
+    """One panel a layout, from rows of a table and the place of each on the axis."""
+    figures = {(row["design"], place): _number(row[column]) for row, place in placed if row[column] is not None}
+    places = tuple(sorted({place for _, place in figures}))
     curves: dict[tuple[int, int], dict[tuple[float, float], list[float]]] = {}
-    for row, dome, markers, layout in _designs(grid):
-        curve = [_number(row[columns[place]]) for place in places]
+    for number, (_, dome, markers, layout) in enumerate(_designs(grid)):
+        curve = [figures.get((number, place), float("nan")) for place in places]
         curves.setdefault((markers, layout), {})[dome] = curve
     return tuple(_curve_panel(_title(*key), curves[key], places) for key in sorted(curves))
 
@@ -132,7 +137,7 @@ def _curve_panel(title: str, curves: dict[tuple[float, float], list[float]], pla
 def _designs(grid: SpecificationGrid) -> Iterator[tuple[Row, tuple[float, float], int, int]]:
     """Each row with its dome (height, thickness), number of markers, and which layout of as many markers it is."""
     seen: Counter[tuple[tuple[float, float], int]] = Counter()
-    for row in grid.rows:
+    for row in grid.designs:
         dome, markers = (_number(row["height_mm"]), _number(row["thickness_mm"])), int(_number(row["markers"]))
         yield row, dome, markers, seen[dome, markers]
         seen[dome, markers] += 1

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.grid.grid import SpecificationGrid, depth_of, tilts_of, unit_of
+from palpate.grid.grid import SpecificationGrid, unit_of
 from palpate.grid.panel import (
     CurvePanel,
     cut_depth_panels,
@@ -46,6 +46,7 @@ _CURVES: dict[str, tuple[Callable[[SpecificationGrid, str], tuple[CurvePanel, ..
     "tilt": (cut_tilt_panels, "tilt of the wall (deg)"),
     "markers": (cut_marker_panels, "number of markers"),
 }
+_PLACES = ("design", "depth_mm", "tilt_from_deg", "tilt_to_deg")
 _NAMES = {
     ("travel", "travel_mm"): "marker_travel",
     ("depth", "rmse_deg"): "error_by_depth",
@@ -97,6 +98,12 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     return tuple(directory / draft.name for draft in drafts)
 
 
+def draw_grid(grid: SpecificationGrid, metric: str = "rmse_deg", kind: str = "heat") -> Figure:
+    """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
+    refuse_unknown(grid, kind, metric)
+    return draw_plot(grid, kind, metric)
+
+
 def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
     """Draw one metric of a grid; `kind` and `metric` as of `plot_grid`, the grid has at least one row."""
     from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel
@@ -124,19 +131,15 @@ def refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
     """Refuse what `plot_grid` cannot draw, with its errors."""
     if kind not in KINDS:
         raise PalpateError(f"There is no kind of picture '{kind}'.", f"Choose one of {', '.join(KINDS)}.")
-    if not grid.rows:
+    if not grid.designs:
         raise PalpateError("The grid has no design.", "Give the result folder of a finished study.")
-    columns = [metric]
-    if kind in ("depth", "tilt"):
-        at = depth_of if kind == "depth" else tilts_of
-        found = {name: place[0] for name in grid.columns if (place := at(name))}
-        if metric not in found.values():
-            known = ", ".join(dict.fromkeys(found.values())) or "none"
-            raise PalpateError(f"The grid has no '{metric}' by {kind}.", f"By {kind} it has: {known}.")
-        columns = [name for name, figure in found.items() if figure == metric]
-    else:
-        check_column(metric, grid.rows[0])
-    cells = [row[name] for row in grid.rows for name in columns]
+    table = {"depth": grid.by_depth, "tilt": grid.by_tilt}.get(kind)
+    if table is None:
+        check_column(metric, grid.designs[0])
+    elif not table or metric not in table[0]:
+        known = ", ".join(name for name in (table[0] if table else ()) if name not in _PLACES) or "none"
+        raise PalpateError(f"The grid has no '{metric}' by {kind}.", f"By {kind} it has: {known}.")
+    cells = [row[metric] for row in (grid.designs if table is None else table)]
     if any(isinstance(cell, str) for cell in cells):
         raise PalpateError(f"'{metric}' is a text and cannot be drawn.", "Choose a column of numbers.")
     if not any(isinstance(cell, int | float) and np.isfinite(cell) for cell in cells):

@@ -8,7 +8,7 @@ from palpate.core import Spec, parameter
 class SolverSpec(Spec):
     """How a press is solved. The defaults hold 1 % in force and marker displacement over the paper's grid."""
 
-    backend: str = "auto"
+    backend: str = parameter("auto", unit="", meaning="linear solver, or auto; `palpate doctor` lists them")
     penalty_ratio: float = parameter(
         60.0,
         unit="1",

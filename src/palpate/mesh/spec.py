@@ -18,5 +18,5 @@ class MeshSpec(Spec):
         le=200,
     )
     layers: int = parameter(1, unit="1", meaning="cells through the thickness", ge=1, le=8)
-    rim: Rim = Rim.FLAT
-    whole: bool = False
+    rim: Rim = parameter(Rim.FLAT, unit="", meaning="base cut flat at z = 0, or radially from the sphere's centre")
+    whole: bool = parameter(False, unit="", meaning="solve the whole dome, not its half")

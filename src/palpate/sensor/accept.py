@@ -23,7 +23,9 @@ class AcceptSpec(Spec):
     """What a unit must reach."""
 
     rmse_deg: float = parameter(0.58, unit="deg", meaning="greatest RMSE of roll and of pitch", source=PAPER, gt=0)
-    max_deg: float = parameter(1.64, unit="deg", meaning="greatest error of roll and of pitch", source=PAPER, gt=0)
+    max_deg: float = parameter(
+        1.64, unit="deg", meaning="greatest error of roll and of pitch", source=PAPER, flag="max-error", gt=0
+    )
     depth_rmse: float = parameter(0.2, unit="mm", meaning="greatest RMSE of the depth", gt=0)
     least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)
     without_pose: float = parameter(0.0, unit="1", meaning="greatest share of images without a pose", ge=0, le=1)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
-from palpate.design import Dome, place_orientation_mark
+from palpate.design import Dome, MarkerLayout, place_orientation_mark
 from palpate.learn import Predictor
 from palpate.markers import (
     Detector,
@@ -214,14 +214,19 @@ def open_sensor(
     PalpateError
         If the model is that of another design, or as of `read_rest`.
     """
-    if predictor.markers != len(unit.layout):
-        raise PalpateError(
-            f"The model reads {predictor.markers} markers, the design has {len(unit.layout)}.",
-            "Use the model of this design.",
-        )
+    check_model(predictor, unit.layout)
     spec = spec or RigSpec()
     seen = read_rest(rest, unit, detect, known, spec.refine_lens)
     return Sensor(unit, predictor, spec, seen.detector, seen.naming, seen.registration)
+
+
+def check_model(predictor: Predictor, layout: MarkerLayout) -> None:
+    """Refuse a model that reads another number of markers than the design has, with a `PalpateError`."""
+    if predictor.markers != len(layout):
+        raise PalpateError(
+            f"The model reads {predictor.markers} markers, the design has {len(layout)}.",
+            "Use the model of this design.",
+        )
 
 
 def run_sensor(sensor: Sensor, images: Iterable[NDArray[Any] | PalpateError]) -> Iterator[Reading]:

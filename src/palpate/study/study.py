@@ -70,6 +70,7 @@ class MaterialSpec(Spec):
         unit="",
         meaning="name in the library, a material file (.yaml), or a law with its constants in MPa: yeoh:C10,C20,C30",
         source=PAPER,
+        flag="material",
     )
     bulk_ratio: float | None = parameter(
         None,

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.grid import Cell, Row, SpecificationGrid
+import numpy as np
+
+from palpate.grid import Cell, Row, SpecificationGrid, cut_panels
 from palpate.viewer.words import cell_words, column_label
 
 VIRIDIS = (
@@ -66,33 +67,34 @@ class Curve:
 
 def heat_chart(grid: SpecificationGrid, metric: str, chosen: Chosen, ink: Ink) -> Chart:
     """Heat maps of a column, one a marker layout, heights over thicknesses; each cell's value ends in its row."""
-    heights = sorted({_number(row["height_mm"]) for row in grid.rows})
-    thicknesses = sorted({_number(row["thickness_mm"]) for row in grid.rows})
-    panels: dict[tuple[int, int], list[Chart]] = {}
-    seen: Counter[tuple[Cell, ...]] = Counter()
-    figures = [value for i, row in enumerate(grid.rows) if (value := _figure(row[metric])) is not None]
+    panels = cut_panels(grid, metric)
+    figures = [float(value) for panel in panels for value in panel.values.flat if math.isfinite(value)]
     low, high = min(figures, default=0.0), max(figures, default=1.0)
-    for number, row in enumerate(grid.rows):
-        markers = int(_number(row["markers"]))
-        dome = (row["height_mm"], row["thickness_mm"], markers, row.get("base_radius_mm"))
-        place = (thicknesses.index(_number(dome[1])), heights.index(_number(dome[0])))
-        cell = _heat_cell(number, row, (place, metric, low + 0.55 * (high - low)), chosen, ink)
-        panels.setdefault((markers, seen[dome]), []).append(cell)
-        seen[dome] += 1
-    names = [f"{markers} markers" + (f" ({layout + 1})" if layout else "") for markers, layout in sorted(panels)]
-    axes = ([f"{value:g}" for value in thicknesses], [f"{value:g}" for value in heights])
+    bright = low + 0.55 * (high - low)
+    series = [
+        {
+            "type": "heatmap",
+            "name": panel.title,
+            "xAxisIndex": i,
+            "yAxisIndex": i,
+            "data": [
+                _heat_cell(int(number), grid.designs[number], ((x, y), metric, bright), chosen, ink)
+                for (y, x), number in np.ndenumerate(panel.designs)
+                if number >= 0
+            ],
+        }
+        for i, panel in enumerate(panels)
+    ]
+    axes = ([f"{value:g}" for value in panels[0].thicknesses_mm], [f"{value:g}" for value in panels[0].heights_mm])
     return {
-        **_panels(names, axes, ink),
-        "series": [
-            {"type": "heatmap", "name": name, "xAxisIndex": i, "yAxisIndex": i, "data": panels[key]}
-            for i, (name, key) in enumerate(zip(names, sorted(panels), strict=True))
-        ],
+        **_panels([panel.title for panel in panels], axes, ink),
+        "series": series,
         "visualMap": {
             "type": "continuous",
             "min": low,
             "max": high if high > low else low + 1.0,
             "dimension": 2,
-            "seriesIndex": list(range(len(names))),
+            "seriesIndex": list(range(len(panels))),
             "inRange": {"color": list(VIRIDIS)},
             "orient": "horizontal",
             "left": "center",
@@ -185,13 +187,13 @@ def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen
     """All designs by two columns, with the front that no other kept design beats in both."""
     points = [
         (i, x, y)
-        for i, row in enumerate(grid.rows)
+        for i, row in enumerate(grid.designs)
         if (x := _figure(row[axes[0]])) is not None and (y := _figure(row[axes[1]])) is not None
     ]
     kept = [point for point in points if point[0] in chosen.kept]
     places = {number: (x, y) for number, x, y in points}
     front = pareto_front(kept)
-    dots = [_scatter_dot(point, grid.rows[point[0]], axes, (chosen, front, ink)) for point in points]
+    dots = [_scatter_dot(point, grid.designs[point[0]], axes, (chosen, front, ink)) for point in points]
     return {
         "grid": {"left": 48, "right": 12, "top": 12, "bottom": 40},
         "xAxis": _axis(column_label(axes[0]), ink, 26),
@@ -299,7 +301,3 @@ def _axis(name: str, ink: Ink, gap: int) -> Chart:
 
 def _figure(cell: Cell) -> float | None:
     return float(cell) if isinstance(cell, int | float) and math.isfinite(cell) else None
-
-
-def _number(cell: Cell) -> float:
-    return float("nan") if cell is None else float(cell)

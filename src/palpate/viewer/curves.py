@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
 
-from palpate.grid import Row
+from palpate.grid import Row, SpecificationGrid, rows_of
 from palpate.viewer.charts import FIRST, LIMIT, SECOND, Curve
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
-
-_AT = r"_at_(\d+)_(\d+)mm"
 
 
 def force_curves(shown: list[tuple[Design, Motion]]) -> tuple[list[Curve], list[Curve]]:
@@ -30,12 +28,12 @@ def force_curves(shown: list[tuple[Design, Motion]]) -> tuple[list[Curve], list[
     return curves, marks
 
 
-def error_curves(shown: list[Design]) -> list[Curve]:
+def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[Curve]:
     """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against the limit of any network."""
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
-        errors = _by_depth(design.row, rf"rmse{_AT}_jitter_deg")
-        limits = _by_depth(design.row, rf"limit{_AT}_deg")
+        rows = rows_of(grid.by_depth, design.number)
+        errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "limit_deg")
         name = "" if len(shown) == 1 else f"{_short(design)} "
         if errors:
             curves.append(Curve(f"{name}network", errors, colour))
@@ -48,10 +46,7 @@ def _short(design: Design) -> str:
     return f"H{design.dome.height:g} T{design.dome.thickness:g} {len(design.layout)}"
 
 
-def _by_depth(row: Row, pattern: str) -> list[tuple[float, float]]:
-    found = []
-    for column, cell in row.items():
-        match = re.fullmatch(pattern, column)
-        if match and isinstance(cell, int | float):
-            found.append((float(f"{match[1]}.{match[2]}"), float(cell)))
-    return sorted(found)
+def _points(rows: Sequence[Row], column: str) -> list[tuple[float, float]]:
+    """Depth (mm) and figure of the rows that have it."""
+    found = [(row["depth_mm"], row[column]) for row in rows]
+    return [(float(depth), float(cell)) for depth, cell in found if depth is not None and cell is not None]

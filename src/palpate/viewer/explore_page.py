@@ -39,8 +39,10 @@ class ExplorePage:
     def __init__(self, library: Library, request: Request) -> None:
         self._library, self._grid = library, library.results.grid
         self._view, self._complaints = read_link(request.query_params, self._grid)
-        self._names = {i: self._name(i) for i in range(len(self._grid.rows))}
-        self._head = Head(request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.rows)} designs")
+        self._names = {i: self._name(i) for i in range(len(self._grid.designs))}
+        self._head = Head(
+            request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.designs)} designs"
+        )
         self._head.watch(self._redraw)
 
     def build(self) -> None:
@@ -60,7 +62,7 @@ class ExplorePage:
             complain(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
 
     def _name(self, number: int) -> str:
-        row = self._grid.rows[number]
+        row = self._grid.designs[number]
         return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
 
     def _build_export(self) -> None:
@@ -175,7 +177,7 @@ class ExplorePage:
 
     def _draw_grid(self) -> None:
         chosen, message = self._chosen()
-        total = len(self._grid.rows)
+        total = len(self._grid.designs)
         self._kept.text = message or f"{len(chosen.kept)} of {total} designs kept"
         self._kept.classes(add="complaint" if message else "faint", remove="faint" if message else "complaint")
         set_chart(self._heat, heat_chart(self._grid, self._view.metric, chosen, self._head.ink))
@@ -218,7 +220,7 @@ class ExplorePage:
         ink, here = self._head.ink, Curve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
-        errors = error_curves(designs)
+        errors = error_curves(self._grid, designs)
         set_chart(self._error, line_chart(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
         self._force_note.text = " ".join(_say_end(design, motion) for design, motion in shown)
 

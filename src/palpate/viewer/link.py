@@ -97,8 +97,8 @@ def first_view(grid: SpecificationGrid) -> View:
     known = numeric_columns(grid)
     metric = next((name for name in ("rmse_jitter_deg", "rmse_deg") if name in known), known[0])
     across = next((name for name in ("force_n", "height_mm") if name in known), known[0])
-    pressed = [i for i, row in enumerate(grid.rows) if row.get("press_key") and row.get(metric) is not None]
-    best = min(pressed, key=lambda i: float(grid.rows[i][metric] or 0.0), default=0)
+    pressed = [i for i, row in enumerate(grid.designs) if row.get("press_key") and row.get(metric) is not None]
+    best = min(pressed, key=lambda i: float(grid.designs[i][metric] or 0.0), default=0)
     return View(design=best, metric=metric, across=across, up=metric, tilt=0.0)
 
 
@@ -106,7 +106,7 @@ def numeric_columns(grid: SpecificationGrid) -> list[str]:
     """Columns that have a number in some row and a text in none, in the grid's order; the main ones come first."""
     found = []
     for name in grid.columns:
-        cells = [row[name] for row in grid.rows]
+        cells = [row[name] for row in grid.designs]
         if any(isinstance(cell, int | float) for cell in cells) and not any(isinstance(cell, str) for cell in cells):
             found.append(name)
     return found
@@ -121,9 +121,9 @@ def kept_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
         If the question is not understood.
     """
     if not where.strip():
-        return frozenset(range(len(grid.rows)))
-    kept = {id(row) for row in filter_rows(grid.rows, where)}
-    return frozenset(i for i, row in enumerate(grid.rows) if id(row) in kept)
+        return frozenset(range(len(grid.designs)))
+    kept = {id(row) for row in filter_rows(grid.designs, where)}
+    return frozenset(i for i, row in enumerate(grid.designs) if id(row) in kept)
 
 
 def _write(value: Any) -> str:
@@ -153,7 +153,7 @@ def _read(text: str, usual: Any) -> Any:
 
 
 def _check(name: str, value: Any, grid: SpecificationGrid) -> None:
-    if name in ("design", "other") and not (0 if name == "design" else -1) <= value < len(grid.rows):
+    if name in ("design", "other") and not (0 if name == "design" else -1) <= value < len(grid.designs):
         raise ValueError(f"there is no design {value}.")
     if name in ("metric", "across", "up") and value not in numeric_columns(grid):
         raise ValueError(f"the grid has no column of numbers '{str(value)[:40]}'.")

@@ -41,7 +41,7 @@ class LivePage:
 
     def __init__(self, library: Library, request: Request) -> None:
         self._library = library
-        self._rows = library.results.grid.rows
+        self._rows = library.results.grid.designs
         self._live: Live | None = None
         self._busy = False
         self._tolerance = 2.0

@@ -83,9 +83,9 @@ def read_results(folder: Path) -> Results:
         If the folder has no grid, or the grid has no design.
     """
     grid = read_grid(folder)
-    if not grid.rows:
+    if not grid.designs:
         raise PalpateError(f"The grid of {folder.name} has no design.", "Give the folder of a finished study.")
-    for number, row in enumerate(grid.rows):
+    for number, row in enumerate(grid.designs):
         for column in _SIZES:
             if not isinstance(row.get(column), int | float):
                 raise PalpateError(f"Design {number} of the grid of {folder.name} has no {column}.", _AGAIN)
@@ -100,11 +100,11 @@ def read_design(results: Results, number: int) -> Design:
     PalpateError
         If there is no such row, or it says too little to build the design again.
     """
-    if not 0 <= number < len(results.grid.rows):
+    if not 0 <= number < len(results.grid.designs):
         raise PalpateError(
-            f"There is no design {number}.", f"The grid has designs 0 to {len(results.grid.rows) - 1}."
+            f"There is no design {number}.", f"The grid has designs 0 to {len(results.grid.designs) - 1}."
         )
-    row = results.grid.rows[number]
+    row = results.grid.designs[number]
     try:
         sizes = {name: row[f"{name}_mm"] for name in ("height", "base_radius", "thickness")}
         dome = build_dome(DomeSpec.model_validate(sizes))

@@ -56,7 +56,7 @@ def make_routes(shelf: Shelf) -> APIRouter:
         if shelf.library is None:
             raise PalpateError("There is no grid.", "Start the viewer with a result folder.")
         found = shelf.library.results.grid
-        rows = [dict(found.rows[i]) for i in sorted(kept_rows(found, where))]
+        rows = [dict(found.designs[i]) for i in sorted(kept_rows(found, where))]
         return _csv("grid.csv", rows)
 
     return router

@@ -41,7 +41,7 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("design", "--height", "70"), "--height: Input should be less than or equal to 60 (given 70.0)"),
+        (("design", "--height", "70"), "--height: Input should be less than or equal to 60 (given 70)"),
         (("design", "--height", "tall"), "--height"),
         (("design", "--markers", "8"), "nearest valid: 7 or 19"),
         (("design", "--heigth", "3"), "Did you mean --height"),
@@ -112,20 +112,30 @@ def test_interruption_has_its_exit_code() -> None:
     assert guarded(interrupt) == 130
 
 
-def test_doctor_writes_the_command_that_mends_as_it_must_be_typed(capsys, monkeypatch):
-    from palpate.cli import doctor
+def test_doctor_names_every_package_of_every_extra_that_a_user_may_want(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert call("doctor", "--json") == 0
+    named = {check["name"] for check in json.loads(capsys.readouterr().out)["checks"]}
+    assert named >= {"numpy", "cyclopts", "torch", "onnx", "onnxruntime", "pyarrow", "distributed", "rosbags"}
+    assert named >= {"opencv-python-headless", "nicegui", "build123d", "manifold3d", "calculix"}
+    assert not named & {"pytest", "sphinx", "palpate"}
 
-    monkeypatch.setattr(doctor, "EXTRAS", {"absent": ("palpate_has_no_such_module", "learn")})
+
+def test_doctor_writes_the_command_that_mends_as_it_must_be_typed(capsys, monkeypatch):
+    wanted = ["no-such-package>=2; python_version > '3' and extra == 'learn'"]
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: wanted)
     assert call("doctor") == 0
     assert 'pip install "palpate[learn]"' in capsys.readouterr().out
 
 
 def test_doctor_tells_of_a_package_that_does_not_load(capsys, monkeypatch, tmp_path):
-    from palpate.cli import doctor
-
     (tmp_path / "fits_no_other.py").write_text("raise AttributeError('removed in 2.0')\n")
+    (tmp_path / "old-1.0.dist-info").mkdir()
+    (tmp_path / "old-1.0.dist-info" / "METADATA").write_text("Name: old\nVersion: 1.0\n")
+    (tmp_path / "old-1.0.dist-info" / "top_level.txt").write_text("fits_no_other\n")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(doctor, "EXTRAS", {"old": ("fits_no_other", "viz")})
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: ["old; extra == 'viz'"])
     assert call("doctor") == 0
     told = capsys.readouterr().out
     assert "does not load: removed in 2.0" in told

@@ -96,8 +96,8 @@ def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_
     ("words", "says"),
     [
         (("--markers", "91"), "reads 37 markers, the design has 91"),
-        (("--markers", "37", "--rest-images", "0"), "leave nothing to begin with"),
-        (("--markers", "37", "--out", "readings.txt"), "neither .csv, .jsonl nor .rosbag2"),
+        (("--markers", "37", "--rest-images", "0"), "--rest-images: Input should be greater than or equal to 1"),
+        (("--markers", "37", "--out", "readings.txt"), "does not end in .csv or .jsonl or .rosbag2"),
         (("--markers", "37", "--press-pose", "6", "1.5", "4"), "A known press is an image and its pose"),
     ],
 )

@@ -10,7 +10,6 @@ from palpate.core import MissingExtraError, PalpateError
 from palpate.design import DomeSpec, build_dome
 from palpate.fea import Press, WallSpec, picture_press, plot_press, solve_press, tabulate_press
 from palpate.fea.plot_press import check_graphics
-from palpate.grid import SpecificationGrid
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_dome
 
@@ -54,15 +53,3 @@ def test_a_picture_shows_the_dome(press):
     picture = picture_press(press)
     assert picture.shape == (600, 800, 3)
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
-
-
-def test_a_grid_is_drawn_and_is_a_table_with_its_texts_escaped():
-    usual = {"thickness_mm": 2.0, "markers": 7, "travel_mm": "<b>"}
-    rows = tuple({"height_mm": height, "rmse_deg": 0.1 * height, **usual} for height in (10.0, 20.0))
-    grid = SpecificationGrid(rows, tuple(rows[0]))
-    assert grid.plot().axes
-    assert "&lt;b&gt;" in grid._repr_html_()
-    with pytest.raises(PalpateError, match="no column"):
-        grid.plot("rms")
-    with pytest.raises(PalpateError, match="no kind"):
-        grid.plot(kind="pie")

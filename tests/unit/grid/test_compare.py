@@ -63,7 +63,7 @@ def test_what_differs_between_the_designs_of_one_grid_is_said_to_vary():
 
 def test_a_grid_without_specs_gives_one_line_not_fifty():
     old = evaluate_grid([make_design()])
-    old = replace(old, rows=tuple({**row, "spec": None} for row in old.rows))
+    old = replace(old, designs=tuple({**row, "spec": None} for row in old.designs))
     (spec,) = compare_grids(grid_of(make_design(), spec=SPEC), old).differences
     assert (spec.name, spec.first, spec.second) == ("spec", RECORDED, UNRECORDED)
 

@@ -12,6 +12,7 @@ from palpate.grid import (
     cut_panels,
     evaluate_grid,
     read_grid,
+    rows_of,
     unit_of,
     write_grid,
 )
@@ -38,7 +39,6 @@ PROMISED = {
     "rmse_spread_deg",
     "limit_deg",
     "limit_pitman_deg",
-    "limit_at_2_4mm_deg",
     "rmse_over_limit",
     "estimator_key",
 }
@@ -55,75 +55,102 @@ PICTURES = (
 
 def test_a_row_holds_the_figures_of_its_design():
     design = make_design()
-    row = evaluate_grid([design]).rows[0]
+    row = evaluate_grid([design]).designs[0]
     assert set(row) >= PROMISED
     assert row["rmse_deg"] == design.clean.angle.rmse
     assert row["max_error_jitter_deg"] == design.jittered.angle.max
     assert row["bias_ry_jitter_deg"] == design.jittered.ry.bias
     assert row["max_depth_mm"] == design.clean.depth.max
-    assert row["rmse_at_8_0mm_deg"] == design.clean.by_depth[1].angle.rmse
     assert (row["presses"], row["samples"], row["dropped"], row["seed"]) == (2, 460, 20, 3)
     assert (row["presses_flat"], row["presses_inverted"]) == (1, 1)
     assert row["dropped_reasons"] == "wall reached the clamped rim: 20"
     assert row["press_key"] == "aa bb"
-    assert "fea=1" in row["versions"]
+    assert json.loads(row["versions"]) == {"palpate": "0.1.0", "fea": "1"}
     assert row["rmse_spread_deg"] == pytest.approx(0.1)
     assert (row["repeats"], row["dataset_seed"], row["learning_seed"]) == (3, 4, None)
 
 
 def test_a_row_holds_the_limit_and_how_near_the_error_comes():
     design = make_design()
-    row = evaluate_grid([design]).rows[0]
+    row = evaluate_grid([design]).designs[0]
     assert row["limit_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
     assert row["limit_pitman_deg"] == pytest.approx(np.sqrt((0.7**2 + 0.1**2) / 2))
     assert row["rmse_over_limit"] == pytest.approx(row["rmse_jitter_deg"] / row["limit_deg"])
-    assert (row["limit_at_2_4mm_deg"], row["limit_floor_at_8_0mm_deg"]) == (1.2, 0.05)
-    assert row["rmse_over_limit_at_8_0mm"] == pytest.approx(design.jittered.by_depth[1].angle.rmse / 0.2)
+
+
+def test_the_table_by_depth_holds_errors_and_limits():
+    design = make_design()
+    shallow, deep = rows_of(evaluate_grid([make_design(markers=7), design]).by_depth, 1)
+    assert (shallow["depth_mm"], deep["depth_mm"]) == (2.4, 8.0)
+    assert (shallow["limit_deg"], deep["limit_floor_deg"]) == (1.2, 0.05)
+    assert deep["rmse_deg"] == design.clean.by_depth[1].angle.rmse
+    assert deep["max_error_jitter_deg"] == design.jittered.by_depth[1].angle.max
+    assert deep["rmse_over_limit"] == pytest.approx(design.jittered.by_depth[1].angle.rmse / 0.2)
+    assert deep["validation_samples"] == design.clean.by_depth[1].images
 
 
 def test_a_design_without_an_estimator_still_has_its_limit():
-    row = evaluate_grid([make_design(failure="stopped"), make_design()]).rows[0]
+    row = evaluate_grid([make_design(failure="stopped"), make_design()]).designs[0]
     assert row["limit_deg"] == pytest.approx(np.sqrt((1.2**2 + 0.2**2) / 2))
     assert row["rmse_over_limit"] is None
 
 
-def test_a_row_holds_the_errors_by_tilt():
-    row = evaluate_grid([make_design()]).rows[0]
-    assert row["rmse_at_tilt_4_to_6_deg"] == make_design().clean.by_tilt[0].angle.rmse
-    assert row["max_error_at_tilt_4_to_6_jitter_deg"] == make_design().jittered.by_tilt[0].angle.max
-    assert row["validation_samples_at_tilt_4_to_6"] == 4
+def test_the_table_by_tilt_holds_the_errors_of_every_interval():
+    (row,) = evaluate_grid([make_design()]).by_tilt
+    assert (row["design"], row["tilt_from_deg"], row["tilt_to_deg"]) == (0, 4, 6)
+    assert row["rmse_deg"] == make_design().clean.by_tilt[0].angle.rmse
+    assert row["max_error_jitter_deg"] == make_design().jittered.by_tilt[0].angle.max
+    assert row["validation_samples"] == 4
+
+
+def test_the_table_of_presses_says_how_each_ended():
+    _, steep = evaluate_grid([make_design()]).presses
+    assert (steep["design"], steep["tilt_deg"], steep["branch"]) == (0, 12.0, "inverted")
+    assert (steep["ended"], steep["ended_depth_mm"]) == ("wall reached the clamped rim", 7.1)
 
 
 def test_every_row_has_every_column_even_where_the_chain_broke():
     broken = make_design(thickness=3.0, failure="press H20 T3 tilt 0: not converged")
     grid = evaluate_grid([broken, make_design()])
-    assert all(tuple(row) == grid.columns for row in grid.rows)
-    assert grid.rows[0]["rmse_deg"] is None
-    assert grid.rows[0]["travel_mm"] is None
-    assert grid.rows[0]["failure"] == "press H20 T3 tilt 0: not converged"
-    assert grid.rows[0]["presses"] == 2
+    assert all(tuple(row) == grid.columns for row in grid.designs)
+    assert grid.designs[0]["rmse_deg"] is None
+    assert grid.designs[0]["travel_mm"] is None
+    assert grid.designs[0]["failure"] == "press H20 T3 tilt 0: not converged"
+    assert grid.designs[0]["presses"] == 2
 
 
 def test_depths_that_only_one_design_reached_stay_empty_elsewhere():
     shallow = make_design(height=10.0)
     clean = replace(shallow.clean, by_depth=shallow.clean.by_depth[:1])
     grid = evaluate_grid([replace(shallow, clean=clean), make_design()])
-    assert grid.rows[0]["rmse_at_8_0mm_deg"] is None
-    assert grid.rows[1]["rmse_at_8_0mm_deg"] > 0
+    assert [row["rmse_deg"] is None for row in grid.by_depth] == [False, True, False, False]
+    assert np.isnan(cut_depth_panels(grid)[0].values).tolist() == [[False, True], [False, False]]
 
 
-def test_depths_close_together_keep_a_column_each():
+def test_depths_close_together_keep_a_row_each():
     design = make_design()
     shallow, deep = design.clean.by_depth
     by_depth = (replace(shallow, depth_mm=2.4), replace(deep, depth_mm=2.45))
-    row = evaluate_grid([replace(design, clean=replace(design.clean, by_depth=by_depth))]).rows[0]
-    assert row["rmse_at_2_4mm_deg"] == shallow.angle.rmse
-    assert row["rmse_at_2_45mm_deg"] == deep.angle.rmse
+    grid = evaluate_grid([replace(design, clean=replace(design.clean, by_depth=by_depth))])
+    found = {row["depth_mm"]: row["rmse_deg"] for row in grid.by_depth}
+    assert found == {2.4: shallow.angle.rmse, 2.45: deep.angle.rmse, 8.0: None}
 
 
-def test_a_row_with_other_columns_is_refused():
-    with pytest.raises(ValueError, match="does not have the columns"):
-        SpecificationGrid(rows=({"markers": 7},), columns=("markers", "seed"))
+def test_a_row_with_other_columns_or_of_no_design_is_refused():
+    with pytest.raises(ValueError, match="do not have the same columns"):
+        SpecificationGrid(designs=({"markers": 7}, {"seed": 7}))
+    with pytest.raises(ValueError, match="a row of no design"):
+        SpecificationGrid(designs=({"markers": 7},), by_depth=({"design": 1, "depth_mm": 2.0},))
+
+
+def test_designs_that_are_kept_keep_their_tables():
+    grid = evaluate_grid(FIRST)
+    some = grid.keep([grid.designs[5], grid.designs[2]])
+    assert [row["markers"] for row in some.designs] == [37, 91]
+    for table in ("by_depth", "by_tilt", "presses"):
+        for new, old in ((0, 5), (1, 2)):
+            kept = [{**row, "design": old} for row in rows_of(getattr(some, table), new)]
+            assert tuple(kept) == rows_of(getattr(grid, table), old)
 
 
 @pytest.mark.parametrize(
@@ -143,9 +170,22 @@ def test_csv_has_one_line_a_design_and_empty_cells_for_nothing(tmp_path):
     write_grid(tmp_path, evaluate_grid([make_design(), make_design(markers=7, failure="stopped")]))
     with (tmp_path / "grid.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
+    assert [row["name"] for row in rows] == ["H20 T2, 169 markers", "H20 T2, 7 markers"]
     assert [row["markers"] for row in rows] == ["169", "7"]
     assert float(rows[0]["rmse_deg"]) == make_design().clean.angle.rmse
     assert rows[1]["rmse_deg"] == ""
+
+
+def test_csv_is_short_enough_to_read_and_the_other_tables_stand_beside_it(tmp_path):
+    write_grid(tmp_path, evaluate_grid(FIRST))
+    tables = {}
+    for name in ("grid", "by_depth", "by_tilt", "presses"):
+        with (tmp_path / f"{name}.csv").open(newline="") as file:
+            tables[name] = list(csv.DictReader(file))
+    assert len(tables["grid"][0]) <= 30
+    assert [len(rows) for rows in tables.values()] == [8, 16, 8, 16]
+    assert tables["by_depth"][3]["name"] == tables["grid"][1]["name"]
+    assert (tables["presses"][1]["design"], tables["presses"][1]["branch"]) == ("0", "inverted")
 
 
 def test_json_names_units_and_has_no_value_that_is_not_a_number(tmp_path):
@@ -226,6 +266,12 @@ def test_a_folder_without_a_grid_is_reported(tmp_path):
         read_grid(tmp_path)
 
 
+def test_a_grid_of_an_older_palpate_says_to_run_the_study_again(tmp_path):
+    (tmp_path / "grid.json").write_text('{"format": "palpate specification grid", "version": 1, "rows": []}')
+    with pytest.raises(PalpateError, match=r"older palpate.*Run the study again: what its folder holds stays valid"):
+        read_grid(tmp_path)
+
+
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": "other", "version": 1}'])
 def test_a_broken_grid_is_reported(tmp_path, text):
     (tmp_path / "grid.json").write_text(text)
@@ -240,7 +286,7 @@ def test_a_folder_that_cannot_be_written_is_reported(tmp_path):
 
 
 def test_a_row_says_what_its_intervals_are_worth():
-    row, broken = evaluate_grid([make_design(), make_design(failure="it broke")]).rows
+    row, broken = evaluate_grid([make_design(), make_design(failure="it broke")]).designs
     assert (row["interval_level"], row["interval_coverage"], row["interval_coverage_depth"]) == (0.9, 0.905, 0.91)
     assert (row["interval_half_width_deg"], row["interval_half_width_mm"]) == (0.8, 0.1)
     assert (row["interval_presses"], row["called_outside"]) == (120, 0.011)
@@ -248,8 +294,7 @@ def test_a_row_says_what_its_intervals_are_worth():
 
 
 def test_a_row_says_how_the_dome_deforms():
-    (row,) = evaluate_grid([make_design()]).rows
+    (row,) = evaluate_grid([make_design()]).designs
     assert (row["peak_stress_straight_mpa"], row["peak_stress_mpa"]) == (0.04, 0.05)
     assert (row["displacement_max_straight_mm"], row["displacement_mean_straight_mm"]) == (8.0, 3.1)
     assert (row["displacement_max_mm"], row["apex_gap_mm"]) == (9.0, 1.5)
-    assert (row["branch_by_tilt"], row["depth_by_tilt_mm"]) == ("0: flat; 12: inverted", "0: 8.00; 12: 7.10")

@@ -2,18 +2,23 @@ import csv
 import sys
 
 import pytest
-from results import make_design
 
 from palpate.core import MissingExtraError, PalpateError
-from palpate.grid import evaluate_grid, export_grid
+from palpate.grid import SpecificationGrid, evaluate_grid, export_grid, html_rows
+from results import make_design
 
 GRID = evaluate_grid([make_design(), make_design(markers=7, failure="stopped")])
 
 
-def test_csv_holds_every_column(tmp_path):
-    export_grid(tmp_path / "g.csv", GRID)
+def test_csv_holds_the_columns_that_decide_and_the_tables_beside(tmp_path):
+    files = export_grid(tmp_path / "g.csv", GRID)
+    names = ["g.csv", "g_by_depth.csv", "g_by_tilt.csv", "g_presses.csv"]
+    assert [path.name for path in files] == names
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
     with (tmp_path / "g.csv").open(newline="") as file:
-        assert tuple(next(csv.reader(file))) == GRID.columns
+        columns = next(csv.reader(file))
+    assert columns[:2] == ["name", "height_mm"]
+    assert len(columns) <= 30
 
 
 def test_markdown_is_a_table_for_people(tmp_path):
@@ -29,8 +34,10 @@ def test_parquet_keeps_kinds_units_and_empty_cells(tmp_path):
     export_grid(tmp_path / "g.parquet", GRID)
     table = parquet.read_table(tmp_path / "g.parquet")
     assert tuple(table.column_names) == GRID.columns
-    assert table.column("rmse_deg").to_pylist() == [row["rmse_deg"] for row in GRID.rows]
+    assert table.column("rmse_deg").to_pylist() == [row["rmse_deg"] for row in GRID.designs]
     assert table.schema.field("travel_mm").metadata[b"unit"] == b"mm"
+    depths = parquet.read_table(tmp_path / "g_by_depth.parquet")
+    assert depths.column("limit_deg").to_pylist() == [row["limit_deg"] for row in GRID.by_depth]
     kinds = [str(table.schema.field(name).type) for name in ("markers", "rmse_deg", "shape")]
     assert kinds == ["int64", "double", "string"]
 
@@ -51,3 +58,12 @@ def test_another_ending_is_refused(tmp_path, name):
 def test_a_folder_that_is_not_there_is_reported(tmp_path):
     with pytest.raises(PalpateError, match="cannot be written"):
         export_grid(tmp_path / "nowhere" / "g.csv", GRID)
+
+
+def test_a_grid_as_html_has_its_texts_escaped():
+    rows = tuple(
+        {"height_mm": height, "thickness_mm": 2.0, "markers": 7, "travel_mm": "<b>"} for height in (10.0, 20.0)
+    )
+    table = html_rows(SpecificationGrid(rows))
+    assert table.count("<tr>") == 3
+    assert "&lt;b&gt;" in table

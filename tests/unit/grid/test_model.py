@@ -9,14 +9,14 @@ from palpate.core import PalpateError
 from palpate.grid import SpecificationGrid, copy_model
 
 ROW = {"height_mm": 20.0, "thickness_mm": 2.0, "markers": 37, "estimator_key": "ff00"}
-GRID = SpecificationGrid((ROW,), tuple(ROW))
+GRID = SpecificationGrid((ROW,))
 
 
 def test_copy_model_says_why_there_is_none(tmp_path: Path) -> None:
     with pytest.raises(PalpateError, match="No design of the grid is left"):
-        copy_model(tmp_path, replace(GRID, rows=()), tmp_path / "a.onnx")
+        copy_model(tmp_path, replace(GRID, designs=()), tmp_path / "a.onnx")
     with pytest.raises(PalpateError, match="H20 T2, 37 markers has no model"):
-        copy_model(tmp_path, replace(GRID, rows=({**ROW, "estimator_key": None},)), tmp_path / "a.onnx")
+        copy_model(tmp_path, replace(GRID, designs=({**ROW, "estimator_key": None},)), tmp_path / "a.onnx")
     with pytest.raises(PalpateError, match="is not in"):
         copy_model(tmp_path, GRID, tmp_path / "a.onnx")
 

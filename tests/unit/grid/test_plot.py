@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from results import PAPER, make_design
 
 from palpate.core import PalpateError
-from palpate.grid import cut_marker_panels, cut_tilt_panels, evaluate_grid, plot_grid
+from palpate.grid import cut_marker_panels, cut_tilt_panels, draw_grid, evaluate_grid, plot_grid
+from results import PAPER, make_design
 
 GRID = evaluate_grid(PAPER)
 
@@ -32,7 +32,7 @@ def test_every_kind_gives_png_and_svg(tmp_path, kind, metric, name):
         ("pie", "rmse_deg", "no kind of picture 'pie'"),
         ("heat", "rsme_deg", "Did you mean 'rmse_deg'"),
         ("heat", "shape", "is a text"),
-        ("depth", "travel_mm", "By depth it has: limit_deg"),
+        ("depth", "travel_mm", "By depth it has: rmse_deg, max_error_deg"),
         ("tilt", "limit_deg", "By tilt it has: rmse_deg"),
     ],
 )
@@ -40,6 +40,14 @@ def test_what_cannot_be_drawn_is_said_and_nothing_is_written(tmp_path, kind, met
     with pytest.raises(PalpateError, match=says):
         plot_grid(GRID, kind, metric, tmp_path / "new")
     assert not (tmp_path / "new").exists()
+
+
+def test_a_grid_is_drawn_without_being_written():
+    assert draw_grid(GRID).axes
+    with pytest.raises(PalpateError, match="no column"):
+        draw_grid(GRID, "rms")
+    with pytest.raises(PalpateError, match="no kind"):
+        draw_grid(GRID, kind="pie")
 
 
 def test_a_metric_that_no_design_has_is_refused(tmp_path):

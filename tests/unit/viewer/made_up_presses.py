@@ -75,10 +75,6 @@ def rows():
                 "travel_mm": None if broken else 1.0,
                 "force_n": None if broken else 0.4,
                 "bistable_from_mm": 3.2,
-                "limit_at_0_8mm_deg": None if broken else 1.0,
-                "limit_at_1_6mm_deg": None if broken else 0.5,
-                "rmse_at_0_8mm_jitter_deg": None if broken else 1.2,
-                "rmse_at_1_6mm_jitter_deg": None if broken else 0.7,
                 "spec": json.dumps({"camera": {}, "wall": {"contact": "no-slip"}}),
                 "press_key": "" if broken else " ".join(KEYS.values()),
                 "dataset_key": "",
@@ -89,10 +85,20 @@ def rows():
     return tuple(made)
 
 
+def depths():
+    """Errors and limits by depth of the two designs that have them."""
+    figures = ((0.8, 1.2, 1.0), (1.6, 0.7, 0.5))
+    return tuple(
+        {"design": design, "depth_mm": depth, "rmse_jitter_deg": rmse, "limit_deg": limit}
+        for design in (0, 1)
+        for depth, rmse, limit in figures
+    )
+
+
 def write_results(folder: Path) -> Path:
     """A result folder with the presses of one dome."""
-    grid = rows()
-    content = {"format": "palpate specification grid", "version": 1, "columns": list(grid[0]), "rows": grid}
+    tables = {"designs": rows(), "by_depth": depths(), "by_tilt": (), "presses": ()}
+    content = {"format": "palpate specification grid", "version": 2, **tables}
     (folder / "grid.json").write_text(json.dumps(content))
     for tilt, key in KEYS.items():
         path = folder / "store" / "press" / key[:2] / f"{key}.h5"

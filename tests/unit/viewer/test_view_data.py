@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up_presses import MESH, made_up_press, rows
+from made_up_presses import MESH, depths, made_up_press, rows
 
 from palpate.camera import build_camera
 from palpate.design import MarkerSpec, place_markers
@@ -16,7 +16,7 @@ from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.results import Design
 from palpate.viewer.words import cell_words, column_label
 
-GRID = SpecificationGrid(rows(), tuple(rows()[0]))
+GRID = SpecificationGrid(rows(), depths())
 
 
 def test_a_link_restores_the_view():
@@ -105,7 +105,7 @@ def test_curves_change_their_dash_with_the_branch():
     curves, marks = force_curves([(design, gather_presses(presses).at(0.0))])
     assert [(curve.name, curve.dashed) for curve in curves] == [("flat", False), ("inverted", True)]
     assert marks[0].points[0][0] == pytest.approx(3.2)
-    errors = error_curves([design])
+    errors = error_curves(GRID, [design])
     assert [curve.name for curve in errors] == ["network", "limit"]
     assert errors[1].points == [(0.8, 1.0), (1.6, 0.5)]
     options = line_chart(curves, ("depth (mm)", "force (N)"), LIGHT, marks)
@@ -114,6 +114,6 @@ def test_curves_change_their_dash_with_the_branch():
 
 def test_words_of_columns_have_units():
     assert column_label("travel_mm") == "marker travel (mm)"
-    assert column_label("rmse_at_2_4mm_deg") == "RMSE at 2 4mm (°)"
+    assert column_label("rmse_spread_deg") == "RMSE spread (°)"
     assert cell_words(None) == "–"
     assert cell_words(np.pi) == "3.14"

@@ -1,0 +1,206 @@
+"""Every door of `palpate`: for each command, words that are right, so that one wrong word at a time can be tried.
+
+``{name}`` stands for a path of the fixture `house`. `files` are inputs that are read: a wrong one of each kind is
+tried in the place of the right one. `outputs` are written: each is tried where nothing can be written. `against` are
+words that contradict each other or are out of bounds in their own way.
+"""
+
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.dataset import Normalisation
+from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.grid import evaluate_grid, write_grid
+from palpate.learn import Estimator, write_estimator
+
+sys.path.append(str(Path(__file__).parents[1] / "grid"))
+from results import PAPER
+
+
+@dataclass(frozen=True)
+class Row:
+    words: str = ""
+    files: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
+    against: tuple[str, ...] = ()
+    skip: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Kinds of wrong file that are right for an input, by its name."""
+
+
+FIT, TESTS = (
+    "--files {curve} --alone",
+    ("--files", "--tension", "--compression", "--uniaxial", "--equibiaxial", "--planar"),
+)
+BUILT = "--markers 37"
+SOLVE = (
+    "--backend none",
+    "--contact sticky",
+    "--contact 11",
+    "--rim round",
+    "--material cheese",
+    "--material {text}",
+)
+
+ROWS = {
+    "run": Row("--study first --out new", ("--study",), ("--out",), ("--workers 0", "--timeout 0", "--cluster here")),
+    "status": Row("--study first --out {results}", ("--study", "--out")),
+    "store check": Row("--folder {spare}", ("--folder",)),
+    "store gc": Row("{study} --folder {spare}", ("--folder", "STUDIES")),
+    "press": Row("--cells 4", ("--points",), ("--export",), (*SOLVE, "--solver calculix --unload", "--branch up")),
+    "deck": Row("--output new.inp --cells 4", (), ("--output",), (*SOLVE[1:], "--dialect x", "--element shells")),
+    "stability": Row("--cells 4", (), (), (*SOLVE[1:], "--tilts 50", "--tilts -1", "--tilts x")),
+    "convergence": Row(
+        "--out new", (), ("--out",), (*SOLVE[1:], "--meshes 8", "--meshes 2 8", "--meshes x", "--markers 8")
+    ),
+    "design": Row("", ("--layout",), (), ("--markers 8", "--rings 20 10", "--rings 10 --layout {text}")),
+    "fit": Row(
+        FIT,
+        TESTS,
+        ("--output", "--figure"),
+        ("--model x", "--toe x", "--figure a.txt"),
+    ),
+    "material list": Row(),
+    "material show": Row(
+        "--name yeoh:1,1,1",
+        ("--name",),
+        (),
+        ("--name cheese", "--name yeoh:1", "--name yeoh:nan,1,1", "--name yeoh:inf,1,1"),
+    ),
+    "limit": Row("--source first --out new", ("--source",), ("--out",), ("--workers 0",)),
+    "grid show": Row("--directory {results}", ("--directory",), (), ("--where x>1", "--where (", "--sort x")),
+    "grid plot": Row(
+        "--directory {results} --out new", ("--directory",), ("--out",), ("--kind pie", "--metric x", "--where x>1")
+    ),
+    "grid export": Row(
+        "--directory {results} --to new.csv", ("--directory",), ("--to",), ("--to a.txt", "--where x>1")
+    ),
+    "grid model": Row(
+        "--directory {results} --out new.onnx", ("--directory",), ("--out",), ("--where markers>999", "--sort x")
+    ),
+    "grid compare": Row(
+        "--first {results} --second {results}", ("--first", "--second"), (), ("--metric x", "--metric shape")
+    ),
+    "view": Row(
+        "--results {results} --port 0",
+        ("--results",),
+        (),
+        ("--token short", "--port 70000", "--port -1", "--host no.where"),
+        {"--results": ("folder",)},  # its page says what to do
+    ),
+    "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
+    "make": Row(
+        "--out new", ("--layout",), ("--out",), ("--markers 8", "--camera x", "--mapping x", "--material cheese")
+    ),
+    "specimens": Row("--out new", (), ("--out",), ("--count 0",)),
+    "calibrate": Row(
+        "--folder {photos} --board chessboard:9x6:25",
+        ("--folder",),
+        ("--out", "--print-board"),
+        ("--board x", "--lens x"),
+    ),
+    "find": Row("--folder {images}", ("--folder",), (), ("--polarity x", "--method x")),
+    "live": Row(
+        f"--model {{model}} --source {{images}} {BUILT}",
+        ("--model", "--source", "--layout", "--lens", "--press-image"),
+        ("--out",),
+        (
+            "--out a.txt",
+            "--press-pose 1 2 3",
+            "--press-image {image}",
+            "--count 0",
+            "--rest-images 99",
+            "--markers 91",
+        ),
+    ),
+    "inspect": Row(
+        f"--image {{image}} {BUILT}",
+        ("--image", "--layout", "--lens"),
+        ("--out", "--picture"),
+        ("--out a.txt", "--picture a.txt"),
+    ),
+    "bench": Row(
+        f"--model {{model}} --out new {BUILT} --units 1",
+        ("--model", "--layout"),
+        ("--out",),
+        (
+            "--tolerance x=1",
+            "--tolerance dot",
+            "--tolerance dot=-1",
+            "--tolerance dot=nan",
+            "--tolerance dot=x",
+            "--contact 11",
+            "--contact nan",
+            "--contact sticky",
+            "--solver x",
+            "--markers 91",
+            "--least-depth 9",
+        ),
+    ),
+    "accept": Row(
+        f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --least-depth 0",
+        ("--truth", "--model", "--readings", "--layout", "--lens"),
+        ("--out",),
+        ("--readings {truth}", "--markers 91"),
+    ),
+    "verify": Row("--only cook", (), ("--markdown",), ("--only no-such-case",)),
+    "doctor": Row(),
+}
+
+
+def furnish(folder: Path) -> dict[str, Path]:
+    """Right and wrong inputs of every kind, by name."""
+    dome = build_dome(DomeSpec())
+    layout = place_markers(dome, MarkerSpec(count=37))
+    points = np.vstack([layout.positions, place_orientation_mark(dome, layout)])
+    edges = dot_edges(points, (points - [0, 0, dome.center_z]) / dome.radius, layout.diameter)
+    right = {name: folder / name for name in ("images", "photos", "results", "spare")}
+    right["images"].mkdir()
+    for number in range(3):
+        cv2.imwrite(str(right["images"] / f"{number}.png"), render(build_camera(), edges, RenderSpec(seed=number)))
+    right["photos"] = Path(__file__).parents[1] / "camera" / "data" / "chessboard_opencv"
+    right["image"] = right["images"] / "0.png"
+    right["truth"] = right["images"] / "truth.csv"
+    right["truth"].write_text("image,press,rx_deg,ry_deg,depth_mm\n0.png,rest,,,\n1.png,1,1,0,3\n2.png,2,1,0,4\n")
+    write_grid(right["results"], evaluate_grid(PAPER[:2]))
+    (right["spare"] / "store").mkdir(parents=True)
+    right["study"] = folder / "study.yaml"
+    right["study"].write_text("name: small\n")
+    right["curve"] = folder / "tension.csv"
+    strain = np.linspace(0, 1, 40)
+    rows = "\n".join(f"{x},{0.1 * x}" for x in strain)
+    right["curve"].write_text(f"strain (mm/mm),stress (MPa)\n{rows}\n")
+    right["model"] = folder / "model.onnx"
+    write_estimator(right["model"], still_model(build_camera().project(layout.positions)))
+    kept = right["results"] / "store" / "estimator" / "ff" / "ff.onnx"
+    kept.parent.mkdir(parents=True)
+    kept.write_bytes(right["model"].read_bytes())
+    wrong = {"nowhere": folder / "nowhere", "folder": folder / "folder"}
+    wrong["folder"].mkdir()
+    contents = {"empty": b"", "text": b"colour, taste\nred, sweet\n", "noise": bytes(range(128, 256)) * 40}
+    contents["half"] = right["model"].read_bytes()[:200]
+    for name, content in contents.items():
+        wrong[name] = folder / name
+        wrong[name].write_bytes(content)
+    return {**right, **wrong}
+
+
+def still_model(rest: "np.ndarray[tuple[int, int], np.dtype[np.float64]]") -> Estimator:
+    """A model of 37 markers that always says zero."""
+    return Estimator(
+        normalisation=Normalisation((173.0, 130.0), (173.0, 130.0)),
+        weights=(np.zeros((1, 74, 3)),),
+        biases=(np.zeros((1, 3)),),
+        activation="relu",
+        output_mean=np.zeros(3),
+        output_sd=np.ones(3),
+        rest_px=rest,
+        seed=0,
+        made_by={"method": "test"},
+        training_images=1,
+        validation_images=0,
+    )
