@@ -34,7 +34,7 @@ from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
-from palpate.sensor import Sensor, TouchZero, Unit, find_zero, open_sensor
+from palpate.sensor import Sensor, TouchZero, Unit, check_model, find_zero, open_sensor
 
 BENCH_VERSION = "2"
 """Version of the code that decides what a played unit says; part of its key."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
-from palpate.grid.grid import Cell, Row, SpecificationGrid, rows_of
+from palpate.grid import Cell, Row, SpecificationGrid, rows_of
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
 """The paper's designs (mm, mm, 1)."""

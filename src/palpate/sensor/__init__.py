@@ -9,7 +9,7 @@ from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
-from palpate.sensor.sensor import Rest, Sensor, open_sensor, read_rest, run_sensor
+from palpate.sensor.sensor import Rest, Sensor, check_model, open_sensor, read_rest, run_sensor
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.touch import TouchZero, find_zero
 from palpate.sensor.unit import Unit
@@ -35,6 +35,7 @@ __all__ = [
     "Unit",
     "accept_unit",
     "acceptance_page",
+    "check_model",
     "describe_reading",
     "draw_inspection",
     "find_zero",
