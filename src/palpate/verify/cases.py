@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from functools import partial
 
-from palpate.verify import ball, bending, cook, domes, fits, inflation, laws, material, properties, shells
+import palpate.verify.ball as ball
+import palpate.verify.bending as bending
+import palpate.verify.cook as cook
+import palpate.verify.domes as domes
+import palpate.verify.fits as fits
+import palpate.verify.inflation as inflation
+import palpate.verify.laws as laws
+import palpate.verify.material as material
+import palpate.verify.properties as properties
+import palpate.verify.shells as shells
 from palpate.verify.case import Case
 
 _SHELL_CODE = "axisymmetric shell code"

@@ -16,7 +16,7 @@ from palpate.cli import main
 
 COMMANDS = dict(list_commands())
 HEAVY = (
-    ("fea.newton", "ContactProblem", "solve"),
+    ("mechanics.newton", "Problem", "solve"),
     ("study.run_study", "_Run", "do"),
     ("viewer.guard", "Guard", "__init__"),
 )
