@@ -5,13 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from pydantic import BaseModel, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from palpate.camera import CameraSpec
 from palpate.core import PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
-from palpate.design import MarkerSpec, SkinSpec, skin_from_data
+from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import WallSpec
 from palpate.learn import SearchSpec
 from palpate.material import Material, get_material
@@ -39,21 +39,23 @@ class DesignsSpec(Spec):
             return layouts
         return [layout if isinstance(layout, dict | MarkerSpec) else {"count": layout} for layout in layouts]
 
-    @model_validator(mode="after")
-    def _every_skin_is_one(self) -> DesignsSpec:
-        """Hold every size against the bounds that the skin declares for one."""
-        for name, values in (
-            ("heights", self.heights),
-            ("thicknesses", self.thicknesses),
-            ("base_radius", (self.base_radius,)),
-        ):
-            if not values:
-                raise PydanticCustomError("empty_list", "{name}: give at least one value.", {"name": name})
+    @field_validator("skin")
+    @classmethod
+    def _is_a_skin(cls, skin: dict[str, Any]) -> dict[str, Any]:
         try:
-            self.skins()
+            skin_from_data(skin)
         except PalpateError as error:
-            raise PydanticCustomError("no_skin", "{says}", {"says": str(error)}) from None
-        return self
+            raise PydanticCustomError("no_skin", "{says}", {"says": str(error).replace("\n", " ")}) from None
+        return skin
+
+    @field_validator("heights", "thicknesses", "base_radius")
+    @classmethod
+    def _sizes_in_bounds(cls, given: Any, info: ValidationInfo) -> Any:
+        """Hold every size against the bounds that the skin declares for one."""
+        name = {"heights": "height", "thicknesses": "thickness"}.get(str(info.field_name), "base_radius")
+        kind = SKINS.get(str(info.data.get("skin", {}).get("kind", "dome")))
+        _each_in_bounds(kind, name, given if isinstance(given, tuple) else (given,))
+        return given
 
     def skins(self) -> tuple[SkinSpec, ...]:
         """Every skin, thicknesses within heights.
