@@ -11,6 +11,7 @@ from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
+from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_count, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
@@ -28,6 +29,7 @@ __all__ = [
     "MarkerSpec",
     "Module",
     "MountSpec",
+    "RevolvedSkin",
     "Rim",
     "Severity",
     "Skin",
