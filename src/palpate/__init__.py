@@ -45,6 +45,7 @@ __all__ = [
     "MarkerSpec",
     "MeshSpec",
     "WallSpec",
+    "__version__",
     "build_camera",
     "build_skin",
     "evaluate_grid",
