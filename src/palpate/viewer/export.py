@@ -21,7 +21,7 @@ from palpate.viewer.results import Design
 def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg)
-    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, azimuth_deg)
+    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
     for k, depth in enumerate(motion.depths_mm):
@@ -75,7 +75,7 @@ def _between(motion: Motion, field: NDArray[Any], depth: float) -> FloatArray:
 
 def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[float, float, float]) -> Part:
     """Each marker as an octahedron as wide as its dot."""
-    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, pose[2])
+    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, pose[2])
     centres = _between(motion, seen.positions, pose[0])
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.layout.diameter / 2
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])

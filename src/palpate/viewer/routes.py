@@ -31,14 +31,14 @@ def make_routes(shelf: Shelf) -> APIRouter:
 
     @router.get("/motion/{name}")
     def motion(name: str, tilt: float = 0.0, stress: bool = False) -> Response:
-        _, specimen = shelf.find(name, stress=stress)
+        _, specimen = shelf.find(name)
         return Response(describe_motion(specimen, specimen.pressed.at(tilt), stress=stress), media_type=BINARY)
 
     @router.get("/markers/{name}")
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
         design, specimen = shelf.find(name)
-        mesh, found = specimen.pressed.mesh, specimen.pressed.at(tilt)
-        seen = follow_markers(mesh, found, design.layout, design.camera, azimuth)
+        pressed = specimen.pressed
+        seen = follow_markers(pressed, pressed.at(tilt), design.layout, design.camera, azimuth)
         return Response(describe_markers(seen), media_type=BINARY)
 
     @router.get("/markers.csv")
