@@ -19,7 +19,7 @@ from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
-from palpate.viewer.words import column_label
+from palpate.viewer.words import column_label, jitter_words
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
@@ -166,7 +166,7 @@ class ExplorePage:
             self._force = ui.echart({}, renderer="svg").classes("curve")
             self._force_note = ui.label("").classes("faint")
         with ui.element("div").classes("card"):
-            heading("Error by depth, 2 px jitter")
+            heading(f"Error by depth, {jitter_words(self._grid)}")
             self._error = ui.echart({}, renderer="svg").classes("curve")
         self._panel = DesignPanel()
 

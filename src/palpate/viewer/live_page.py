@@ -5,25 +5,27 @@ from __future__ import annotations
 import asyncio
 import base64
 import math
-from collections.abc import Iterator
 from typing import Any
 
 from fastapi import Request
 from nicegui import events, ui
 
+from palpate.bench import SimulatedSource, draw_touches
+from palpate.camera import Source, open_source
 from palpate.core import PalpateError
 from palpate.learn import open_predictor
+from palpate.sensor import Unit
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.library import Library
 from palpate.viewer.live import Live, Step, Verdict, judge, record_csv, tilt_interval
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.png import write_png
-from palpate.viewer.results import model_path
-from palpate.viewer.source import Shot, capture, find_recordings, inside, replay, touch_for_ever
+from palpate.viewer.recordings import find_recordings, inside
+from palpate.viewer.results import Design, model_path
 
 _VIRTUAL = "virtual touches"
-_CAMERAS = {"camera 0": 0, "camera 1": 1}
+_CAMERAS = {"camera 0": "0", "camera 1": "1"}
 """Cameras of the machine that the viewer runs on."""
 _PERIOD_S = 0.1
 
@@ -131,18 +133,26 @@ class LivePage:
             raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
         design = self._library.design(int(self._design.value))
         predictor = open_predictor(model_path(self._library.results, design))
-        shots: Iterator[Shot]
-        if self._source.value == _VIRTUAL:
-            shots = touch_for_ever(design, self._library.specimen(design))
-        elif self._source.value in _CAMERAS:
-            shots = capture(_CAMERAS[self._source.value])
-        else:
-            shots = replay(inside(self._library.results.folder, str(self._source.value)))
-        return Live(design, predictor, shots, marked=self._source.value == _VIRTUAL or bool(self._marked.value))
+        source = self._open_source(design)
+        marked = self._source.value == _VIRTUAL or bool(self._marked.value)
+        try:
+            return Live(design, predictor, source, marked=marked)
+        except PalpateError:
+            source.close()
+            raise
+
+    def _open_source(self, design: Design) -> Source:
+        chosen = str(self._source.value)
+        if chosen == _VIRTUAL:
+            unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
+            return SimulatedSource(unit, draw_touches(self._library.specimen(design).pressed.presses))
+        return open_source(_CAMERAS.get(chosen) or str(inside(self._library.results.folder, chosen)))
 
     def _stop(self) -> None:
         self._timer.deactivate()
-        self._live = None
+        live, self._live = self._live, None
+        if live is not None:
+            live.close()
         self._record.text = "Record"
 
     async def _next(self) -> None:
