@@ -24,14 +24,15 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core.errors import PalpateError
+from palpate.core.files import DRAFT
 from palpate.core.provenance import provenance
 from palpate.core.store_lock import hold_folder, take_lock
 
 KEY_LENGTH = 32
 """Hexadecimal digits of a key: 128 bits."""
 
-MANIFEST, BROKEN, REASON, LOCK, DRAFT = ".manifest.json", ".broken", ".broken.reason", ".lock", ".writing-"
-"""Endings of what lies beside an artefact; `DRAFT` is how the folder of one being written begins."""
+MANIFEST, BROKEN, REASON, LOCK = ".manifest.json", ".broken", ".broken.reason", ".lock"
+"""Endings of what lies beside an artefact."""
 
 _HEAD_BYTES = 512
 """The first bytes of a manifest hold the artefact's size, so that planning need not read its whole spec."""

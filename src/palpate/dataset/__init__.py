@@ -9,7 +9,7 @@ from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
-from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, image_depths, label_presses, match_depths
+from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.dataset.vary import Relatives
 
 __all__ = [
@@ -27,12 +27,12 @@ __all__ = [
     "draw_jitter",
     "generate_dataset",
     "hold_out",
-    "image_depths",
     "image_jacobian",
     "label_presses",
     "match_depths",
     "read_dataset",
     "refuse_leakage",
     "sample_poses",
+    "shared_depths",
     "write_dataset",
 ]

@@ -16,7 +16,7 @@ import numpy as np
 
 from palpate.core import ComplexArray, FloatArray, PalpateError, TextArray
 from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
-from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, image_depths, label_presses, match_depths
+from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 
 if TYPE_CHECKING:
     from palpate.design import MarkerLayout
@@ -104,7 +104,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
     if outside:
         raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
     presses = sorted(presses, key=lambda press: press.wall.radial)
-    depths = image_depths(presses) if depths_mm is None else depths_mm
+    depths = shared_depths(presses) if depths_mm is None else depths_mm
     tilts = np.array([press.wall.radial for press in presses], dtype=float)
     circles = sort_onto_circles(markers.positions)
     series = np.full((len(depths), len(tilts), len(circles.radius), 3, ORDERS), np.nan, dtype=complex)

@@ -160,7 +160,7 @@ def match_depths(depths_mm: FloatArray, press: Press) -> tuple[IntArray, IntArra
     return depth, image
 
 
-def image_depths(presses: Sequence[Press]) -> FloatArray:
+def shared_depths(presses: Sequence[Press]) -> FloatArray:
     """Depths (mm) of the images after rest; a last state between two images is left out.
 
     Raises

@@ -25,9 +25,9 @@ from palpate.dataset import (
     TiltRuns,
     build_field,
     cut_into_runs,
-    image_depths,
     label_presses,
     match_depths,
+    shared_depths,
 )
 from palpate.design import MarkerLayout, rotation_vector
 from palpate.fea import Press, nodal_von_mises
@@ -263,7 +263,7 @@ def _weigh(tilts_deg: FloatArray, branch: TextArray, ended: Sequence[str]) -> Ti
 
 def _depths(presses: Sequence[Press]) -> FloatArray:
     """Depths of rest, of all images and of full depth; of one press alone, of its end as well."""
-    images = image_depths(presses)
+    images = shared_depths(presses)
     reached = max(float(press.depth.max()) for press in presses) + SAME_MM
     # where a press ended early is an image of it alone; full depth is one of all that came so far
     ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
