@@ -10,6 +10,7 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
+from palpate.grid import name_row
 from palpate.viewer.charts import Chosen, Curve, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
@@ -39,7 +40,7 @@ class ExplorePage:
     def __init__(self, library: Library, request: Request) -> None:
         self._library, self._grid = library, library.results.grid
         self._view, self._complaints = read_link(request.query_params, self._grid)
-        self._names = {i: self._name(i) for i in range(len(self._grid.designs))}
+        self._names = {i: name_row(row) for i, row in enumerate(self._grid.designs)}
         self._head = Head(
             request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.designs)} designs"
         )
@@ -60,10 +61,6 @@ class ExplorePage:
         self._redraw()
         if self._complaints:
             complain(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
-
-    def _name(self, number: int) -> str:
-        row = self._grid.designs[number]
-        return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
 
     def _build_export(self) -> None:
         ui.button("Link", icon="link", on_click=self._copy_link).props(

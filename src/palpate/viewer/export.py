@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +35,15 @@ def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg
             place = {"x_mm": x, "y_mm": y, "z_mm": z, "u_px": u, "v_px": v}
             rows.append({**pose, "marker": marker, **place, "seen": int(seen.seen[k, marker])})
     return rows
+
+
+def write_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Rows as a table in CSV, with the columns of the first."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]) if rows else ["empty"], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
 
 
 def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, float]) -> list[Part]:

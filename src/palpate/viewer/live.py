@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import threading
 from dataclasses import dataclass
@@ -127,15 +125,6 @@ def tilt_interval(reading: Reading) -> tuple[float, float]:
     least = math.hypot(*(max(size - half, 0.0) for size, half in pairs))
     most = math.hypot(*(size + half for size, half in pairs))
     return least, most
-
-
-def record_csv(record: list[dict[str, Any]]) -> bytes:
-    """A record of readings as a CSV file."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(record[0]) if record else ["image"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(record)
-    return text.getvalue().encode()
 
 
 def to_grey(image: NDArray[Any]) -> NDArray[np.uint8]:

@@ -13,12 +13,14 @@ from nicegui import events, ui
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError
+from palpate.grid import name_row
 from palpate.learn import open_predictor
 from palpate.sensor import Unit
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
+from palpate.viewer.export import write_table
 from palpate.viewer.library import Library
-from palpate.viewer.live import Live, Step, Verdict, judge, record_csv, tilt_interval
+from palpate.viewer.live import Live, Step, Verdict, judge, tilt_interval
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.png import write_png
 from palpate.viewer.recordings import find_recordings, inside
@@ -66,7 +68,7 @@ class LivePage:
         self._show_pose(None)
 
     def _build_source(self) -> None:
-        names = {i: _name(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
+        names = {i: name_row(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
         best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
         recordings = find_recordings(self._library.results.folder)
         with ui.element("div").classes("card"):
@@ -224,7 +226,7 @@ class LivePage:
         if not self._kept:
             complain(self._fault, "Nothing was recorded yet.")
             return
-        ui.download.content(record_csv(self._kept), "readings.csv")
+        ui.download.content(write_table(self._kept), "readings.csv")
 
 
 def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
@@ -238,10 +240,6 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
         )
     ]
     return [*rows, ("tilt", reading.tilt_deg, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
-
-
-def _name(row: Any) -> str:
-    return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
 
 
 def _as_link(png: bytes) -> str:

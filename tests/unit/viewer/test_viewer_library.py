@@ -19,7 +19,7 @@ def library(tmp_path_factory):
 
 def test_designs_of_one_dome_share_their_presses(library):
     assert library.specimen(library.design(0)) is library.specimen(library.design(1))
-    assert library.design(1).name == "H 20  T 2 mm, 19 markers"
+    assert library.design(1).name == "H20 T2, 19 markers"
 
 
 def test_what_the_page_draws_is_whole(library):
