@@ -12,9 +12,10 @@ import cv2
 import pytest
 from viewer_process import ENTRY, ROOT, viewer
 
+from palpate.bench import SimulatedSource, draw_touches
+from palpate.sensor import Unit
 from palpate.viewer.library import Library
 from palpate.viewer.results import read_results
-from palpate.viewer.source import touch_for_ever
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -56,8 +57,10 @@ def results(tmp_path_factory) -> Path:
     design = library.design(1)
     recording = out / "recording"
     recording.mkdir()
-    for number, shot in enumerate(islice(touch_for_ever(design, library.specimen(design), seed=2), 30)):
-        cv2.imwrite(str(recording / f"{number:03d}.png"), shot.image)
+    unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
+    touches = SimulatedSource(unit, draw_touches(library.specimen(design).pressed.presses, seed=2))
+    for number, image in enumerate(islice(touches.images(), 30)):
+        cv2.imwrite(str(recording / f"{number:03d}.png"), image)
     return out
 
 

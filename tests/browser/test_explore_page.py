@@ -88,10 +88,10 @@ def test_the_dome_is_coloured_by(page, link, colour):
 
 def test_two_designs_are_compared(page, link):
     open_page(page, link, "?depth=3&design=1")
-    choose(page, "Beside it", "H 20  T 2 mm, 7 markers")
+    choose(page, "Beside it", "H20 T2, 7 markers")
     page.wait_for_function("document.querySelectorAll('.camera-view')[1].querySelectorAll('circle').length > 0")
     assert page.locator(".dome-view:visible").count() == 2
-    assert page.locator(".figures tr").first.inner_text().count("H 20") == 2
+    assert page.locator(".figures tr").first.inner_text().count("H20") == 2
 
 
 def test_a_link_restores_the_view(page, link):

@@ -4,7 +4,7 @@ from palpate.bench.bench import Bench, play_unit
 from palpate.bench.budget import run_budget
 from palpate.bench.deviation import Deviation
 from palpate.bench.result import describe_bench, run_bench, write_bench
-from palpate.bench.simulate import SimulatedSource
+from palpate.bench.simulate import SimulatedSource, draw_touches, simulate_sensor
 from palpate.bench.spec import ToleranceSpec, VirtualBenchSpec
 from palpate.bench.write_budget import describe_budget, write_budget
 
@@ -16,9 +16,11 @@ __all__ = [
     "VirtualBenchSpec",
     "describe_bench",
     "describe_budget",
+    "draw_touches",
     "play_unit",
     "run_bench",
     "run_budget",
+    "simulate_sensor",
     "write_bench",
     "write_budget",
 ]

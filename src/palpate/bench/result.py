@@ -14,7 +14,7 @@ import numpy as np
 from palpate.bench.bench import BENCH_VERSION, Bench, Played, play_unit
 from palpate.bench.deviation import Deviation, draw_deviation
 from palpate.bench.spec import ToleranceSpec
-from palpate.core import PalpateError, provenance
+from palpate.core import provenance, writing
 from palpate.sensor import PAPER_TABLE_3, Score, score_readings
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
@@ -111,15 +111,13 @@ def write_bench(folder: Path, bench: Bench, results: Sequence[UnitResult]) -> No
     PalpateError
         If they cannot be written.
     """
-    try:
+    with writing(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         text = json.dumps(_finite(describe_bench(bench, results)), indent=2, allow_nan=False)
         (folder / "bench.json").write_text(text + "\n", encoding="utf-8")
         (folder / "bench.md").write_text(bench_page(bench, results), encoding="utf-8")
         with (folder / "bench.csv").open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([COLUMNS, *(row for result in results for row in unit_rows(result))])
-    except OSError as error:
-        raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Choose another folder.") from error
 
 
 def unit_rows(result: UnitResult) -> list[list[str]]:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.bench.deviation import Deviation
-from palpate.bench.photograph import Scene, set_scene
-from palpate.camera import CameraSpec, RenderSpec, Source
-from palpate.core import child_seed
-from palpate.design import MarkerLayout, Skin
-from palpate.fea import WallSpec, solve_press
+from palpate.bench.photograph import set_scene
+from palpate.camera import CameraSpec, RenderSpec, Source, render
+from palpate.core import child_seed, generator
+from palpate.design import rotation_vector
+from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import Unit
 
 _CELLS = 10
 """A coarse mesh is solved in seconds and is good enough to look at."""
@@ -23,43 +27,84 @@ _STEP = 0.2
 LIGHT = RenderSpec(vignetting=0.2, unevenness=0.1, blur_px=0.7, noise=2.0)
 
 
+@final
 class SimulatedSource(Source):
-    """Images of a dome at rest and through presses of a slanted wall, down and up.
+    """Images of a dome at rest and through presses, down and up, with the truth of each.
 
     Parameters
     ----------
-    dome, layout, material
-        The design.
-    tilt_deg, azimuth_deg
-        The wall.
-    presses
-        Presses after which it ends.
+    unit
+        The sensor; its dots lie where the design has them.
+    touches
+        Solved presses of its dome, one after the other; it ends when they do.
     """
 
-    def __init__(self, dome: Skin, layout: MarkerLayout, material: Material, presses: int = 3) -> None:
-        self._presses = presses
-        self._scene = set_scene(dome, layout, Deviation(), CameraSpec(), LIGHT)
-        wall = WallSpec(tilt_deg=5.0, azimuth_deg=30.0, depth=min(8.0, 0.4 * dome.height), image_step=0.8)
-        self._press = solve_press(mesh_skin(dome, MeshSpec(cells=_CELLS)), material, wall)
+    def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
+        self._touches = touches
+        camera = unit.lens or unit.nominal or CameraSpec()
+        self._scene = set_scene(unit.dome, unit.layout, Deviation(), camera, LIGHT)
+        self._truth = (0.0, 0.0, 0.0)
 
     @property
     def name(self) -> str:
         return "simulated sensor"
 
-    def images(self) -> Iterator[np.ndarray]:
-        scene, press = self._scene, self._press
-        edges = press.positions(scene.edges.reshape(-1, 3))
-        down = np.arange(0.0, press.depth[-1], _STEP)
-        depths = np.concatenate([np.zeros(_REST_IMAGES), *self._presses * [np.append(down, down[::-1])]])
-        for number, depth in enumerate(depths):
-            after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))
-            share = (depth - press.depth[after - 1]) / (press.depth[after] - press.depth[after - 1])
-            points = (1.0 - share) * edges[after - 1] + share * edges[after]
-            yield _seen(scene, points.reshape(scene.edges.shape), number)
+    @property
+    def truth(self) -> tuple[float, float, float]:
+        """Pose of the wall in the image handed on last: rx, ry (degrees) and depth (mm), all 0 at rest."""
+        return self._truth
+
+    def images(self) -> Iterator[NDArray[np.uint8]]:
+        scene = self._scene
+        for number, (rx, ry, depth, edges) in enumerate(self._poses()):
+            self._truth = (rx, ry, depth)
+            noise = child_seed(scene.render.seed, "noise", number)
+            yield render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
+
+    def _poses(self) -> Iterator[tuple[float, float, float, NDArray[np.float64]]]:
+        """Pose of the wall and edges (m, k, 3) of the dots in every image."""
+        rest = self._scene.edges
+        for _ in range(_REST_IMAGES):
+            yield 0.0, 0.0, 0.0, rest
+        for press in self._touches:
+            edges = press.positions(rest.reshape(-1, 3))
+            rx, ry = rotation_vector(press.wall.radial, np.radians(press.wall.turn_deg)).tolist()
+            down = np.arange(0.0, press.depth[-1], _STEP)
+            for depth in np.append(down, down[::-1]):
+                after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))
+                share = (depth - press.depth[after - 1]) / (press.depth[after] - press.depth[after - 1])
+                points = (1.0 - share) * edges[after - 1] + share * edges[after]
+                yield rx, ry, float(depth), points.reshape(rest.shape)
 
 
-def _seen(scene: Scene, edges: np.ndarray, number: int) -> np.ndarray:
-    from palpate.camera import render
+def simulate_sensor(
+    unit: Unit, material: Material, tilt_deg: float = 5.0, azimuth_deg: float = 30.0, presses: int = 3
+) -> SimulatedSource:
+    """A simulated sensor that a slanted wall presses; takes some seconds.
 
-    noise = child_seed(scene.render.seed, "noise", number)
-    return render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
+    Parameters
+    ----------
+    unit, material
+        The sensor and its elastomer.
+    tilt_deg, azimuth_deg
+        The wall.
+    presses
+        Presses after which it ends.
+
+    Raises
+    ------
+    PalpateError
+        If the press cannot be solved.
+    """
+    depth = min(8.0, 0.4 * unit.dome.height)
+    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, image_step=0.8)
+    press = solve_press(mesh_skin(unit.dome, MeshSpec(cells=_CELLS)), material, wall)
+    return SimulatedSource(unit, presses * [press])
+
+
+def draw_touches(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
+    """Solved presses of half a dome in random order without an end, each by a wall of random azimuth."""
+    rng = generator(seed, "touches")
+    while True:
+        press, azimuth = presses[int(rng.integers(len(presses)))], float(rng.uniform(0.0, 360.0))
+        yield replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth}))

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from palpate.bench.bench import BENCH_VERSION, Bench
 from palpate.bench.budget import BudgetLine, recommend, total
-from palpate.core import PalpateError, provenance
+from palpate.core import provenance, writing
 
 BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg", "depth RMS mm", "units")
 
@@ -41,7 +41,7 @@ def write_budget(folder: Path, bench: Bench, lines: Sequence[BudgetLine]) -> Non
     PalpateError
         If they cannot be written.
     """
-    try:
+    with writing(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         text = json.dumps(describe_budget(bench, lines), indent=2).replace("NaN", "null")
         (folder / "budget.json").write_text(text + "\n", encoding="utf-8")
@@ -49,8 +49,6 @@ def write_budget(folder: Path, bench: Bench, lines: Sequence[BudgetLine]) -> Non
         with (folder / "budget.csv").open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([BUDGET_COLUMNS, *map(budget_row, lines)])
         draw_budget(lines).savefig(folder / "budget.png", dpi=150)
-    except OSError as error:
-        raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Choose another folder.") from error
 
 
 def budget_row(line: BudgetLine) -> list[str]:

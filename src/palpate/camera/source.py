@@ -43,6 +43,11 @@ class Source(ABC):
     def name(self) -> str:
         """What a person reads."""
 
+    @property
+    def truth(self) -> tuple[float, float, float] | None:
+        """Pose of the wall in the image handed on last: rx, ry (degrees), depth (mm); `None` where nobody knows."""
+        return None
+
     @abstractmethod
     def images(self) -> Iterator[Item]:
         """The images, (h, w) or (h, w, 3) blue, green, red; an error in the place of one that cannot be read."""

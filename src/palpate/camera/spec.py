@@ -7,9 +7,9 @@ from typing import Any, Self
 from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from palpate.camera.lens import LENSES, make_lens
-from palpate.core import Spec, parameter
+from palpate.core import PAPER, Spec, parameter
 
-CALIBRATION = "calibration published with Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
+CALIBRATION = f"calibration published with {PAPER}"
 BROWN = "brown"
 
 

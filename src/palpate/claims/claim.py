@@ -19,7 +19,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of Zaid et al. 2024, doi 10.1016/j.sna.2024.115469.
+    """One claim of Zaid et al. 2024 (`palpate.core.PAPER`).
 
     Attributes
     ----------

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import os
-import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,7 +12,7 @@ from typing import TYPE_CHECKING
 from palpate.claims.claim import CLAIMS, Answer, Verdict
 from palpate.claims.evidence import Evidence
 from palpate.claims.judge_claims import name_sources
-from palpate.core import PalpateError
+from palpate.core import PAPER, PalpateError, writing, written_into, written_whole
 from palpate.grid import SpecificationGrid, draw_plot, name_plot, refuse_unknown
 
 if TYPE_CHECKING:
@@ -70,16 +68,12 @@ def write_claims(path: Path, answers: Sequence[Answer], grids: Sequence[Evidence
     form = {".md": describe_claims, ".html": _describe_in_html}.get(path.suffix.lower())
     if form is None:
         raise PalpateError(f"The claims cannot be written as '{path.name}'.", "Let the name end in .md or .html.")
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        pictures = _write_pictures(path.parent / path.stem, grids)
-        relative = {key: f"{path.stem}/{picture.name}" for key, picture in pictures.items()}
-        with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
-            draft = Path(folder) / path.name
-            draft.write_text(form(answers, grids, command, relative), encoding="utf-8")
-            os.replace(draft, path)
-    except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror or error}.", "Choose another file.") from error
+    pictures = _write_pictures(path.parent / path.stem, grids)
+    relative = {key: f"{path.stem}/{picture.name}" for key, picture in pictures.items()}
+    with written_whole(path) as draft:
+        draft.write_text(form(answers, grids, command, relative), encoding="utf-8")
     return path, *pictures.values()
 
 
@@ -125,7 +119,7 @@ def _intro(answers: Sequence[Answer], grids: Sequence[Evidence]) -> list[str]:
         for evidence, name in zip(grids, name_sources(grids), strict=True)
     )
     return [
-        f"Claims of Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, held against our grids ({designs or 'none'}). "
+        f"Claims of {PAPER}, held against our grids ({designs or 'none'}). "
         f"Every verdict is computed from the figures by the test beside it: {tally}, over "
         f"{len({answer.claim.name for answer in answers})} claims. Errors are those on held-out presses; the claim "
         "of the real sensor (C13) is not among them. Made by",
@@ -181,10 +175,8 @@ def _write_picture(path: Path, figure: Figure) -> None:
     # imported here because a drawing library loads slowly
     from palpate.grid import write_picture
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
-        write_picture(Path(folder) / path.name, figure)
-        os.replace(Path(folder) / path.name, path)
+    with written_into(path.parent) as folder:
+        write_picture(folder / path.name, figure)
 
 
 def _plain(name: str) -> str:

@@ -12,7 +12,7 @@ from palpate.camera import list_images, read_image
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.cli.unit import UnitFlags
-from palpate.core import PalpateError
+from palpate.core import writing
 from palpate.sensor import Inspection, InspectSpec, draw_inspection, inspect_unit
 
 if TYPE_CHECKING:
@@ -91,17 +91,12 @@ def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> No
 
 
 def _write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, list(rows[0]))
-            table.writeheader()
-            table.writerows(rows)
-    except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error
+    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]))
+        table.writeheader()
+        table.writerows(rows)
 
 
 def _write_picture(path: Path, inspection: Inspection) -> None:
-    try:
+    with writing(path):
         draw_inspection(inspection).savefig(path, dpi=150)
-    except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error

@@ -81,12 +81,7 @@ def run(
         print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
         return INTERRUPTED
     grid = evaluate_grid(result.designs)
-    try:
-        write_grid(folder, grid)
-    except OSError as error:
-        raise PalpateError(
-            f"The grid cannot be written to {folder}: {error.strerror or error}.", "Make room and run it again."
-        ) from error
+    write_grid(folder, grid)
     if json:
         print_json({"out": str(folder), **_tally(result), "designs": grid.designs})
     else:

@@ -112,11 +112,11 @@ def live(
 def _open(source: str, unit: Unit) -> Source:
     if source != "synthetic":
         return open_source(source)
-    from palpate.bench import SimulatedSource
+    from palpate.bench import simulate_sensor
     from palpate.study import MaterialSpec
 
     announce_compilation()
-    return SimulatedSource(unit.dome, unit.layout, MaterialSpec().material())
+    return simulate_sensor(unit, MaterialSpec().material())
 
 
 def _describe_rest(sensor: Sensor) -> str:

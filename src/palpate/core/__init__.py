@@ -3,8 +3,10 @@
 from palpate.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, TextArray
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
+from palpate.core.files import new_folder, writing, written_into, written_whole
 from palpate.core.kernel import kernel
 from palpate.core.outside_links import refuse_outside_links
+from palpate.core.paper import PAPER
 from palpate.core.parameter import ParameterNote, Spec, flag_of, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
@@ -14,6 +16,7 @@ from palpate.core.store_care import Broken, Removal, Stored, check_store, clean_
 from palpate.core.version import __version__
 
 __all__ = [
+    "PAPER",
     "ArtefactStore",
     "BoolArray",
     "Broken",
@@ -41,8 +44,12 @@ __all__ = [
     "list_store",
     "load_extra",
     "load_opencv",
+    "new_folder",
     "parameter",
     "parameters",
     "provenance",
     "refuse_outside_links",
+    "writing",
+    "written_into",
+    "written_whole",
 ]

@@ -24,18 +24,20 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core.errors import PalpateError
+from palpate.core.files import DRAFT
 from palpate.core.provenance import provenance
 from palpate.core.store_lock import hold_folder, take_lock
 
 KEY_LENGTH = 32
 """Hexadecimal digits of a key: 128 bits."""
 
-MANIFEST, BROKEN, REASON, LOCK, DRAFT = ".manifest.json", ".broken", ".broken.reason", ".lock", ".writing-"
-"""Endings of what lies beside an artefact; `DRAFT` is how the folder of one being written begins."""
+MANIFEST, BROKEN, REASON, LOCK = ".manifest.json", ".broken", ".broken.reason", ".lock"
+"""Endings of what lies beside an artefact."""
 
 _HEAD_BYTES = 512
 """The first bytes of a manifest hold the artefact's size, so that planning need not read its whole spec."""
 _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_KEY = re.compile(rf"[0-9a-f]{{{KEY_LENGTH}}}")
 _SIZE = re.compile(rb'"sha256": "[0-9a-f]{64}",\s*"bytes": (\d+)')
 
 
@@ -95,9 +97,21 @@ class ArtefactStore:
         PalpateError
             If the kind is no plain name: it is a folder in the store.
         """
-        if _KIND.fullmatch(recipe.kind) is None:
-            raise PalpateError(f"The kind of artefact {recipe.kind!r} is no plain name.", "Take letters and digits.")
-        return self.root / recipe.kind / recipe.key[:2] / f"{recipe.key}{suffix}"
+        return self.locate(recipe.kind, recipe.key, suffix)
+
+    def locate(self, kind: str, key: str, suffix: str = ".h5") -> Path:
+        """Where the artefact of a kind and key lies, whether or not it exists; never outside the store.
+
+        Raises
+        ------
+        PalpateError
+            If the kind is no plain name, or the key none of hexadecimal digits.
+        """
+        if _KIND.fullmatch(kind) is None:
+            raise PalpateError(f"The kind of artefact {kind!r} is no plain name.", "Take letters and digits.")
+        if _KEY.fullmatch(key) is None:
+            raise PalpateError(f"'{key[:40]}' is no key of an artefact.", "Run the study again.")
+        return self.root / kind / key[:2] / f"{key}{suffix}"
 
     def find(self, recipe: Recipe, suffix: str = ".h5") -> Path | None:
         """Path of a whole artefact, or `None` where there is none; a broken one is set aside on the way.

@@ -9,7 +9,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.core.store import BROKEN, DRAFT, LOCK, MANIFEST, REASON, StoreError, find_fault, set_aside
+from palpate.core.files import DRAFT
+from palpate.core.store import BROKEN, LOCK, MANIFEST, REASON, StoreError, find_fault, set_aside
 from palpate.core.store_lock import can_lock, is_locked, take_lock
 
 UNLOCKED_DRAFT_S = 86_400.0

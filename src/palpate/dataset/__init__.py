@@ -9,6 +9,7 @@ from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
+from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.dataset.vary import Relatives
 
 __all__ = [
@@ -20,13 +21,18 @@ __all__ = [
     "Normalisation",
     "RandomiseSpec",
     "Relatives",
+    "TiltRuns",
     "build_field",
+    "cut_into_runs",
     "draw_jitter",
     "generate_dataset",
     "hold_out",
     "image_jacobian",
+    "label_presses",
+    "match_depths",
     "read_dataset",
     "refuse_leakage",
     "sample_poses",
+    "shared_depths",
     "write_dataset",
 ]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from palpate.core import PalpateError, provenance
+from palpate.core import PalpateError, provenance, written_whole
 from palpate.deck.material import material_lines
 from palpate.deck.mesh import deck_mesh, mesh_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
@@ -35,14 +34,8 @@ def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, s
     text = deck_text(mesh, material, wall, spec)
     if not path.parent.is_dir():
         raise PalpateError(f"The folder {path.parent} does not exist.", "Make it first, or name another file.")
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with written_whole(path, "Name another file.") as part:
         part.write_text(text)
-        part.replace(path)
-    except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Name another file.") from None
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec | None = None) -> str:

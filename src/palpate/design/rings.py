@@ -23,7 +23,7 @@ PRESET_DIAMETERS: dict[int, tuple[float, ...]] = {
     169: (5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0),
 }
 """Ring diameters projected on the base plane, mm, by number of markers; from the published simulations of
-Zaid et al. 2024 (doi 10.1016/j.sna.2024.115469)."""
+Zaid et al. 2024 (`palpate.core.PAPER`)."""
 
 
 def markers_in_rings(rings: int) -> int:

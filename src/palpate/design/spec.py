@@ -9,11 +9,9 @@ from typing import Any
 from pydantic import field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.core import Spec, parameter
+from palpate.core import PAPER, Spec, parameter
 from palpate.design.rings import MAX_RINGS, markers_in_rings, ring_count
 from palpate.design.skin import Skin
-
-PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
 
 
 class SkinSpec(Spec, ABC):

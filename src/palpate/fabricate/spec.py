@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from palpate.core import Spec, parameter
+from palpate.core import PAPER, Spec, parameter
 
-PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
 ECOFLEX = "Smooth-On technical bulletin, Ecoflex series"
 
 

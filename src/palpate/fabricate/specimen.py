@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from palpate.cad import Arc, Outline, Point, Solid, box, cylinder, extrude, write_step
-from palpate.core import PalpateError, provenance
-from palpate.fabricate.folder import hash_files, new_folder
+from palpate.core import PalpateError, new_folder, provenance
+from palpate.fabricate.folder import hash_files
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.spec import ProcessSpec
 

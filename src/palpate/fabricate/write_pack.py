@@ -11,7 +11,7 @@ import numpy as np
 
 from palpate.cad import Solid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
-from palpate.core import PalpateError, provenance
+from palpate.core import PalpateError, new_folder, provenance
 from palpate.design import (
     Finding,
     MarkerLayout,
@@ -28,7 +28,7 @@ from palpate.fabricate.artwork import Artwork, draw_artwork
 from palpate.fabricate.check_process import check_enclosure, check_mold, check_process, refuse_interference
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
-from palpate.fabricate.folder import hash_files, new_folder
+from palpate.fabricate.folder import hash_files
 from palpate.fabricate.instructions import write_instructions, write_markdown, write_sheet
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold

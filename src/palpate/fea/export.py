@@ -13,16 +13,13 @@ directions (VTK_TRIQUADRATIC_HEXAHEDRON). Fields at nodes:
 from __future__ import annotations
 
 import csv
-import os
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, load_extra, provenance
+from palpate.core import FloatArray, PalpateError, load_extra, new_folder, provenance
 from palpate.fea.nodal_stress import held_solid, nodal_stress
 from palpate.fea.press import Press
 from palpate.mechanics import BRICK, Solid, von_mises
@@ -64,19 +61,10 @@ def export_press(folder: Path, press: Press) -> None:
         As `check_export`, or if the folder cannot be written.
     """
     check_export(folder)
-    part = None
-    try:
-        part = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}-"))
-        part.chmod(0o755)
+    with new_folder(folder, "Name another folder.") as part:
         names = _write_images(part, press)
         _write_series(part / "press.pvd", names, press.depth)
         _write_force(part / "force.csv", press)
-        os.replace(part, folder)
-    except OSError as error:
-        raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Name another folder.") from None
-    finally:
-        if part is not None:
-            shutil.rmtree(part, ignore_errors=True)
 
 
 def _meshio() -> Any:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import csv
 import html
-import os
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.core import PalpateError, load_extra
+from palpate.core import PalpateError, load_extra, written_whole
 from palpate.grid.grid import MAIN_COLUMNS, TABLES, Cell, Row, SpecificationGrid, name_row, unit_of
 
 SHORT = (
@@ -73,15 +71,10 @@ def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
         raise PalpateError(
             f"A grid cannot be written as '{path.name}'.", f"Let the name end in {', '.join(_WRITERS)}."
         )
-    try:
-        with tempfile.TemporaryDirectory(prefix=".writing-", dir=path.parent) as folder:
-            writer(Path(folder) / path.name, grid)
-            drafts = sorted(Path(folder).iterdir())
-            for draft in drafts:
-                os.replace(draft, path.parent / draft.name)
-    except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror or error}.", "Choose another file.") from error
-    return tuple(path.parent / draft.name for draft in drafts)
+    with written_whole(path) as draft:
+        writer(draft, grid)
+        names = sorted(made.name for made in draft.parent.iterdir())
+    return tuple(path.parent / name for name in names)
 
 
 def write_csv(path: Path, grid: SpecificationGrid, beside: str = "{stem}_{table}") -> None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, written_into
 from palpate.grid.database import read_database, refuse_older, write_database
 from palpate.grid.export import write_csv
 from palpate.grid.grid import TABLES, SpecificationGrid, unit_of
@@ -50,21 +48,12 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
     PalpateError
         If the folder cannot be written.
     """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".writing-", dir=directory) as name:
-            drafts = Path(name)
-            write_csv(drafts / "grid.csv", grid, "{table}")
-            _write_json(drafts / "grid.json", grid)
-            if grid.designs:
-                _write_pictures(drafts, grid)
-            write_database(directory / DATABASE, grid)
-            for draft in sorted(drafts.iterdir()):
-                os.replace(draft, directory / draft.name)
-    except OSError as error:
-        raise PalpateError(
-            f"The grid cannot be written to {directory}: {error.strerror or error}.", "Choose another folder."
-        ) from error
+    with written_into(directory) as drafts:
+        write_csv(drafts / "grid.csv", grid, "{table}")
+        _write_json(drafts / "grid.json", grid)
+        if grid.designs:
+            _write_pictures(drafts, grid)
+        write_database(directory / DATABASE, grid)
 
 
 def read_grid(directory: Path) -> SpecificationGrid:

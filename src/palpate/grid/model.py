@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from palpate.core import PalpateError
+from palpate.core import ArtefactStore, PalpateError, writing
 from palpate.grid.grid import SpecificationGrid, name_row
 from palpate.learn import open_predictor
 
@@ -39,12 +39,10 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
     key = row.get("estimator_key")
     if not isinstance(key, str) or not key:
         raise PalpateError(f"{name} has no model.", "Its chain broke: see the column failure.")
-    path = directory / "store" / "estimator" / key[:2] / f"{key}.onnx"
+    path = ArtefactStore(directory / "store").locate("estimator", key, ".onnx")
     if not path.is_file():
         raise PalpateError(f"The model of {name} is not in {directory / 'store'}.", "Run the study again.")
     open_predictor(path)
-    try:
+    with writing(out):
         shutil.copyfile(path, out)
-    except OSError as error:
-        raise PalpateError(f"{out} cannot be written: {error.strerror}.", "Choose another file.") from error
     return name

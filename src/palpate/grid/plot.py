@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, written_into
 from palpate.grid.grid import SpecificationGrid, unit_of
 from palpate.grid.panel import (
     CurvePanel,
@@ -84,18 +82,10 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     refuse_unknown(grid, kind, metric)
     name = name_plot(kind, metric)
     figure = draw_plot(grid, kind, metric)
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".writing-", dir=directory) as folder:
-            write_picture(Path(folder) / name, figure)
-            drafts = sorted(Path(folder).iterdir())
-            for draft in drafts:
-                os.replace(draft, directory / draft.name)
-    except OSError as error:
-        raise PalpateError(
-            f"The picture cannot be written to {directory}: {error.strerror or error}.", "Choose another with -o."
-        ) from error
-    return tuple(directory / draft.name for draft in drafts)
+    with written_into(directory, "Choose another with -o.") as drafts:
+        write_picture(drafts / name, figure)
+        names = sorted(made.name for made in drafts.iterdir())
+    return tuple(directory / name for name in names)
 
 
 def draw_grid(grid: SpecificationGrid, metric: str = "rmse_deg", kind: str = "heat") -> Figure:

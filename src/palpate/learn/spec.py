@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from palpate.core import Spec, parameter
-
-PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
+from palpate.core import PAPER, Spec, parameter
 
 
 class TrainSpec(Spec):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, writing
 from palpate.material.fit import Fit
 from palpate.material.prepare import average_samples
 from palpate.material.sample import Loading, Sample
@@ -65,12 +65,8 @@ def save_figure(path: Path, figure: Figure) -> None:
     """
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise PalpateError(f"{path} does not end in .png, .svg or .pdf.", "Name the picture so.")
-    try:
+    with writing(path, "Name a file in an existing folder."):
         figure.savefig(path, dpi=DOTS_PER_INCH)
-    except OSError as error:
-        raise PalpateError(
-            f"{path} cannot be written: {error.strerror}.", "Name a file in an existing folder."
-        ) from None
 
 
 def _draw_panel(axis: Axes, samples: Sequence[Sample], fit: Fit, scale: float) -> None:

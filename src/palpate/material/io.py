@@ -11,7 +11,7 @@ from typing import Any
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, writing
 from palpate.material.make_law import LAWS
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
 
@@ -41,12 +41,8 @@ def write_material(path: Path, material: Material) -> None:
     writer = YAML()
     writer.width = 110
     writer.dump(content, text)
-    try:
+    with writing(path, "Name a file in an existing folder."):
         path.write_text(_HEAD + text.getvalue(), encoding="utf-8")
-    except OSError as error:
-        raise PalpateError(
-            f"{path} cannot be written: {error.strerror}.", "Name a file in an existing folder."
-        ) from None
 
 
 def read_material(path: Path) -> Material:

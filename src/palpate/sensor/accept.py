@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
+from palpate.core import PAPER, BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
 from palpate.sensor.recording import Truth
 from palpate.sensor.score import COMPONENTS, Score, score_readings
 from palpate.sensor.touch import TouchZero, find_zero
 
-PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, Table 3"
+TABLE_3 = f"{PAPER}, Table 3"
 
 
 _DOUBT = 0.05
@@ -22,9 +22,9 @@ _DOUBT = 0.05
 class AcceptSpec(Spec):
     """What a unit must reach."""
 
-    rmse_deg: float = parameter(0.58, unit="deg", meaning="greatest RMSE of roll and of pitch", source=PAPER, gt=0)
+    rmse_deg: float = parameter(0.58, unit="deg", meaning="greatest RMSE of roll and of pitch", source=TABLE_3, gt=0)
     max_deg: float = parameter(
-        1.64, unit="deg", meaning="greatest error of roll and of pitch", source=PAPER, flag="max-error", gt=0
+        1.64, unit="deg", meaning="greatest error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
     )
     depth_rmse: float = parameter(0.2, unit="mm", meaning="greatest RMSE of the depth", gt=0)
     least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+from palpate.markers import Sighting
 
 
 class Flag(StrEnum):
@@ -37,6 +39,8 @@ class Reading:
         Time from the image to the pose.
     reason
         What went wrong with an unreadable image.
+    sighting
+        Where the markers were seen that the pose comes from; `None` without one.
     """
 
     image: int
@@ -49,6 +53,7 @@ class Reading:
     flags: tuple[Flag, ...]
     latency_ms: float
     reason: str = ""
+    sighting: Sighting | None = field(default=None, compare=False, repr=False)
 
     @property
     def tilt_deg(self) -> float:

@@ -26,7 +26,7 @@ PAPER_TABLE_3 = {
     "pitch": ErrorSummary(rmse=0.57, mae=0.47, max=1.64, sd=0.49, bias=float("nan")),
     "depth": ErrorSummary(rmse=1.00, mae=1.00, max=1.40, sd=0.16, bias=float("nan")),
 }
-"""Errors of the sensor of Zaid et al. 2024, doi 10.1016/j.sna.2024.115469, Table 3 (degrees, mm)."""
+"""Errors of the sensor of Zaid et al. 2024, Table 3 (`palpate.core.PAPER`), degrees and mm."""
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,7 @@ class Sensor:
             found=found,
             flags=tuple(flags),
             latency_ms=(time.perf_counter() - start) * 1e3,
+            sighting=sighting,
         )
 
     def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from palpate.core import PalpateError, provenance
+from palpate.core import provenance, writing
 from palpate.sensor.accept import Acceptance, Check
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
@@ -25,14 +25,12 @@ def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
     PalpateError
         If they cannot be written.
     """
-    try:
+    with writing(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         text = json.dumps({"unit": title, **found.as_dict()}, indent=2).replace("NaN", "null")
         (folder / "accept.json").write_text(text + "\n", encoding="utf-8")
         (folder / "accept.md").write_text(acceptance_page(found, title), encoding="utf-8")
         draw_acceptance(found, title).savefig(folder / "accept.pdf")
-    except OSError as error:
-        raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Choose another folder.") from error
 
 
 def acceptance_page(found: Acceptance, title: str) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import PalpateError, load_extra
+from palpate.core import PalpateError, load_extra, writing
 from palpate.sensor.reading import Reading
 
 _VERSION = 9
@@ -32,10 +32,8 @@ class Bag:
         typesys = load_extra("rosbags.typesys", "ros", "rosbags")
         self._store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
         self._writer = rosbag2.Writer(folder, version=_VERSION)
-        try:
+        with writing(folder, "Choose another folder."):
             self._writer.open()
-        except OSError as error:
-            raise PalpateError(f"{folder} cannot be written: {error.strerror}.", "Choose another folder.") from error
         self._pose = self._connect("/palpate/pose", "geometry_msgs/msg/PoseStamped")
         self._reading = self._connect("/palpate/reading", "std_msgs/msg/String")
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, writing
 from palpate.design import TILT_DEPTH
 from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
@@ -63,17 +63,14 @@ def write_readings(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]
 
 
 def _write_text(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]:
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, COLUMNS)
+    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        if path.suffix == ".csv":
+            table.writeheader()
+        for reading in readings:
             if path.suffix == ".csv":
-                table.writeheader()
-            for reading in readings:
-                if path.suffix == ".csv":
-                    table.writerow(describe_reading(reading))
-                else:
-                    file.write(json.dumps(describe_reading(reading)) + "\n")
-                file.flush()
-                yield reading
-    except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error
+                table.writerow(describe_reading(reading))
+            else:
+                file.write(json.dumps(describe_reading(reading)) + "\n")
+            file.flush()
+            yield reading

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.core import ArtefactStore, MissingExtraError, PalpateError
+from palpate.core import ArtefactStore, MissingExtraError, writing
 from palpate.learn import find_device
 from palpate.study.available import fitting_workers
 from palpate.study.cluster import ClusterCrew
@@ -190,15 +190,11 @@ class _Run:
 
 
 def _writable(out: Path) -> Path:
-    try:
+    with writing(f"The result folder {out}", "Choose another with --out."):
         out.mkdir(parents=True, exist_ok=True)
         probe = out / f".writable-{os.getpid()}"
         probe.touch()
         probe.unlink()
-    except OSError as error:
-        raise PalpateError(
-            f"The result folder {out} cannot be written: {error.strerror}.", "Choose another with --out."
-        ) from error
     return out
 
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_va
 from pydantic_core import PydanticCustomError
 
 from palpate.camera import CameraSpec
-from palpate.core import PalpateError, Spec, child_seed, parameter
+from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import WallSpec
@@ -17,8 +17,6 @@ from palpate.learn import SearchSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec
-
-PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
 
 
 class DesignsSpec(Spec):

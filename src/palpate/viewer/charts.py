@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.grid import Cell, Row, SpecificationGrid, cut_panels
+from palpate.grid import Cell, Row, SpecificationGrid, cut_panels, name_row
 from palpate.viewer.words import cell_words, column_label
 
 VIRIDIS = (
@@ -116,7 +116,7 @@ def _heat_cell(number: int, row: Row, drawn: tuple[tuple[int, int], str, float],
     kept = number in chosen.kept and value is not None
     border = {chosen.design: FIRST, chosen.other: SECOND}.get(number, ink.ground)
     marked = number in (chosen.design, chosen.other)
-    name = f"H {cell_words(row['height_mm'])} mm, T {cell_words(row['thickness_mm'])} mm, {row['markers']} markers"
+    name = name_row(row)
     text = cell_words(value)
     short = "–" if value is None else f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
     dark_text = value is not None and value > bright
@@ -226,7 +226,7 @@ def _scatter_dot(
     chosen, front, ink = how
     marked = {chosen.design: FIRST, chosen.other: SECOND}.get(number)
     kept = number in chosen.kept
-    name = f"H {cell_words(row['height_mm'])} mm, T {cell_words(row['thickness_mm'])} mm, {row['markers']} markers"
+    name = name_row(row)
     return {
         "name": name,
         "value": [x, y, number],

@@ -264,7 +264,6 @@ class DesignPage:
         sketch, drawn = self._ordered
         pressed = gather_presses([press])
         specimen = Specimen(pressed, build_shell(pressed.mesh))
-        specimen.learn_stress([press])
         motion = pressed.at(sketch.wall.tilt_deg)
         self._curves, _ = force_curves([(drawn.design, motion)])
         self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."

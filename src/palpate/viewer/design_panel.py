@@ -25,7 +25,7 @@ class DesignPanel:
         self._table.clear()
         with self._table:
             if len(designs) > 1:
-                self._row("", [f"H {d.dome.height:g} T {d.dome.thickness:g}, {len(d.layout)}" for d in designs], "th")
+                self._row("", [design.name for design in designs], "th")
             for column in MAIN_COLUMNS:
                 if any(column in design.row for design in designs):
                     self._row(column_label(column), [cell_words(design.row.get(column)) for design in designs])

@@ -10,6 +10,7 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
+from palpate.grid import name_row
 from palpate.viewer.charts import Chosen, Curve, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
@@ -19,7 +20,7 @@ from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.pressed_dome import Motion
 from palpate.viewer.results import Design
-from palpate.viewer.words import column_label
+from palpate.viewer.words import column_label, jitter_words
 
 _SWITCHES = (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall"))
 _EXAMPLE = "max_error_deg < 2 and height_mm <= 20"
@@ -39,7 +40,7 @@ class ExplorePage:
     def __init__(self, library: Library, request: Request) -> None:
         self._library, self._grid = library, library.results.grid
         self._view, self._complaints = read_link(request.query_params, self._grid)
-        self._names = {i: self._name(i) for i in range(len(self._grid.designs))}
+        self._names = {i: name_row(row) for i, row in enumerate(self._grid.designs)}
         self._head = Head(
             request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.designs)} designs"
         )
@@ -60,10 +61,6 @@ class ExplorePage:
         self._redraw()
         if self._complaints:
             complain(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
-
-    def _name(self, number: int) -> str:
-        row = self._grid.designs[number]
-        return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
 
     def _build_export(self) -> None:
         ui.button("Link", icon="link", on_click=self._copy_link).props(
@@ -166,7 +163,7 @@ class ExplorePage:
             self._force = ui.echart({}, renderer="svg").classes("curve")
             self._force_note = ui.label("").classes("faint")
         with ui.element("div").classes("card"):
-            heading("Error by depth, 2 px jitter")
+            heading(f"Error by depth, {jitter_words(self._grid)}")
             self._error = ui.echart({}, renderer="svg").classes("curve")
         self._panel = DesignPanel()
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +24,7 @@ from palpate.viewer.results import Design
 def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
     motion = specimen.pressed.at(tilt_deg)
-    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, azimuth_deg)
+    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
     for k, depth in enumerate(motion.depths_mm):
@@ -32,6 +35,15 @@ def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg
             place = {"x_mm": x, "y_mm": y, "z_mm": z, "u_px": u, "v_px": v}
             rows.append({**pose, "marker": marker, **place, "seen": int(seen.seen[k, marker])})
     return rows
+
+
+def write_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Rows as a table in CSV, with the columns of the first."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]) if rows else ["empty"], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()
 
 
 def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, float]) -> list[Part]:
@@ -75,7 +87,7 @@ def _between(motion: Motion, field: NDArray[Any], depth: float) -> FloatArray:
 
 def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[float, float, float]) -> Part:
     """Each marker as an octahedron as wide as its dot."""
-    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, pose[2])
+    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, pose[2])
     centres = _between(motion, seen.positions, pose[0])
     corners = np.concatenate([np.eye(3), -np.eye(3)]) * design.layout.diameter / 2
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Iterator
+import threading
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -13,12 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.camera import Source
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.learn import Predictor
-from palpate.markers import Motion, Tracker
 from palpate.sensor import Reading, Sensor, Unit, describe_reading, open_sensor
 from palpate.viewer.results import Design
-from palpate.viewer.source import Shot
 
 LONGEST = 100_000
 """Readings of the longest record."""
@@ -57,13 +54,13 @@ class Step:
 
 
 class Live:
-    """A sensor opened on the first image of a source; `step` reads the next ones.
+    """A sensor opened on the first image of a source; `step` reads the next ones until `close`.
 
     Parameters
     ----------
     design, predictor
         The unit's design and its model.
-    shots
+    source
         Images; the first shows the untouched dome.
     marked
         Whether the orientation mark is printed.
@@ -74,36 +71,39 @@ class Live:
         If there is no image, or the dots are not those of the design.
     """
 
-    def __init__(self, design: Design, predictor: Predictor, shots: Iterator[Shot], *, marked: bool = True) -> None:
-        first = next(shots, None)
+    def __init__(self, design: Design, predictor: Predictor, source: Source, *, marked: bool = True) -> None:
+        self._source, self._images = source, source.images()
+        self._lock = threading.Lock()
+        first = next(self._images, None)
         if first is None:
             raise PalpateError("The source has no image.", "Record the untouched dome first.")
-        if isinstance(first.image, PalpateError):
-            raise first.image
+        if isinstance(first, PalpateError):
+            raise first
         unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
-        self.size_px = first.image.shape[:2]
-        self.sensor: Sensor = open_sensor([first.image], unit, predictor)
+        self.size_px = first.shape[:2]
+        self.sensor: Sensor = open_sensor([first], unit, predictor)
         self.rest_px = self.sensor.naming.positions_px
         self.record: list[dict[str, Any]] | None = None
-        self._shots = shots
-        self._tracker = Tracker(Motion(self.rest_px))
 
     def step(self) -> Step | None:
         """Read the next image; `None` at the end of the source."""
-        shot = next(self._shots, None)
-        if shot is None:
+        with self._lock:
+            item = next(self._images, None)
+            truth = self._source.truth
+        if item is None:
             return None
-        reading = self.sensor.read(shot.image)
-        positions, found = self.rest_px, np.zeros(len(self.rest_px), bool)
-        image = None
-        if not isinstance(shot.image, PalpateError):
-            image = to_grey(shot.image)
-            if not math.isnan(reading.depth_mm):
-                sighting = self._tracker.step(self.sensor.detector.find(shot.image).positions_px)
-                positions, found = sighting.positions_px, sighting.found
+        reading = self.sensor.read(item)
         if self.record is not None and len(self.record) < LONGEST:
             self.record.append(describe_reading(reading))
-        return Step(image, reading, positions, found, shot.truth)
+        seen, image = reading.sighting, None if isinstance(item, PalpateError) else to_grey(item)
+        if seen is None:
+            return Step(image, reading, self.rest_px, np.zeros(len(self.rest_px), bool), truth)
+        return Step(image, reading, seen.positions_px, seen.found, truth)
+
+    def close(self) -> None:
+        """Give the camera or file back."""
+        with self._lock:
+            self._source.close()
 
 
 def judge(reading: Reading, tolerance_deg: float) -> Verdict:
@@ -125,15 +125,6 @@ def tilt_interval(reading: Reading) -> tuple[float, float]:
     least = math.hypot(*(max(size - half, 0.0) for size, half in pairs))
     most = math.hypot(*(size + half for size, half in pairs))
     return least, most
-
-
-def record_csv(record: list[dict[str, Any]]) -> bytes:
-    """A record of readings as a CSV file."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(record[0]) if record else ["image"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(record)
-    return text.getvalue().encode()
 
 
 def to_grey(image: NDArray[Any]) -> NDArray[np.uint8]:

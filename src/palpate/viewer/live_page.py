@@ -5,25 +5,29 @@ from __future__ import annotations
 import asyncio
 import base64
 import math
-from collections.abc import Iterator
 from typing import Any
 
 from fastapi import Request
 from nicegui import events, ui
 
+from palpate.bench import SimulatedSource, draw_touches
+from palpate.camera import Source, open_source
 from palpate.core import PalpateError
+from palpate.grid import name_row
 from palpate.learn import open_predictor
+from palpate.sensor import Unit
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
+from palpate.viewer.export import write_table
 from palpate.viewer.library import Library
-from palpate.viewer.live import Live, Step, Verdict, judge, record_csv, tilt_interval
+from palpate.viewer.live import Live, Step, Verdict, judge, tilt_interval
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.png import write_png
-from palpate.viewer.results import model_path
-from palpate.viewer.source import Shot, capture, find_recordings, inside, replay, touch_for_ever
+from palpate.viewer.recordings import find_recordings, inside
+from palpate.viewer.results import Design, model_path
 
 _VIRTUAL = "virtual touches"
-_CAMERAS = {"camera 0": 0, "camera 1": 1}
+_CAMERAS = {"camera 0": "0", "camera 1": "1"}
 """Cameras of the machine that the viewer runs on."""
 _PERIOD_S = 0.1
 
@@ -64,7 +68,7 @@ class LivePage:
         self._show_pose(None)
 
     def _build_source(self) -> None:
-        names = {i: _name(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
+        names = {i: name_row(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
         best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
         recordings = find_recordings(self._library.results.folder)
         with ui.element("div").classes("card"):
@@ -131,18 +135,26 @@ class LivePage:
             raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
         design = self._library.design(int(self._design.value))
         predictor = open_predictor(model_path(self._library.results, design))
-        shots: Iterator[Shot]
-        if self._source.value == _VIRTUAL:
-            shots = touch_for_ever(design, self._library.specimen(design))
-        elif self._source.value in _CAMERAS:
-            shots = capture(_CAMERAS[self._source.value])
-        else:
-            shots = replay(inside(self._library.results.folder, str(self._source.value)))
-        return Live(design, predictor, shots, marked=self._source.value == _VIRTUAL or bool(self._marked.value))
+        source = self._open_source(design)
+        marked = self._source.value == _VIRTUAL or bool(self._marked.value)
+        try:
+            return Live(design, predictor, source, marked=marked)
+        except PalpateError:
+            source.close()
+            raise
+
+    def _open_source(self, design: Design) -> Source:
+        chosen = str(self._source.value)
+        if chosen == _VIRTUAL:
+            unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
+            return SimulatedSource(unit, draw_touches(self._library.specimen(design).pressed.presses))
+        return open_source(_CAMERAS.get(chosen) or str(inside(self._library.results.folder, chosen)))
 
     def _stop(self) -> None:
         self._timer.deactivate()
-        self._live = None
+        live, self._live = self._live, None
+        if live is not None:
+            live.close()
         self._record.text = "Record"
 
     async def _next(self) -> None:
@@ -214,7 +226,7 @@ class LivePage:
         if not self._kept:
             complain(self._fault, "Nothing was recorded yet.")
             return
-        ui.download.content(record_csv(self._kept), "readings.csv")
+        ui.download.content(write_table(self._kept), "readings.csv")
 
 
 def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
@@ -228,10 +240,6 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
         )
     ]
     return [*rows, ("tilt", reading.tilt_deg, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
-
-
-def _name(row: Any) -> str:
-    return f"H {row['height_mm']:g}  T {row['thickness_mm']:g} mm, {row['markers']} markers"
 
 
 def _as_link(png: bytes) -> str:

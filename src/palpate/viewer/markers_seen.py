@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.camera import Camera
-from palpate.core import BoolArray, FloatArray, PalpateError
-from palpate.design import MarkerLayout, turn_about_axis
-from palpate.mesh import Mesh, locate_inner
-from palpate.viewer.pressed_dome import Motion
+from palpate.core import BoolArray, FloatArray
+from palpate.design import MarkerLayout
+from palpate.viewer.pressed_dome import Motion, PressedDome
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,14 +35,14 @@ class MarkersSeen:
 
 
 def follow_markers(
-    mesh: Mesh, motion: Motion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
+    pressed: PressedDome, motion: Motion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
 ) -> MarkersSeen:
     """Follow markers through a press whose wall is turned to an azimuth.
 
     Parameters
     ----------
-    mesh, motion
-        A pressed half dome, in its tilt frame.
+    pressed, motion
+        A pressed half dome, and its press at one tilt.
     layout
         Undeformed markers, dome's frame.
     camera
@@ -56,21 +55,8 @@ def follow_markers(
     PalpateError
         If the azimuth is not finite, or a marker is not on the dome.
     """
-    positions = follow_points(mesh, motion, layout.positions, azimuth_deg)
-    dome = mesh.dome
-    seen = camera.visible(positions, dome)
+    positions = pressed.markers(layout, motion, azimuth_deg)
+    seen = camera.visible(positions, pressed.mesh.dome)
     reach = np.linalg.norm(positions - camera.origin, axis=-1)
     radius = camera.spec.fx_px * layout.diameter / 2.0 / np.maximum(reach, 1e-3)
     return MarkersSeen(positions, camera.project(positions), radius, seen)
-
-
-def follow_points(mesh: Mesh, motion: Motion, points: FloatArray, azimuth_deg: float) -> FloatArray:
-    """Deformed positions (k, m, 3) mm of undeformed points (m, 3) of the inner surface, dome's frame."""
-    if not np.isfinite(azimuth_deg):
-        raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.")
-    turn = turn_about_axis(np.radians(azimuth_deg))  # dome_from_tilt
-    local = points @ turn
-    side = np.where(local[:, :1] < 0, [[-1.0, 1.0, 1.0]], 1.0)
-    moved = locate_inner(mesh, local * side).interpolate(motion.displacement.astype(float)) * side
-    positions: FloatArray = points + moved @ turn.T
-    return positions

@@ -5,29 +5,37 @@ azimuth. A wall tilted by −t is the wall tilted by t seen in the mirror y → 
 
     u(x, y, z; −t) = M u(x, −y, z; t),      M = diag(1, −1, 1)
 
-At each depth the tilts are cut into runs on one branch, as in `palpate.dataset.field`; a cubic spline through a run
-is a weighted sum of its presses, and the weights are found once for a tilt. Nothing is interpolated across a jump.
+A spline through a run of tilts (see `palpate.dataset.tilt_runs`) is a weighted sum of its presses and of their mirror
+images; here the weights are what is interpolated. Markers are those of the dataset: `build_field` at the same depths.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError, TextArray
-from palpate.fea import Press
+from palpate.dataset import (
+    MarkerField,
+    TiltRuns,
+    build_field,
+    cut_into_runs,
+    label_presses,
+    match_depths,
+    shared_depths,
+)
+from palpate.design import MarkerLayout, rotation_vector
+from palpate.fea import Press, nodal_von_mises
 from palpate.mesh import Mesh
 
 Array32 = NDArray[np.float32]
 
 SAME_MM, SAME_DEG = 1e-6, 1e-9
-_MIRROR_MM = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,31 +77,49 @@ class PressedDome:
     ----------
     mesh
         What was pressed.
-    tilts_deg
-        (t,) solved tilts, rising.
+    presses
+        (t,) by rising tilt; none of a dome at rest.
     depths_mm
-        (d,) depths of rest and of every image step.
-    displacement
-        (d, t, n, 3) mm; zero where a press ended before.
-    force_n
-        (d, t) norm of the wall's force; zero where a press ended before.
-    branch
-        (d, t) labels; empty where a press ended before.
-    ended, ended_mm
-        (t,) why and at which depth each press ended.
-    mirrored
-        (n,) for each node the one across y = 0.
+        (d,) depths of rest, of every image step and of full depth.
+    runs
+        Weights (2, t) of the presses and of their mirror images at any tilt, for each depth.
     """
 
     mesh: Mesh
-    tilts_deg: FloatArray
+    presses: tuple[Press, ...]
     depths_mm: FloatArray
-    displacement: Array32
-    force_n: FloatArray
-    branch: TextArray
-    ended: tuple[str, ...]
-    ended_mm: tuple[float, ...]
-    mirrored: NDArray[np.intp]
+    runs: TiltRuns
+    _fields: dict[bytes, MarkerField] = field(default_factory=dict)
+
+    @property
+    def tilts_deg(self) -> FloatArray:
+        """(t,) solved tilts, rising."""
+        return self.runs.tilts_deg
+
+    @cached_property
+    def mirrored(self) -> NDArray[np.intp]:
+        """(n,) for each node the one across y = 0."""
+        distance, mirrored = cKDTree(self.mesh.nodes).query(self.mesh.nodes * [1.0, -1.0, 1.0])
+        if distance.max() > SAME_MM:
+            raise PalpateError("The mesh is not symmetric about y = 0.", "Solve the presses again with this version.")
+        return np.asarray(mirrored)
+
+    @cached_property
+    def displacement(self) -> Array32:
+        """(d, t, n, 3) mm of the mesh's nodes; zero where a press ended before."""
+        moved = [press.displacement for press in self.presses]
+        return self._gather(moved, *self.mesh.nodes.shape).astype(np.float32)
+
+    @cached_property
+    def force_n(self) -> FloatArray:
+        """(d, t) norm of the wall's force; zero where a press ended before."""
+        return self._gather([np.linalg.norm(press.force, axis=1) for press in self.presses])
+
+    @cached_property
+    def stress_mpa(self) -> Array32:
+        """(d, t, n, 1) von Mises Cauchy stress in MPa of the presses, zero at rest; takes about a second to find."""
+        stress = [np.nan_to_num(nodal_von_mises(press))[..., None] for press in self.presses]
+        return self._gather(stress, len(self.mesh.nodes), 1).astype(np.float32)
 
     def at(self, tilt_deg: float) -> Motion:
         """The press at a tilt (degrees) between the least and the greatest that were solved.
@@ -106,19 +132,50 @@ class PressedDome:
         first, last = float(self.tilts_deg[0]), float(self.tilts_deg[-1])
         if not first - SAME_DEG <= tilt_deg <= last + SAME_DEG:
             raise PalpateError(f"{tilt_deg:g}° was not pressed.", f"Choose a tilt from {first:g} to {last:g}°.")
-        found = [weigh_presses(self.tilts_deg, row, tilt_deg) for row in self.branch]
+        tilt = np.array([tilt_deg], float)
+        found = [next(self.runs.read(tilt, image), None) for image in range(len(self.depths_mm))]
         deep = next((k for k, item in enumerate(found) if item is None), len(found))
-        weights = np.array([item for item in found[:deep] if item is not None], np.float32)
-        nearest = weights[:, 0].argmax(axis=1)
+        weights = np.concatenate([item[1] for item in found[:deep] if item is not None]).astype(np.float32)
         return Motion(
             tilt_deg=float(tilt_deg),
             depths_mm=self.depths_mm[:deep],
             displacement=self.blend(self.displacement, weights),
             force_n=np.maximum((weights.sum(axis=1) * self.force_n[:deep]).sum(axis=1), 0.0),
-            branch=tuple(str(label) for label in self.branch[np.arange(deep), nearest]),
-            ended=self._reason(deep, tilt_deg),
+            branch=tuple(str(self.runs.labels(tilt, image)[0][0]) for image in range(deep)),
+            ended=str(self.runs.labels(tilt, deep)[1][0]) if deep < len(found) else self._end(tilt_deg),
             weights=weights,
         )
+
+    def markers(self, layout: MarkerLayout, motion: Motion, azimuth_deg: float) -> FloatArray:
+        """Deformed positions (k, m, 3) mm of a layout's markers, dome's frame, at every depth of a motion.
+
+        Parameters
+        ----------
+        layout
+            Undeformed markers (m, 3) mm.
+        motion
+            A press of this dome.
+        azimuth_deg
+            Direction of the wall's rotation axis.
+
+        Raises
+        ------
+        PalpateError
+            If the azimuth is not finite, or a marker is not on the dome.
+        """
+        if not np.isfinite(azimuth_deg):
+            raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.")
+        if not self.presses:
+            return np.broadcast_to(layout.positions, (len(motion.depths_mm), *layout.positions.shape))
+        name = layout.positions.tobytes()
+        if name not in self._fields:
+            self._fields[name] = build_field(self.presses, layout, self.depths_mm)
+        rx, ry = rotation_vector(motion.tilt_deg, np.radians([azimuth_deg])).T
+        return np.concatenate([self._fields[name].positions(rx, ry, k) for k in range(len(motion.depths_mm))])
+
+    def stress(self, motion: Motion) -> Array32:
+        """Von Mises stress (k, n) in MPa for a motion, interpolated like the displacement."""
+        return self.blend(self.stress_mpa, motion.weights)[..., 0].clip(min=0.0)
 
     def blend(self, field: Array32, weights: Array32) -> Array32:
         """Weighted sum of a nodal field of every press and of its mirror image.
@@ -146,12 +203,20 @@ class PressedDome:
         total: Array32 = plain + other
         return total
 
-    def _reason(self, deep: int, tilt_deg: float) -> str:
-        above = min(int(np.searchsorted(self.tilts_deg, tilt_deg - SAME_DEG)), len(self.tilts_deg) - 1)
-        below = above if abs(self.tilts_deg[above] - tilt_deg) <= SAME_DEG else max(above - 1, 0)
-        if deep < len(self.depths_mm) and all(self.branch[deep, below : above + 1]):
-            return "between the flat and the inverted branch"
-        return min(zip(self.ended_mm[below : above + 1], self.ended[below : above + 1], strict=True))[1]
+    def _gather(self, fields: Sequence[FloatArray], *shape: int) -> FloatArray:
+        """A field (images, …) of each press at the common depths: (d, t, …), zero where a press ended before."""
+        gathered = np.zeros((len(self.depths_mm), len(self.tilts_deg), *shape))
+        for column, (press, values) in enumerate(zip(self.presses, fields, strict=False)):
+            depth, image = match_depths(self.depths_mm, press)
+            gathered[depth, column] = values[image]
+        return gathered
+
+    def _end(self, tilt_deg: float) -> str:
+        """Why the press next to a tilt that ended first goes no deeper."""
+        neighbours = self.runs.neighbours(tilt_deg)
+        if not self.presses:
+            return self.runs.ended[neighbours[0]]
+        return str(min((self.presses[n] for n in neighbours), key=lambda press: press.ended_depth).ended)
 
 
 def gather_presses(presses: Sequence[Press]) -> PressedDome:
@@ -176,108 +241,31 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     if mesh.spec.whole:
         raise PalpateError("Presses of a whole dome are not drawn.", "Press half of it: mesh: {whole: false}.")
     depths = _depths(presses)
-    shape = (len(depths), len(presses))
-    moved, force = np.zeros((*shape, *mesh.nodes.shape), np.float32), np.zeros(shape)
-    branch = np.full(shape, "", dtype="U16")
-    for t, press in enumerate(presses):
-        depth, image = match_depths(depths, press)
-        moved[depth, t] = press.displacement[image]
-        force[depth, t] = np.linalg.norm(press.force[image], axis=1)
-        branch[depth, t] = press.branch[image]
-    return PressedDome(
-        mesh=mesh,
-        tilts_deg=np.array([press.wall.radial for press in presses], float),
-        depths_mm=depths,
-        displacement=moved,
-        force_n=force,
-        branch=branch,
-        ended=tuple(str(press.ended) for press in presses),
-        ended_mm=tuple(float(press.ended_depth) for press in presses),
-        mirrored=_mirror(mesh),
-    )
+    tilts = np.array([press.wall.radial for press in presses], float)
+    runs = _weigh(tilts, label_presses(presses, depths), [str(press.ended) for press in presses])
+    return PressedDome(mesh, presses, depths, runs)
 
 
 def rest_dome(mesh: Mesh, tilt_deg: float = 0.0) -> PressedDome:
     """A dome that was never pressed, as a press of no depth by a wall of a tilt (degrees)."""
-    return PressedDome(
-        mesh=mesh,
-        tilts_deg=np.array([tilt_deg]),
-        depths_mm=np.zeros(1),
-        displacement=np.zeros((1, 1, *mesh.nodes.shape), np.float32),
-        force_n=np.zeros((1, 1)),
-        branch=np.full((1, 1), "flat", dtype="U16"),
-        ended=("not pressed yet",),
-        ended_mm=(0.0,),
-        mirrored=_mirror(mesh),
-    )
+    runs = _weigh(np.array([tilt_deg]), np.full((1, 1), "flat", dtype="U16"), ["not pressed yet"])
+    return PressedDome(mesh, (), np.zeros(1), runs)
 
 
-def _mirror(mesh: Mesh) -> NDArray[np.intp]:
-    """For each node the one across y = 0."""
-    distance, mirrored = cKDTree(mesh.nodes).query(mesh.nodes * [1.0, -1.0, 1.0])
-    if distance.max() > _MIRROR_MM:
-        raise PalpateError("The mesh is not symmetric about y = 0.", "Solve the presses again with this version.")
-    return np.asarray(mirrored)
-
-
-def weigh_presses(tilts_deg: FloatArray, branch: TextArray, tilt_deg: float) -> FloatArray | None:
-    """Weights of the solved presses at one depth.
-
-    Parameters
-    ----------
-    tilts_deg
-        (t,) solved tilts, rising.
-    branch
-        (t,) their labels; empty where a press ended before this depth.
-    tilt_deg
-        The tilt wanted.
-
-    Returns
-    -------
-    ndarray or None
-        (2, t) weights of the presses and of their mirror images; `None` where no run holds the tilt.
-    """
-    starts = [0, *(np.flatnonzero(branch[1:] != branch[:-1]) + 1), len(tilts_deg)]
-    for a, b in pairwise(starts):
-        first, last = tilts_deg[a], tilts_deg[b - 1]
-        if branch[a] and first - SAME_DEG <= tilt_deg <= last + SAME_DEG:
-            weights = np.zeros((2, len(tilts_deg)))
-            weights[:, a:b] = _spline_weights(tilts_deg[a:b], float(np.clip(tilt_deg, first, last)))
-            return weights
-    return None
-
-
-def _spline_weights(tilts: FloatArray, tilt: float) -> FloatArray:
-    """Weights (2, r) of a run and of its mirror image in the cubic spline through them."""
-    count = len(tilts)
-    if count == 1:
-        return np.array([[1.0], [0.0]])
-    mirrors = count - 1 if tilts[0] == 0.0 else 0
-    places = np.concatenate([-tilts[:0:-1], tilts]) if mirrors else tilts
-    weights = CubicSpline(places, np.eye(len(places)))(tilt)
-    split = np.zeros((2, count))
-    split[0] = weights[mirrors:]
-    if mirrors:
-        split[1, 1:] = weights[:mirrors][::-1]
-    return split
+def _weigh(tilts_deg: FloatArray, branch: TextArray, ended: Sequence[str]) -> TiltRuns:
+    """Weights (2, t) of the presses and of their mirror images, for each depth."""
+    count = len(tilts_deg)
+    own = np.zeros((count, 2, count))
+    own[:, 0] = np.eye(count)
+    shape = (len(branch), *own.shape)
+    return cut_into_runs(tilts_deg, branch, ended, np.broadcast_to(own, shape), np.broadcast_to(own[:, ::-1], shape))
 
 
 def _depths(presses: Sequence[Press]) -> FloatArray:
-    steps = {round(float(press.wall.image_step), 9) for press in presses}
-    if len(steps) > 1:
-        raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
-    step = steps.pop()
-    reached = max(float(press.depth.max()) for press in presses)
-    images = step * np.arange(int((reached + SAME_MM) / step) + 1, dtype=float)
+    """Depths of rest, of all images and of full depth; of one press alone, of its end as well."""
+    images = shared_depths(presses)
+    reached = max(float(press.depth.max()) for press in presses) + SAME_MM
     # where a press ended early is an image of it alone; full depth is one of all that came so far
     ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
-    every = np.concatenate([images, ends[ends <= reached + SAME_MM]])
-    depths: FloatArray = np.unique(np.round(every, 6))
+    depths: FloatArray = np.unique(np.round(np.concatenate([[0.0], images, ends[ends <= reached]]), 6))
     return depths
-
-
-def match_depths(depths: FloatArray, press: Press) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Numbers of the depths (d,) in mm that a press has, and of its images there; on the way down only."""
-    down = len(press.depth) if not press.wall.unload else int(np.argmax(press.depth)) + 1
-    depth, image = np.nonzero(np.abs(depths[:, None] - press.depth[None, :down]) <= SAME_MM)
-    return depth, image

@@ -6,7 +6,6 @@ Nothing is written, and every path is built here from the folder and a key of he
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from palpate.camera import Camera, CameraSpec, build_camera
-from palpate.core import PalpateError
+from palpate.core import ArtefactStore, PalpateError
 from palpate.design import (
     MarkerLayout,
     MarkerSpec,
@@ -26,9 +25,8 @@ from palpate.design import (
     skin_from_data,
 )
 from palpate.fea import Press, read_press
-from palpate.grid import Cell, SpecificationGrid, read_grid
+from palpate.grid import Cell, SpecificationGrid, name_row, read_grid
 
-_KEY = re.compile(r"[0-9a-f]{32}")
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""
 _AGAIN = "Run the study again."
@@ -77,8 +75,8 @@ class Design:
 
     @property
     def name(self) -> str:
-        """Short name, e.g. ``"H 20  T 2 mm, 169 markers"``."""
-        return f"H {self.dome.height:g}  T {self.dome.thickness:g} mm, {len(self.layout)} markers"
+        """Short name, e.g. ``"H20 T2, 169 markers"``."""
+        return name_row(self.row)
 
 
 def read_results(folder: Path) -> Results:
@@ -145,9 +143,7 @@ def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:
     PalpateError
         If the key is none, or there is no such file.
     """
-    if _KEY.fullmatch(key) is None:
-        raise PalpateError(f"'{key[:40]}' is no key of an artefact.", _AGAIN)
-    path = results.folder / "store" / kind / key[:2] / f"{key}{suffix}"
+    path = ArtefactStore(results.folder / "store").locate(kind, key, suffix)
     if not path.is_file():
         raise PalpateError(f"The {kind} {key[:8]}… is not in the store of {results.folder.name}.", _AGAIN)
     return path
@@ -176,8 +172,8 @@ def _read_layout(results: Results, row: Mapping[str, Cell], dome: Skin) -> Marke
     spec = json.loads(str(row.get("spec") or "{}"))
     diameter = float(spec.get("markers", {}).get("diameter", MarkerSpec().diameter))
     for key in _keys(row, "dataset"):
-        path = results.folder / "store" / "dataset" / key[:2] / f"{key}.manifest.json"
-        if _KEY.fullmatch(key) and path.is_file() and path.stat().st_size <= _LARGEST_MANIFEST:
+        path = ArtefactStore(results.folder / "store").locate("dataset", key, ".manifest.json")
+        if path.is_file() and path.stat().st_size <= _LARGEST_MANIFEST:
             found: Any = json.loads(path.read_bytes()).get("spec", {}).get("markers_mm")
             positions = np.asarray(found, float)
             if positions.ndim == 2 and positions.shape[1] == 3 and len(positions) == row["markers"]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import Any
 
 from fastapi import APIRouter, FastAPI, Request, Response
 from fastapi.responses import JSONResponse
 
 from palpate.core import PalpateError
-from palpate.viewer.export import dome_parts, marker_rows
+from palpate.viewer.export import dome_parts, marker_rows, write_table
 from palpate.viewer.gltf import write_gltf
 from palpate.viewer.link import kept_rows
 from palpate.viewer.markers_seen import follow_markers
@@ -31,14 +29,14 @@ def make_routes(shelf: Shelf) -> APIRouter:
 
     @router.get("/motion/{name}")
     def motion(name: str, tilt: float = 0.0, stress: bool = False) -> Response:
-        _, specimen = shelf.find(name, stress=stress)
+        _, specimen = shelf.find(name)
         return Response(describe_motion(specimen, specimen.pressed.at(tilt), stress=stress), media_type=BINARY)
 
     @router.get("/markers/{name}")
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
         design, specimen = shelf.find(name)
-        mesh, found = specimen.pressed.mesh, specimen.pressed.at(tilt)
-        seen = follow_markers(mesh, found, design.layout, design.camera, azimuth)
+        pressed = specimen.pressed
+        seen = follow_markers(pressed, pressed.at(tilt), design.layout, design.camera, azimuth)
         return Response(describe_markers(seen), media_type=BINARY)
 
     @router.get("/markers.csv")
@@ -71,11 +69,7 @@ def answer_errors(app: FastAPI) -> None:
 
 
 def _csv(name: str, rows: list[dict[str, Any]]) -> Response:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]) if rows else ["empty"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return Response(text.getvalue(), media_type="text/csv", headers=_attachment(name))
+    return Response(write_table(rows), media_type="text/csv", headers=_attachment(name))
 
 
 def _attachment(name: str) -> dict[str, str]:

@@ -49,7 +49,7 @@ def describe_motion(specimen: Specimen, motion: Motion, *, stress: bool = False)
     nodes = specimen.shell.nodes
     arrays = {"displacement": motion.displacement[:, nodes]}
     if stress:
-        arrays["stress"] = specimen.stress(motion)[:, nodes]
+        arrays["stress"] = specimen.pressed.stress(motion)[:, nodes]
     return write_message(_say_motion(specimen, motion), arrays)
 
 

@@ -39,8 +39,8 @@ class Shelf:
                 self._made.popitem(last=False)
             return name
 
-    def find(self, name: str, *, stress: bool = False) -> tuple[Design, Specimen]:
-        """A design with its presses, and with their stress if asked for.
+    def find(self, name: str) -> tuple[Design, Specimen]:
+        """A design with its presses.
 
         Raises
         ------
@@ -52,4 +52,4 @@ class Shelf:
         if self.library is None or not (name.isascii() and name.isdigit() and len(name) < 8):
             raise PalpateError(f"There is no design '{name[:40]}' any more.", "Load the page again.")
         design = self.library.design(int(name))
-        return design, self.library.stressed(design) if stress else self.library.specimen(design)
+        return design, self.library.specimen(design)

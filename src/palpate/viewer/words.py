@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from palpate.grid import Cell, unit_of
+import json
+
+from palpate.grid import Cell, SpecificationGrid, unit_of
 
 _NAMES = {
     "rmse_deg": "RMSE of the angle",
     "max_error_deg": "greatest error of the angle",
-    "rmse_jitter_deg": "RMSE of the angle, 2 px jitter",
-    "max_error_jitter_deg": "greatest error, 2 px jitter",
+    "rmse_jitter_deg": "RMSE of the angle with jitter",
+    "max_error_jitter_deg": "greatest error with jitter",
     "limit_deg": "limit of any network",
     "rmse_over_limit": "RMSE over its limit",
     "travel_mm": "marker travel",
@@ -35,6 +37,13 @@ def column_label(column: str) -> str:
     """A column with its unit, e.g. ``"marker travel (mm)"``."""
     unit = unit_of(column)
     return column_words(column) + (f" ({'°' if unit == 'deg' else unit})" if unit else "")
+
+
+def jitter_words(grid: SpecificationGrid) -> str:
+    """How far the pixels of a grid's studies were moved for the errors with jitter, e.g. ``"2 px jitter"``."""
+    specs = (json.loads(str(row.get("spec") or "{}")) for row in grid.designs)
+    found = {spec["dataset"]["jitter_px"] for spec in specs if "jitter_px" in spec.get("dataset", {})}
+    return f"{' or '.join(f'{value:g}' for value in sorted(found))} px jitter" if found else "jitter"
 
 
 def cell_words(cell: Cell) -> str:

@@ -5,19 +5,19 @@ import json
 import numpy as np
 import pytest
 
-from palpate.bench import SimulatedSource
+from palpate.bench import simulate_sensor
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import prepare_detector
 from palpate.material import get_material
-from palpate.sensor import Device, Flag, Reading, write_readings
+from palpate.sensor import Device, Flag, Reading, Unit, write_readings
 
 
 @pytest.fixture(scope="module")
 def simulated():
     dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
-    return SimulatedSource(dome, layout, get_material("zaid_2024_ecoflex_00_30"), presses=1)
+    return simulate_sensor(Unit(dome, layout), get_material("zaid_2024_ecoflex_00_30"), presses=1)
 
 
 def test_a_simulated_sensor_stands_behind_the_device(simulated):

@@ -78,7 +78,7 @@ def test_a_sketch_is_drawn_at_rest_with_its_wall():
     assert motion.depths_mm.tolist() == [0.0]
     assert np.abs(motion.displacement).max() == 0
     assert describe_motion(drawn.specimen, motion)
-    assert drawn.design.name == "H 20  T 2 mm, 169 markers"
+    assert drawn.design.name == "H20 T2, 169 markers"
 
 
 def test_a_camera_that_is_too_near_is_found():

@@ -13,18 +13,17 @@ from made_up_presses import MESH, made_up_press, rows
 
 pytest.importorskip("PIL")
 
-from palpate.camera import build_camera
+from palpate.bench import SimulatedSource, draw_touches
+from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
 from palpate.design import MarkerSpec, place_markers
-from palpate.sensor import Reading
+from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
-from palpate.viewer.library import Specimen
-from palpate.viewer.live import Live, Verdict, judge, record_csv, tilt_interval, to_grey
+from palpate.viewer.export import write_table
+from palpate.viewer.live import Live, Verdict, judge, tilt_interval, to_grey
 from palpate.viewer.png import write_png
-from palpate.viewer.pressed_dome import gather_presses
+from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
-from palpate.viewer.shell import build_shell
-from palpate.viewer.source import Shot, find_recordings, inside, replay, touch_for_ever
 
 LAYOUT = place_markers(MESH.dome, MarkerSpec(count=19))
 DESIGN = Design(0, rows()[1], MESH.dome, LAYOUT, build_camera(), ())
@@ -40,10 +39,28 @@ class MadeUpPredictor:
         return SimpleNamespace(poses=poses, half_width=np.full(poses.shape, 0.5), outside=np.zeros(len(poses), bool))
 
 
-@pytest.fixture(scope="module")
-def specimen():
-    pressed = gather_presses([made_up_press(tilt) for tilt in (0.0, 3.0, 6.0)])
-    return Specimen(pressed, build_shell(pressed.mesh))
+class MadeUpSource(Source):
+    """Hands on what it was given."""
+
+    def __init__(self, *items):
+        self._items = items
+        self.closed = False
+
+    @property
+    def name(self):
+        return "made up"
+
+    def images(self):
+        yield from self._items
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def touches():
+    presses = [made_up_press(tilt) for tilt in (0.0, 3.0, 6.0)]
+    return SimulatedSource(Unit(MESH.dome, LAYOUT), draw_touches(presses, seed=1))
 
 
 def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
@@ -71,42 +88,80 @@ def test_the_tilt_lies_within_its_interval():
     assert tilt_interval(reading(0.1, 0.1, half=0.2)) == pytest.approx((0.0, 0.3 * math.sqrt(2)))
 
 
-def test_virtual_touches_are_read_back(specimen):
-    live = Live(DESIGN, MadeUpPredictor(), touch_for_ever(DESIGN, specimen, seed=1))
+def test_virtual_touches_are_read_back(touches):
+    live = Live(DESIGN, MadeUpPredictor(), touches)
     live.record = []
-    steps = [live.step() for _ in range(20)]
+    steps = [live.step() for _ in range(60)]
     assert all(step.found.mean() > 0.9 for step in steps if step.found.any())
     assert max(float(np.abs(step.positions_px - live.rest_px).max()) for step in steps) > 1
-    assert len(live.record) == 20
-    assert record_csv(live.record).count(b"\n") == 21
+    assert len(live.record) == 60
+    assert write_table(live.record).count("\n") == 61
     truths = np.array([step.truth for step in steps])
+    assert len({tuple(truth[:2]) for truth in truths if truth[2] > 0}) == 2  # two touches, by different walls
     assert np.hypot(truths[:, 0], truths[:, 1]).max() <= 6
-    assert truths[:, 2].max() <= 4
+    assert truths[:, 2].max() == pytest.approx(3.8)
 
 
-def test_a_recording_is_replayed_with_its_faults(specimen, tmp_path):
-    for number, shot in enumerate(islice(touch_for_ever(DESIGN, specimen), 4)):
-        cv2.imwrite(str(tmp_path / f"{number:03d}.png"), shot.image)
+def test_the_truth_is_that_of_the_image_handed_on(touches):
+    images = touches.images()
+    assert [(next(images).shape, touches.truth) for _ in range(10)] == [((260, 346), (0.0, 0.0, 0.0))] * 10  # at rest
+    for step in range(15):
+        next(images)
+        assert touches.truth[2] == pytest.approx(0.2 * step)
+    tilt = np.hypot(*touches.truth[:2])
+    assert min(abs(tilt - solved) for solved in (0.0, 3.0, 6.0)) < 1e-9
+
+
+def test_the_source_is_given_back(touches):
+    source = MadeUpSource(*islice(touches.images(), 2))
+    live = Live(DESIGN, MadeUpPredictor(), source)
+    assert live.step().truth is None
+    assert live.step() is None
+    live.close()
+    assert source.closed
+
+
+def test_each_image_is_searched_once_and_drawn_as_it_was_read(touches):
+    live, found = Live(DESIGN, MadeUpPredictor(), touches), []
+    detector = live.sensor.detector
+
+    def find(image):
+        found.append(detector.find(image))
+        return found[-1]
+
+    live.sensor.detector = SimpleNamespace(find=find)
+    for number in range(1, 16):
+        step = live.step()
+        assert len(found) == number
+        assert step.positions_px is step.reading.sighting.positions_px
+        dots = found[-1].positions_px[step.reading.sighting.blob[step.found]]
+        assert np.abs(step.positions_px[step.found] - dots).max() < 1e-9
+
+
+def test_a_recording_is_replayed_with_its_faults(touches, tmp_path):
+    for number, image in enumerate(islice(touches.images(), 4)):
+        cv2.imwrite(str(tmp_path / f"{number:03d}.png"), image)
     (tmp_path / "002.png").write_bytes(b"no image")
-    live = Live(DESIGN, MadeUpPredictor(), replay(tmp_path))
+    live = Live(DESIGN, MadeUpPredictor(), open_source(str(tmp_path)))
     steps = []
     while (step := live.step()) is not None:
         steps.append(step)
     assert [step.image is None for step in steps] == [False, True, False]
     assert "not an image" in steps[1].reading.reason
+    assert not steps[1].found.any()
 
 
-def test_a_video_is_replayed(specimen, tmp_path):
-    shots = list(islice(touch_for_ever(DESIGN, specimen), 4))
-    height, width = shots[0].image.shape
+def test_a_video_is_replayed(touches, tmp_path):
+    images = list(islice(touches.images(), 4))
+    height, width = images[0].shape
     video = cv2.VideoWriter(str(tmp_path / "touch.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 10, (width, height))
     if not video.isOpened():
         pytest.skip("this OpenCV writes no video")
-    for shot in shots:
-        video.write(cv2.cvtColor(shot.image, cv2.COLOR_GRAY2BGR))
+    for image in images:
+        video.write(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR))
     video.release()
     assert find_recordings(tmp_path) == ("touch.avi",)
-    live = Live(DESIGN, MadeUpPredictor(), replay(inside(tmp_path, "touch.avi")))
+    live = Live(DESIGN, MadeUpPredictor(), open_source(str(inside(tmp_path, "touch.avi"))))
     assert live.size_px == (height, width)
     steps = [live.step() for _ in range(4)]
     assert [step is None for step in steps] == [False, False, False, True]
@@ -117,14 +172,14 @@ def test_a_video_is_replayed(specimen, tmp_path):
 def test_a_video_that_cannot_be_opened_is_said(tmp_path, name):
     (tmp_path / name).write_bytes(b"" if name.startswith("empty") else b"no video")
     with pytest.raises(PalpateError, match="cannot be opened"):
-        next(replay(inside(tmp_path, name)))
+        open_source(str(inside(tmp_path, name)))
 
 
 def test_a_source_without_an_image_is_refused():
     with pytest.raises(PalpateError, match="no image"):
-        Live(DESIGN, MadeUpPredictor(), iter(()))
+        Live(DESIGN, MadeUpPredictor(), MadeUpSource())
     with pytest.raises(PalpateError, match="broken"):
-        Live(DESIGN, MadeUpPredictor(), iter([Shot(PalpateError("It is broken."))]))
+        Live(DESIGN, MadeUpPredictor(), MadeUpSource(PalpateError("It is broken.")))
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,11 @@ from made_up_presses import MESH, made_up_press, moved
 
 from palpate.camera import build_camera
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers
-from palpate.viewer.markers_seen import follow_markers, follow_points
-from palpate.viewer.pressed_dome import gather_presses, weigh_presses
+from palpate.dataset import build_field
+from palpate.design import MarkerSpec, place_markers, turn_about_axis
+from palpate.mesh import locate_inner
+from palpate.viewer.markers_seen import follow_markers
+from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.shell import PARTS, build_shell
 
 
@@ -33,8 +35,8 @@ def test_between_solved_tilts_the_dome_is_that_of_the_closed_form(pressed, tilt)
 def test_markers_turn_with_the_wall(pressed):
     layout, camera = place_markers(MESH.dome, MarkerSpec(count=37)), build_camera()
     motion = pressed.at(4.0)
-    straight = follow_markers(MESH, motion, layout, camera, 0.0)
-    turned = follow_markers(MESH, motion, layout, camera, 60.0)  # the rings look the same after a sixth of a turn
+    straight = follow_markers(pressed, motion, layout, camera, 0.0)
+    turned = follow_markers(pressed, motion, layout, camera, 60.0)  # the rings look the same after a sixth of a turn
     angle = np.radians(60)
     rotation = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     expected = straight.positions[-1] @ rotation.T
@@ -44,10 +46,34 @@ def test_markers_turn_with_the_wall(pressed):
     assert turned.seen.all()
 
 
-def test_points_of_both_halves_are_followed_in_the_domes_frame(pressed):
-    points = place_markers(MESH.dome, MarkerSpec(count=19)).positions
-    found = follow_points(MESH, pressed.at(6.0), points, 0.0)[-1]
-    assert found == pytest.approx(points + moved(points, 6.0, 4.0), abs=0.02)  # a coarse mesh
+def test_markers_of_both_halves_are_followed_in_the_domes_frame(pressed):
+    layout = place_markers(MESH.dome, MarkerSpec(count=19))
+    found = pressed.markers(layout, pressed.at(6.0), 0.0)[-1]
+    expected = layout.positions + moved(layout.positions, 6.0, 4.0)
+    assert found == pytest.approx(expected, abs=0.02)  # a coarse mesh
+
+
+@pytest.mark.parametrize("pose", [(0.0, 0.0), (1.7, 0.0), (-1.2, 2.1), (0.4, -5.1)])
+def test_markers_are_those_of_the_dataset(pressed, pose):
+    layout = place_markers(MESH.dome, MarkerSpec(count=37))
+    field = build_field(pressed.presses, layout)
+    rx, ry = pose
+    shown = pressed.markers(layout, pressed.at(np.hypot(rx, ry)), np.degrees(np.arctan2(ry, rx)))
+    assert shown[0] == pytest.approx(layout.positions, abs=1e-12)
+    for image, depth in enumerate(field.depths_mm):
+        (beside,) = np.flatnonzero(np.abs(pressed.depths_mm - depth) < 1e-6)
+        known = field.positions(np.array([rx]), np.array([ry]), image)[0]
+        assert np.abs(shown[beside] - known).max() < 1e-9
+
+
+def test_the_surface_that_is_drawn_carries_its_markers(pressed):
+    layout = place_markers(MESH.dome, MarkerSpec(count=37))
+    motion, turn = pressed.at(4.3), turn_about_axis(np.radians(75.0))
+    half = (layout.positions @ turn)[:, 0] > 0
+    points = locate_inner(MESH, (layout.positions @ turn)[half])
+    drawn = layout.positions[half] + points.interpolate(motion.displacement) @ turn.T
+    off = np.abs(drawn - pressed.markers(layout, motion, 75.0)[:, half]).max()
+    assert off < 1e-3  # mm: the series along a circle is cut after 40 orders
 
 
 def test_nothing_is_interpolated_where_a_press_ended():
@@ -76,10 +102,6 @@ def test_branches_are_not_mixed():
 def test_a_tilt_that_was_not_pressed_is_refused(pressed, tilt):
     with pytest.raises(PalpateError, match="not pressed"):
         pressed.at(tilt)
-
-
-def test_weights_of_one_press_alone_are_one():
-    assert weigh_presses(np.array([4.0]), np.array(["flat"]), 4.0).tolist() == [[1.0], [0.0]]
 
 
 def test_presses_that_do_not_belong_together_are_refused():

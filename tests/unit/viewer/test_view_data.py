@@ -1,5 +1,6 @@
 """Links and charts: data in, data out."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.link import Coloured, View, first_view, kept_rows, numeric_columns, read_link, write_link
 from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.results import Design
-from palpate.viewer.words import cell_words, column_label
+from palpate.viewer.words import cell_words, column_label, jitter_words
 
 GRID = SpecificationGrid(rows(), depths())
 
@@ -117,3 +118,10 @@ def test_words_of_columns_have_units():
     assert column_label("rmse_spread_deg") == "RMSE spread (°)"
     assert cell_words(None) == "–"
     assert cell_words(np.pi) == "3.14"
+
+
+def test_the_jitter_is_the_studys():
+    studies = [{"spec": json.dumps({"dataset": {"jitter_px": jitter}})} for jitter in (0.5, 2.0, 2.0)]
+    assert jitter_words(SpecificationGrid(tuple(studies[1:]))) == "2 px jitter"
+    assert jitter_words(SpecificationGrid(tuple(studies))) == "0.5 or 2 px jitter"
+    assert jitter_words(GRID) == "jitter"

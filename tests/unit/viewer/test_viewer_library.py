@@ -19,12 +19,12 @@ def library(tmp_path_factory):
 
 def test_designs_of_one_dome_share_their_presses(library):
     assert library.specimen(library.design(0)) is library.specimen(library.design(1))
-    assert library.design(1).name == "H 20  T 2 mm, 19 markers"
+    assert library.design(1).name == "H20 T2, 19 markers"
 
 
 def test_what_the_page_draws_is_whole(library):
     design = library.design(1)
-    specimen = library.stressed(design)
+    specimen = library.specimen(design)
     meta, arrays = read_message(describe_shell(specimen, design.layout, design.camera))
     assert meta["tilts_deg"] == [0, 3, 6]
     assert arrays["triangles"].max() == len(arrays["rest"]) - 1
@@ -35,7 +35,7 @@ def test_what_the_page_draws_is_whole(library):
     assert np.abs(moved["stress"][0]).max() == 0
     assert moved["stress"][-1].max() > 0
     assert meta["branch"] == ["flat"] * 6
-    seen = follow_markers(specimen.pressed.mesh, motion, design.layout, design.camera, 20.0)
+    seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, 20.0)
     _, marks = read_message(describe_markers(seen))
     assert marks["pixels"].shape == (6, 19, 2)
 

@@ -1,0 +1,84 @@
+"""Files and folders that appear whole or not at all, and the one sentence where they cannot be written."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from palpate.core.errors import PalpateError
+
+DRAFT = ".writing-"
+"""Beginning of the names of what is not yet whole."""
+
+
+@contextmanager
+def writing(what: Path | str, remedy: str = "Choose another file.") -> Iterator[None]:
+    """Let every `OSError` of the block be a `PalpateError` that names what cannot be written, why, and the remedy."""
+    try:
+        yield
+    except OSError as error:
+        raise PalpateError(f"{what} cannot be written: {error.strerror or error}.", remedy) from error
+
+
+@contextmanager
+def written_whole(path: Path, remedy: str = "Choose another file.") -> Iterator[Path]:
+    """A path of the same name in a folder beside; what is written there takes its place when the block ends well.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be written.
+    """
+    with writing(path, remedy), _drafts(path.parent) as folder:
+        yield folder / path.name
+
+
+@contextmanager
+def written_into(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
+    """An empty folder inside `folder`, which is made; its files move up by name when the block ends well.
+
+    Raises
+    ------
+    PalpateError
+        If the folder cannot be written.
+    """
+    with writing(folder, remedy):
+        folder.mkdir(parents=True, exist_ok=True)
+        with _drafts(folder) as drafts:
+            yield drafts
+
+
+@contextmanager
+def new_folder(folder: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
+    """A folder beside the one asked for, which takes its place when the block ends well and vanishes when not.
+
+    Raises
+    ------
+    PalpateError
+        If `folder` holds something, or cannot be written.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise PalpateError(f"{folder} exists and is not an empty folder.", "Choose another, or remove it.")
+    with writing(folder, remedy):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(prefix=DRAFT, dir=folder.parent))
+        try:
+            yield draft
+            draft.chmod(0o755)
+            if folder.exists():
+                folder.rmdir()
+            draft.replace(folder)
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
+
+
+@contextmanager
+def _drafts(folder: Path) -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix=DRAFT, dir=folder) as name:
+        yield Path(name)
+        for draft in sorted(Path(name).iterdir()):
+            os.replace(draft, folder / draft.name)

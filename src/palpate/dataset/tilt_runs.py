@@ -1,0 +1,203 @@
+"""Presses between the tilts that were solved: at each depth a spline through every unbroken run of them.
+
+A wall tilted by −t is the wall tilted by t seen in the mirror y → −y of the tilt frame. What is interpolated knows
+what its mirror image is, which turns tilts 0 … 12° into a spline over −12 … 12° without an end at the straight press.
+
+Nothing is interpolated across a jump: at each depth the tilts are cut into *runs*, unbroken sequences of solved tilts
+on one branch (flat or inverted), and each run has its own cubic spline (not-a-knot). A tilt between two runs, or
+beyond the tilts that reached the depth, has no answer, only a reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
+
+if TYPE_CHECKING:
+    from palpate.fea import Press
+
+SAME_TILT_DEG = 1e-9
+SAME_DEPTH_MM = 1e-6
+
+
+@dataclass(frozen=True)
+class TiltRun:
+    """Unbroken tilts on one branch at one depth.
+
+    Attributes
+    ----------
+    first_deg, last_deg
+        Least and greatest tilt (degrees); equal where a single press stands alone.
+    branch
+        ``"flat"`` or ``"inverted"``.
+    spline
+        Tilt (degrees) → what is interpolated.
+    """
+
+    first_deg: float
+    last_deg: float
+    branch: str
+    spline: CubicSpline
+
+    def covers(self, tilt_deg: FloatArray) -> BoolArray:
+        """Whether each tilt (n,) lies in the run."""
+        return (tilt_deg >= self.first_deg - SAME_TILT_DEG) & (tilt_deg <= self.last_deg + SAME_TILT_DEG)
+
+
+@dataclass(frozen=True)
+class TiltRuns:
+    """Runs of one dome's presses at every depth; ``runs[image]`` are those of one depth, by rising tilt.
+
+    Attributes
+    ----------
+    tilts_deg
+        (t,) solved tilts, rising.
+    branch
+        (d, t) label of each solved image; empty where the press ended before.
+    ended
+        (t,) reason of the end of each press.
+    by_depth
+        (d,) runs of each depth.
+    """
+
+    tilts_deg: FloatArray
+    branch: TextArray
+    ended: tuple[str, ...]
+    by_depth: tuple[tuple[TiltRun, ...], ...]
+
+    def __getitem__(self, image: int) -> tuple[TiltRun, ...]:
+        return self.by_depth[image]
+
+    def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
+        """Branch of each tilt at one depth, or why there is none.
+
+        Parameters
+        ----------
+        tilt_deg
+            (n,) tilts, not negative.
+        image
+            Number of the depth.
+
+        Returns
+        -------
+        tuple[TextArray, TextArray]
+            (n,) branch, empty where there is none, and (n,) reason, empty where there is a branch.
+        """
+        branch = np.full(len(tilt_deg), "", dtype="U16")
+        for run in self[image]:
+            branch[run.covers(tilt_deg)] = run.branch
+        missing = branch == ""
+        reason = np.full(len(tilt_deg), "", dtype="U80")
+        reason[missing] = [self._reason(tilt, image) for tilt in tilt_deg[missing]]
+        return branch, reason
+
+    def read(self, tilt_deg: FloatArray, image: int) -> Iterator[tuple[BoolArray, NDArray[Any]]]:
+        """Of every run at a depth that covers some of the tilts (n,): which (n,), and the values there."""
+        for run in self[image]:
+            chosen = run.covers(tilt_deg)
+            if chosen.any():
+                yield chosen, run.spline(np.clip(tilt_deg[chosen], run.first_deg, run.last_deg))
+
+    def neighbours(self, tilt_deg: float) -> tuple[int, ...]:
+        """Numbers of the solved tilts next to a tilt, the greater first; of one alone where it was solved."""
+        above = int(np.searchsorted(self.tilts_deg, tilt_deg - SAME_TILT_DEG))
+        solved = above < len(self.tilts_deg) and abs(self.tilts_deg[above] - tilt_deg) <= SAME_TILT_DEG
+        return (above,) if solved else (above, above - 1)
+
+    def _reason(self, tilt_deg: float, image: int) -> str:
+        neighbours = self.neighbours(tilt_deg)
+        if neighbours[0] == len(self.tilts_deg):
+            return "beyond the solved tilts"
+        if min(neighbours) < 0:
+            return "below the solved tilts"
+        for neighbour in neighbours:
+            if self.branch[image, neighbour] == "":
+                return self.ended[neighbour]
+        return "between the flat and the inverted branch"
+
+
+def cut_into_runs(
+    tilts_deg: FloatArray, branch: TextArray, ended: Sequence[str], values: NDArray[Any], mirrored: NDArray[Any]
+) -> TiltRuns:
+    """Runs of presses, with a spline through what each press has at each depth.
+
+    Parameters
+    ----------
+    tilts_deg, branch, ended
+        See `TiltRuns`.
+    values, mirrored
+        (d, t, …) what the presses and their mirror images have, real or complex.
+    """
+    return TiltRuns(
+        tilts_deg,
+        branch,
+        tuple(ended),
+        tuple(_cut(tilts_deg, *row) for row in zip(branch, values, mirrored, strict=True)),
+    )
+
+
+def label_presses(presses: Sequence[Press], depths_mm: FloatArray) -> TextArray:
+    """Labels (d, t) of presses by rising tilt at common depths (d,); empty where a press ended before."""
+    branch = np.full((len(depths_mm), len(presses)), "", dtype="U16")
+    for column, press in enumerate(presses):
+        depth, image = match_depths(depths_mm, press)
+        branch[depth, column] = press.branch[image]
+    return branch
+
+
+def match_depths(depths_mm: FloatArray, press: Press) -> tuple[IntArray, IntArray]:
+    """Numbers of the depths (d,) in mm that a press has, and of its images there; on the way down only."""
+    down = int(np.argmax(press.depth)) + 1
+    depth, image = np.nonzero(np.abs(depths_mm[:, None] - press.depth[None, :down]) <= SAME_DEPTH_MM)
+    return depth, image
+
+
+def shared_depths(presses: Sequence[Press]) -> FloatArray:
+    """Depths (mm) of the images after rest; a last state between two images is left out.
+
+    Raises
+    ------
+    PalpateError
+        If there is no press, a tilt appears twice, or the image steps differ.
+    """
+    if not presses:
+        raise PalpateError("An interpolation needs at least one press.", "Solve the straight press first.")
+    steps = {round(float(press.wall.image_step), 9) for press in presses}
+    if len(steps) > 1:
+        raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
+    tilts = sorted(press.wall.radial for press in presses)
+    repeated = next((tilt for tilt, after in pairwise(tilts) if tilt == after), None)
+    if repeated is not None:
+        raise PalpateError(f"The tilt {repeated:g}° was given twice.", "Keep one press a tilt.")
+    step = steps.pop()
+    reached = max(float(press.depth.max()) for press in presses)
+    depths: FloatArray = step * np.arange(1.0, int((reached + SAME_DEPTH_MM) / step) + 1)
+    return depths
+
+
+def _cut(tilts: FloatArray, branch: TextArray, values: NDArray[Any], mirrored: NDArray[Any]) -> tuple[TiltRun, ...]:
+    """Runs of one depth from the labels (t,) and values (t, …) of every solved tilt."""
+    starts = [0, *(np.flatnonzero(branch[1:] != branch[:-1]) + 1), len(tilts)]
+    return tuple(
+        TiltRun(float(tilts[a]), float(tilts[b - 1]), str(branch[a]), _spline(tilts[a:b], values[a:b], mirrored[a:b]))
+        for a, b in pairwise(starts)
+        if branch[a] != ""
+    )
+
+
+def _spline(tilts: FloatArray, values: NDArray[Any], mirrored: NDArray[Any]) -> CubicSpline:
+    """Cubic spline of a run; one that starts at the straight press is continued by its mirror image."""
+    if tilts[0] == 0.0 and len(tilts) > 1:
+        tilts = np.concatenate([-tilts[:0:-1], tilts])
+        values = np.concatenate([mirrored[:0:-1], values])
+    if len(tilts) == 1:  # a constant: the run covers this tilt alone
+        tilts, values = np.array([tilts[0], tilts[0] + 1.0]), np.concatenate([values, values])
+    return CubicSpline(tilts, values)
