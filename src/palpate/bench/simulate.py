@@ -24,14 +24,12 @@ LIGHT = RenderSpec(vignetting=0.2, unevenness=0.1, blur_px=0.7, noise=2.0)
 
 
 class SimulatedSource(Source):
-    """Images of a dome at rest and through presses of a slanted wall, down and up.
+    """Images of a dome at rest and through presses of a wall of tilt 5° and azimuth 30°, down and up.
 
     Parameters
     ----------
     dome, layout, material
         The design.
-    tilt_deg, azimuth_deg
-        The wall.
     presses
         Presses after which it ends.
     """
