@@ -1,15 +1,13 @@
 """Designing, pressing, making and sensing on the page."""
 
 import csv
-import importlib.util
 import io
 import zipfile
 from pathlib import Path
 
-import pytest
 from walk import dots, open_page, wait_for_dots, wait_for_motion
 
-CAD = importlib.util.find_spec("build123d") is not None
+from needs import needs
 
 
 def box(page, label):
@@ -90,8 +88,8 @@ def test_a_press_is_solved_and_another_is_cancelled(page, link):
     assert page.get_by_text("Ended: depth reached at 2.00 mm.").is_visible()
 
 
-@pytest.mark.skipif(not CAD, reason="the CAD kernel is not installed")
 def test_a_fabrication_pack_is_made(page, link):
+    needs("build123d")
     open_page(page, link, "design")
     with page.expect_download(timeout=240_000) as download:
         page.get_by_role("button", name="Make").click()

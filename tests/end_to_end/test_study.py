@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from command_line import finish, start
 
+from needs import needs
 from palpate.learn import open_predictor
 
 COLUMNS = {
@@ -160,7 +161,7 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     tiny_study: Path, finished: Path, tmp_path: Path, hands: list[str]
 ) -> None:
     if "--cluster" in hands:
-        pytest.importorskip("distributed")
+        needs("distributed")
     done = finish(["run", tiny_study, "--out", tmp_path, *hands, "--json"])
     assert done.returncode == 0, done.stderr
     assert sum(json.loads(done.stdout)["computed"].values()) == 12
@@ -172,7 +173,7 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
 def test_a_dask_worker_killed_in_the_middle_costs_nothing_but_time(
     tiny_study: Path, finished: Path, tmp_path: Path
 ) -> None:
-    pytest.importorskip("distributed")
+    needs("distributed")
     process = start(["run", tiny_study, "--out", tmp_path, "--cluster", "local:3", "--json"])
     wait_for(tmp_path, 2)
     workers = spawned_by(process.pid)

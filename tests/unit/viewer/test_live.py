@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from made_up_presses import MESH, made_up_press, rows
 
-pytest.importorskip("PIL")
-
 from palpate.camera import build_camera
 from palpate.core import PalpateError
 from palpate.design import MarkerSpec, place_markers
