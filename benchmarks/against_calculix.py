@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from palpate.deck import CalculixSpec, DeckSpec, Dialect, solve_press_calculix
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 CASES = [(20, 3, 10), (20, 2, 5), (20, 4, 12), (10, 3, 0), (30, 2, 5), (20, 1, 5)]
 """Height mm, thickness mm, tilt deg."""
@@ -66,13 +66,13 @@ def main() -> None:
 
 def warm_up() -> None:
     """Load the compiled kernels, so that no case pays for them."""
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=4))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=4))
     solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.8, contact="frictionless"))
 
 
 def compare(height: float, thickness: float, tilt: float) -> list[dict[str, object]]:
-    dome = build_dome(DomeSpec(height=height, thickness=thickness))
-    mesh = mesh_dome(dome, MeshSpec())
+    dome = build_skin(DomeSpec(height=height, thickness=thickness))
+    mesh = mesh_skin(dome, MeshSpec())
     material = get_material("zaid_2024_ecoflex_00_30")
     wall = WallSpec(tilt_deg=tilt, contact="frictionless")
     ours = solve_press(mesh, material, wall)
@@ -166,7 +166,7 @@ def print_tables(path: Path) -> None:
 
 def print_refinement() -> None:
     """Where the deviation comes from: finer meshes, a softer volume, a harder contact; markers against the finest."""
-    dome, wall = build_dome(DomeSpec(height=20, thickness=3)), WallSpec(tilt_deg=10, contact="frictionless")
+    dome, wall = build_skin(DomeSpec(height=20, thickness=3)), WallSpec(tilt_deg=10, contact="frictionless")
     ecoflex, markers = get_material("zaid_2024_ecoflex_00_30"), place_markers(dome, MarkerSpec(count=169)).positions
     hard = CalculixSpec(deck=DeckSpec(dialect=Dialect.CALCULIX, penalty=5.0))
     warm_up()
@@ -183,7 +183,7 @@ def print_refinement() -> None:
         ("CalculiX", 16, 100, None),
         ("CalculiX, penalty 5 MPa/mm", 16, 2000, hard),
     ]:
-        mesh, material = mesh_dome(dome, MeshSpec(cells=cells)), ecoflex.with_bulk_ratio(ratio)
+        mesh, material = mesh_skin(dome, MeshSpec(cells=cells)), ecoflex.with_bulk_ratio(ratio)
         ours = program == "palpate"
         press = solve_press(mesh, material, wall) if ours else solve_press_calculix(mesh, material, wall, spec)
         at = press.positions(markers)[10]

@@ -16,11 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.fea.wall import normal_in_mesh, touch_point
 from palpate.material import get_material
-from palpate.mesh import locate_inner, mesh_dome
+from palpate.mesh import locate_inner, mesh_skin
 from palpate.mesh.hexahedron import CORNERS
 
 FOLDER = Path("build/felupe")
@@ -42,8 +42,8 @@ COLUMNS = [
 
 
 def main() -> None:
-    dome = build_dome(DomeSpec(height=20, thickness=2))
-    mesh, material = mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30")
+    dome = build_skin(DomeSpec(height=20, thickness=2))
+    mesh, material = mesh_skin(dome), get_material("zaid_2024_ecoflex_00_30")
     wall = WallSpec(tilt_deg=5, contact="frictionless", depth=DEPTH_MM)
     solve_press(mesh, material, wall.model_copy(update={"depth": 0.8}))  # compile
     ours = solve_press(mesh, material, wall)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from palpate.camera import build_camera
 from palpate.core import ArtefactStore, generator
 from palpate.dataset import Dataset, DatasetSpec, draw_jitter, generate_dataset
-from palpate.design import build_dome, place_markers
+from palpate.design import build_skin, place_markers
 from palpate.fea import read_press
 from palpate.learn import (
     Estimator,
@@ -41,7 +41,7 @@ TRAINED_TO_DEG = 9.0
 
 def make(task: DatasetTask, store: ArtefactStore, spec: DatasetSpec) -> Dataset:
     presses = [read_press(find_made(store, press)) for press in task.presses]
-    layout = place_markers(build_dome(task.dome), task.markers)
+    layout = place_markers(build_skin(task.dome), task.markers)
     return generate_dataset(presses, layout, build_camera(task.camera), spec)
 
 

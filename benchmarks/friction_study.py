@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from palpate.camera import build_camera
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import mesh_dome
+from palpate.mesh import mesh_skin
 
 LAWS: tuple[str | float, ...] = ("frictionless", 0.3, 1.0, "no-slip")
 STEP_DEG = 1.0
@@ -71,8 +71,8 @@ class Study:
     """One dome, its markers and the camera."""
 
     def __init__(self, height: float, thickness: float) -> None:
-        dome = build_dome(DomeSpec(height=height, thickness=thickness))
-        self.mesh, self.material = mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30")
+        dome = build_skin(DomeSpec(height=height, thickness=thickness))
+        self.mesh, self.material = mesh_skin(dome), get_material("zaid_2024_ecoflex_00_30")
         self.layout, self.camera = place_markers(dome, MarkerSpec(count=169)).positions, build_camera()
 
     def press(self, tilt: float, contact: str | float) -> Press:

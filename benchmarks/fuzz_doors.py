@@ -160,9 +160,9 @@ def _image_door(folder: Path) -> Door:
     import cv2
 
     from palpate.camera import RenderSpec, build_camera, dot_edges, render
-    from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+    from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     normals = (layout.positions - [0, 0, dome.center_z]) / dome.radius
     image = render(build_camera(), dot_edges(layout.positions, normals, layout.diameter), RenderSpec(noise=2.0))
@@ -257,9 +257,9 @@ def _study_door(_: Path) -> Door:
 
 
 def _points_door(_: Path) -> Door:
-    from palpate.design import DomeSpec, build_dome, read_points
+    from palpate.design import DomeSpec, build_skin, read_points
 
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     good = (b"x_mm,y_mm\n1,0\n5,5\n", b"x_mm,y_mm,z_mm\n0,0,20\n12,0,16\n")
     return Door("points", ".csv", good, lambda path: read_points(path, dome))
 
@@ -282,12 +282,12 @@ def _material_door(_: Path) -> Door:
 
 
 def _press_door(folder: Path) -> Door:
-    from palpate.design import DomeSpec, build_dome
+    from palpate.design import DomeSpec, build_skin
     from palpate.fea import WallSpec, read_press, solve_press, write_press
     from palpate.material import get_material
-    from palpate.mesh import MeshSpec, mesh_dome
+    from palpate.mesh import MeshSpec, mesh_skin
 
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=4))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=4))
     press = solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.1, image_step=0.1))
     write_press(folder / "press.h5", press)
     return Door("press", ".h5", ((folder / "press.h5").read_bytes(),), read_press)

@@ -20,10 +20,10 @@ from pathlib import Path
 import numpy as np
 from numpy.polynomial.legendre import legval
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import Mesh, MeshSpec, mesh_dome
+from palpate.mesh import Mesh, MeshSpec, mesh_skin
 
 ORDERS = 6
 COLUMNS = [
@@ -115,7 +115,7 @@ def main() -> None:
         with given.out.open() as file:
             keys = ("height_mm", "thickness_mm", "tilt_deg", "imperfection_mm", "seed")
             done = {(*(float(row[key]) for key in keys), row["contact"]) for row in csv.DictReader(file)}
-    dome = build_dome(DomeSpec(height=given.height, thickness=given.thickness))
+    dome = build_skin(DomeSpec(height=given.height, thickness=given.thickness))
     layout = place_markers(dome, MarkerSpec(count=169)).positions
     material = get_material("zaid_2024_ecoflex_00_30")
     with given.out.open("a", newline="", encoding="utf-8") as file:
@@ -130,8 +130,8 @@ def main() -> None:
                 number = -1 if seed is None else seed
                 if (given.height, given.thickness, tilt, size, number, given.contact) in done:
                     continue
-                perfect = perfect or solve_press(mesh_dome(dome), material, wall)
-                mesh = mesh_dome(dome, MeshSpec(whole=True))
+                perfect = perfect or solve_press(mesh_skin(dome), material, wall)
+                mesh = mesh_skin(dome, MeshSpec(whole=True))
                 whole = solve_press(mesh if seed is None else disturb(mesh, size, seed), material, wall)
                 case = (given.height, given.thickness, tilt, given.contact, size, number)
                 rows = compare(whole, perfect, layout, dict(zip(COLUMNS[:6], case, strict=True)))

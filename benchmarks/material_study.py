@@ -49,15 +49,15 @@ IMAGES = [
 
 def solve(case: tuple[str, float]) -> tuple[str, float, Any]:
     """Press one material at one tilt."""
-    from palpate.design import DomeSpec, build_dome
+    from palpate.design import DomeSpec, build_skin
     from palpate.fea import WallSpec, solve_press
     from palpate.material import get_material
-    from palpate.mesh import mesh_dome
+    from palpate.mesh import mesh_skin
 
     name, tilt = case
     material = get_material(MATERIALS[name])
     material = material.with_bulk_ratio(BULK_RATIO.get(name, material.bulk_ratio))
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=2)))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=2)))
     return name, tilt, solve_press(mesh, material, WallSpec(tilt_deg=tilt, contact="no-slip"))
 
 
@@ -81,12 +81,12 @@ def tabulate_images(presses: dict[str, list[Any]]) -> list[dict[str, Any]]:
 
     from palpate.camera import CameraSpec, build_camera
     from palpate.dataset import DatasetSpec, build_field, image_jacobian, sample_poses
-    from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+    from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
     from palpate.learn import find_limits
 
     camera = build_camera(CameraSpec())
     spec = DatasetSpec(max_tilt_deg=REACH_DEG)
-    layout = place_markers(build_dome(DomeSpec(height=20, thickness=2)), MarkerSpec(count=MARKERS))
+    layout = place_markers(build_skin(DomeSpec(height=20, thickness=2)), MarkerSpec(count=MARKERS))
     poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=REACH_DEG))
     fields = {name: build_field(runs, layout) for name, runs in presses.items()}
     limits = {name: {item.depth_mm: item for item in find_limits(f, camera, spec)} for name, f in fields.items()}

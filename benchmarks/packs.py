@@ -24,7 +24,7 @@ import numpy as np
 from palpate.cad import read_step
 from palpate.camera import CameraSpec
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_skin, place_markers
 from palpate.fabricate import PackSpec, PadMapping, ProcessSpec, carry_to_dome, write_pack
 from palpate.material import get_material
 
@@ -109,7 +109,7 @@ def hollow(parts: dict, spec: PackSpec) -> float:
     from palpate.cad import cylinder, revolve
     from palpate.design import build_module
 
-    module = build_module(build_dome(spec.dome), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
+    module = build_module(build_skin(spec.dome), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
     top = module.dome.height + module.dome.thickness
     inner = cylinder(module.flange_foot, module.foot, top + 0.5)
     left = inner
@@ -122,7 +122,7 @@ def hollow(parts: dict, spec: PackSpec) -> float:
 
 def check_artwork(folder: Path, spec: PackSpec) -> dict[str, float]:
     """Greatest distance of a dot in DXF and SVG from the compensated place, and on the dome from the marker."""
-    dome = build_dome(spec.dome)
+    dome = build_skin(spec.dome)
     layout = place_markers(dome, spec.markers)
     with (folder / "markers.csv").open() as file:
         page = np.array([[float(row["page_x_mm"]), float(row["page_y_mm"])] for row in csv.DictReader(file)])

@@ -35,14 +35,14 @@ def solve(height: float, thickness: float, tilt: float, contact: str) -> dict[st
     """Solve one press and describe it as a row."""
     import numpy as np
 
-    from palpate.design import DomeSpec, build_dome
+    from palpate.design import DomeSpec, build_skin
     from palpate.fea import WallSpec, solve_press
     from palpate.material import get_material
-    from palpate.mesh import mesh_dome
+    from palpate.mesh import mesh_skin
 
-    dome = build_dome(DomeSpec(height=height, thickness=thickness))
+    dome = build_skin(DomeSpec(height=height, thickness=thickness))
     wall = WallSpec(tilt_deg=tilt, contact=contact)
-    press = solve_press(mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
+    press = solve_press(mesh_skin(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
     stored = press.energy + press.contact_energy
     balance = np.abs(press.work[1:] / stored[1:] - 1).max()
     values = (height, thickness, tilt, contact, press.ended, press.ended_depth, press.jump_depth, press.cpu_s)

@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import mesh_dome
+from palpate.mesh import mesh_skin
 
 SEED = 2026
 COLUMNS = ("number height_mm base_mm thickness_mm tilt_deg contact ended ended_depth_mm cpu_s finite message").split()  # noqa: SIM905
@@ -43,7 +43,7 @@ def press(number: int) -> dict[str, object]:
     row |= {"thickness_mm": round(spec.thickness, 3), "tilt_deg": round(wall.tilt_deg, 2), "contact": wall.contact}
     started = time.process_time()
     try:
-        solved = solve_press(mesh_dome(build_dome(spec)), get_material("zaid_2024_ecoflex_00_30"), wall)
+        solved = solve_press(mesh_skin(build_skin(spec)), get_material("zaid_2024_ecoflex_00_30"), wall)
     except PalpateError as error:
         row |= {"ended": "refused", "message": str(error), "finite": True}
     except Exception as error:  # a fault is a row, so that the others are still pressed

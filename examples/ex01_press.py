@@ -1,15 +1,15 @@
 """Press one dome and read off force, stress and branch."""
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import mesh_dome
+from palpate.mesh import mesh_skin
 
 
 def main() -> float:
-    dome = build_dome(DomeSpec(height=20, thickness=3))
+    dome = build_skin(DomeSpec(height=20, thickness=3))
     wall = WallSpec(tilt_deg=5, depth=2.4, contact="frictionless")
-    press = solve_press(mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
+    press = solve_press(mesh_skin(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
     for depth, force, branch in zip(press.depth, press.force, press.branch, strict=True):
         print(f"{depth:.1f} mm: {force[2]:.4f} N along the axis, {force[1]:+.4f} N sideways, {branch}")
     print(press.ended)

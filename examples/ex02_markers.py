@@ -4,17 +4,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from palpate.camera import build_camera
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import mesh_dome
+from palpate.mesh import mesh_skin
 
 
 def main() -> float:
-    dome = build_dome(DomeSpec(height=20, thickness=3))
+    dome = build_skin(DomeSpec(height=20, thickness=3))
     layout = place_markers(dome, MarkerSpec(count=37)).positions
     wall = WallSpec(tilt_deg=5, azimuth_deg=30, depth=2.4)
-    press = solve_press(mesh_dome(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
+    press = solve_press(mesh_skin(dome), get_material("zaid_2024_ecoflex_00_30"), wall)
     camera = build_camera()
     moved = camera.project(press.positions(layout)) - camera.project(layout)
     travel = np.linalg.norm(moved, axis=-1)

@@ -2,14 +2,14 @@
 
 import matplotlib.pyplot as plt
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import WallSpec, find_stability
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 
 def main() -> float:
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=1)), MeshSpec(cells=10))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=1)), MeshSpec(cells=10))
     found = find_stability(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=4.0, contact="frictionless"))
     print(found.message)
     for depth, flat, inverted in zip(found.depth, found.flat_energy, found.inverted_energy, strict=True):

@@ -1,11 +1,11 @@
 """Volumes of a contact module and of the mold that casts it."""
 
-from palpate.design import DomeSpec, MountSpec, build_dome, build_module, build_solid
+from palpate.design import DomeSpec, MountSpec, build_module, build_skin, build_solid
 from palpate.fabricate import ProcessSpec, build_mold
 
 
 def main() -> float:
-    dome, mount, process = build_dome(DomeSpec(height=20, thickness=2)), MountSpec(), ProcessSpec()
+    dome, mount, process = build_skin(DomeSpec(height=20, thickness=2)), MountSpec(), ProcessSpec()
     part = build_solid(build_module(dome, mount))
     scale = 1 / (1 - process.shrinkage_percent / 100)
     mold = build_mold(build_module(dome, mount, scale), process)

@@ -5,16 +5,16 @@ import numpy as np
 
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, build_field
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import find_limits
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 
 def main() -> float:
-    dome, silicone = build_dome(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
-    mesh = mesh_dome(dome, MeshSpec(cells=9))
+    dome, silicone = build_skin(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
+    mesh = mesh_skin(dome, MeshSpec(cells=9))
     walls = [WallSpec(tilt_deg=tilt, depth=4, contact="frictionless") for tilt in (0, 6, 12)]
     presses = [solve_press(mesh, silicone, wall) for wall in walls]
     bounds = {}

@@ -4,12 +4,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.markers import build_pattern, name_markers, prepare_detector
 
 
 def main() -> float:
-    dome = build_dome(DomeSpec(height=20, thickness=2))
+    dome = build_skin(DomeSpec(height=20, thickness=2))
     layout = place_markers(dome, MarkerSpec(count=91))
     mark = place_orientation_mark(dome, layout)
     dots = np.vstack([layout.positions, mark])

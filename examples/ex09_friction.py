@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 
 def main() -> float:
-    dome, silicone = build_dome(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
-    mesh, points = mesh_dome(dome, MeshSpec(cells=9)), place_markers(dome, MarkerSpec(count=91)).positions
+    dome, silicone = build_skin(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
+    mesh, points = mesh_skin(dome, MeshSpec(cells=9)), place_markers(dome, MarkerSpec(count=91)).positions
 
     def last_markers(tilt_deg: float, contact: str | float) -> np.ndarray:
         press = solve_press(mesh, silicone, WallSpec(tilt_deg=tilt_deg, depth=4, contact=contact))

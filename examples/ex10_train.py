@@ -2,16 +2,16 @@
 
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, build_field, generate_dataset
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import TrainSpec, evaluate, find_limits, pool_limits, train
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 
 def main() -> float:
-    dome, silicone = build_dome(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
-    mesh, layout = mesh_dome(dome, MeshSpec(cells=9)), place_markers(dome, MarkerSpec(count=91))
+    dome, silicone = build_skin(DomeSpec(height=20, thickness=3)), get_material("zaid_2024_ecoflex_00_30")
+    mesh, layout = mesh_skin(dome, MeshSpec(cells=9)), place_markers(dome, MarkerSpec(count=91))
     walls = [WallSpec(tilt_deg=tilt, depth=4, contact="frictionless") for tilt in (0, 6, 12)]
     presses = [solve_press(mesh, silicone, wall) for wall in walls]
     camera, spec = build_camera(), DatasetSpec(n_presses=1500)

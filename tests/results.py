@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome
+from palpate.design import DomeSpec, MarkerSpec, build_skin
 from palpate.learn import Coverage, DepthLimit, measure_errors
 from palpate.study import Counts, DesignResult, PressSummary
 
@@ -26,7 +26,7 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
     return DesignResult(
         dome=dome,
         markers=MarkerSpec(count=markers),
-        shape=build_dome(dome).shape,
+        shape=build_skin(dome).shape,
         clean=None if failure else make_metrics(size),
         jittered=None if failure else make_metrics(3 * size, seed=1),
         travel_mm=float("nan") if failure else 1.0 + thickness / (1 + abs(height - 20) / 10),

@@ -6,11 +6,11 @@ from palpate.bench import Bench, VirtualBenchSpec
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
 from palpate.dataset import DatasetSpec, generate_dataset
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import fit_ridge, write_estimator
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 DOME = DomeSpec()
 MARKERS = MarkerSpec(count=37)
@@ -20,14 +20,14 @@ TILTS = (0.0, 4.0, 8.0)
 
 
 def solve(tilt_deg, **wall):
-    mesh = mesh_dome(build_dome(DOME), MeshSpec(cells=CELLS))
+    mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
     return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, image_step=1.0, **wall))
 
 
 def small_dataset(**spec):
     presses = [solve(tilt) for tilt in TILTS]
     chosen = DatasetSpec(n_presses=300, max_tilt_deg=8.0, **{"jitter_px": 0.2} | spec)
-    return generate_dataset(presses, place_markers(build_dome(DOME), MARKERS), build_camera(), chosen)
+    return generate_dataset(presses, place_markers(build_skin(DOME), MARKERS), build_camera(), chosen)
 
 
 def write_small_model(path):

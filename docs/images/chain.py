@@ -18,10 +18,10 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from palpate.camera import build_camera
 from palpate.camera import preset as camera_preset
-from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 HERE = Path(__file__).parent
 TILT_DEG = 10.0
@@ -88,10 +88,10 @@ def draw_grid(axes: Axes, path: Path) -> None:
 def main(grid: Path) -> None:
     """Solve one press and draw design, press, camera and grid."""
     matplotlib.rcParams.update({"svg.hashsalt": "palpate", "font.size": 9})
-    dome = build_dome(DomeSpec(height=20, thickness=2))
+    dome = build_skin(DomeSpec(height=20, thickness=2))
     markers = place_markers(dome, MarkerSpec(count=169))
     wall = WallSpec(tilt_deg=TILT_DEG, contact="no-slip")
-    press = solve_press(mesh_dome(dome, MeshSpec()), get_material("zaid_2024_ecoflex_00_30"), wall)
+    press = solve_press(mesh_skin(dome, MeshSpec()), get_material("zaid_2024_ecoflex_00_30"), wall)
     figure = Figure(figsize=(12, 3.1), layout="constrained")
     left = figure.add_subplot(1, 4, 1, projection="3d")
     draw_surface(left, press, 0)

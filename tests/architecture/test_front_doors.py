@@ -30,7 +30,7 @@ FRONT_DOORS = {
         "MarkerLayout",
         "MarkerSpec",
         "MountSpec",
-        "build_dome",
+        "build_skin",
         "build_module",
         "build_solid",
         "check_design",
@@ -42,7 +42,7 @@ FRONT_DOORS = {
     "material": {"Material", "get_material", "list_materials"},
     "cad": {"Solid", "read_step", "revolve", "write_step"},
     "mechanics": {"Continuation", "Obstacle", "Problem", "SolverSpec", "Term"},
-    "mesh": {"Mesh", "MeshSpec", "mesh_dome"},
+    "mesh": {"Mesh", "MeshSpec", "mesh_skin"},
     "camera": {
         "BoardSpec",
         "Calibration",

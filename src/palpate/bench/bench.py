@@ -28,12 +28,19 @@ from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
 from palpate.deck import CalculixSpec, solve_press_calculix
-from palpate.design import Dome, DomeSpec, MarkerLayout, MarkerSpec, build_dome, place_markers
+from palpate.design import (
+    MarkerLayout,
+    MarkerSpec,
+    Skin,
+    SkinSpec,
+    build_skin,
+    place_markers,
+)
 from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, solve_press, write_press
 from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Sensor, TouchZero, Unit, check_model, find_zero, open_sensor
 
 BENCH_VERSION = "2"
@@ -58,7 +65,7 @@ class Bench:
     """
 
     spec: VirtualBenchSpec
-    dome: DomeSpec
+    dome: SkinSpec
     markers: MarkerSpec
     material: Material
     camera: CameraSpec
@@ -71,9 +78,9 @@ class Bench:
         return place_markers(self.nominal, self.markers)
 
     @cached_property
-    def nominal(self) -> Dome:
+    def nominal(self) -> Skin:
         """The design's dome."""
-        return build_dome(self.dome)
+        return build_skin(self.dome)
 
     @cached_property
     def predictor(self) -> Predictor:
@@ -223,7 +230,7 @@ def _turned(press: Press, azimuth_deg: float) -> Press:
 
 
 def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
-    mesh = mesh_dome(build_dome(deviation.dome(bench.dome)), _mesh_spec(bench))
+    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
     if bench.spec.solver == "calculix":
         return solve_press_calculix(mesh, material, wall)
@@ -233,7 +240,7 @@ def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
 def _mesh_spec(bench: Bench) -> MeshSpec:
     if bench.spec.cells is not None:
         return MeshSpec(cells=bench.spec.cells)
-    own = mesh_dome(bench.nominal).spec.cells or 0
+    own = mesh_skin(bench.nominal).spec.cells or 0
     return MeshSpec(cells=round(_FINER * own))
 
 

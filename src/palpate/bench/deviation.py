@@ -12,7 +12,7 @@ from typing import Any
 from palpate.bench.spec import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import child_seed, generator
-from palpate.design import DomeSpec
+from palpate.design import SkinSpec
 from palpate.material import Material
 
 
@@ -71,7 +71,7 @@ class Deviation:
     seed: int = 0
     unit: int = 0
 
-    def dome(self, nominal: DomeSpec) -> DomeSpec:
+    def dome(self, nominal: SkinSpec) -> SkinSpec:
         """The dome as built; its inner surface carries the dots and is that of the core, so only the outer moves."""
         return nominal.model_copy(update={"thickness": nominal.thickness + self.thickness})
 

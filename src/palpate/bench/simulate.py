@@ -10,10 +10,10 @@ from palpate.bench.deviation import Deviation
 from palpate.bench.photograph import Scene, set_scene
 from palpate.camera import CameraSpec, RenderSpec, Source
 from palpate.core import child_seed
-from palpate.design import Dome, MarkerLayout
+from palpate.design import MarkerLayout, Skin
 from palpate.fea import WallSpec, solve_press
 from palpate.material import Material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 _CELLS = 10
 """A coarse mesh is solved in seconds and is good enough to look at."""
@@ -34,11 +34,11 @@ class SimulatedSource(Source):
         Presses after which it ends.
     """
 
-    def __init__(self, dome: Dome, layout: MarkerLayout, material: Material, presses: int = 3) -> None:
+    def __init__(self, dome: Skin, layout: MarkerLayout, material: Material, presses: int = 3) -> None:
         self._presses = presses
         self._scene = set_scene(dome, layout, Deviation(), CameraSpec(), LIGHT)
         wall = WallSpec(tilt_deg=5.0, azimuth_deg=30.0, depth=min(8.0, 0.4 * dome.height), image_step=0.8)
-        self._press = solve_press(mesh_dome(dome, MeshSpec(cells=_CELLS)), material, wall)
+        self._press = solve_press(mesh_skin(dome, MeshSpec(cells=_CELLS)), material, wall)
 
     @property
     def name(self) -> str:

@@ -63,7 +63,7 @@ def bench(
     check_folder(out)
     chosen, design, material = flags.chosen(), flags.design, flags.material.material()
     store = ArtefactStore(out / "store")
-    played = Bench(chosen, design.dome, design.markers, material, CameraSpec(), model, store)
+    played = Bench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
     announce_compilation()
     (_budget if budget else _units)(played, out, json)

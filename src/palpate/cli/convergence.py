@@ -15,7 +15,7 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_folder, print_json, print_table
 from palpate.cli.press import PressFlags
-from palpate.design import MarkerSpec, build_dome, place_markers
+from palpate.design import MarkerSpec, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
 
 _CELLS = "Cells from pole to rim of each mesh."
@@ -32,7 +32,7 @@ def convergence(
     json: JsonFlag = False,
 ) -> None:
     """Press one dome on finer and finer meshes: greatest stress, force and markers against the number of elements."""
-    points = place_markers(build_dome(flags.dome), MarkerSpec(count=markers)).positions
+    points = place_markers(flags.build(), MarkerSpec(count=markers)).positions
     check_folder(out)
     announce_compilation()
     results = study_convergence(*flags.problem(), points, meshes, _tell)

@@ -11,8 +11,8 @@ from cyclopts import Parameter
 from palpate.camera import CameraSpec
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
-from palpate.cli.unit import DomeFlags, MarkerFlags
-from palpate.design import DomeSpec, MarkerSpec, MountSpec
+from palpate.cli.unit import DesignFlags
+from palpate.design import MountSpec
 from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
@@ -24,8 +24,7 @@ _OUT = "New folder for the pack."
 class PackFlags:
     """What is made, and how: the specs of a pack, each field a flag."""
 
-    dome: DomeFlags = DomeSpec()
-    markers: MarkerFlags = MarkerSpec()
+    design: DesignFlags = DesignFlags()
     mount: Annotated[MountSpec, flags_of(MountSpec, group="Flange")] = MountSpec()
     material: Annotated[MaterialSpec, flags_of(MaterialSpec, only="name", group="Material")] = MaterialSpec()
     process: Annotated[ProcessSpec, flags_of(ProcessSpec, group="Process")] = ProcessSpec()
@@ -34,7 +33,7 @@ class PackFlags:
     def spec(self) -> PackSpec:
         """The spec of these flags."""
         material = self.material.material()
-        return PackSpec(self.dome, self.markers, self.mount, material, self.process, self.camera)
+        return PackSpec(self.design.skin_spec(), self.design.markers, self.mount, material, self.process, self.camera)
 
 
 def make(

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
-from palpate.cli.unit import DomeFlags
+from palpate.cli.unit import DomeFlags, SkinFlag
 from palpate.core import PalpateError, flag_of
 from palpate.deck import solve_press_calculix
-from palpate.design import Dome, DomeSpec, build_dome, read_points
+from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
 from palpate.fea import Branch, Press, SolverSpec, WallSpec, check_export, export_press, solve_press
 from palpate.material import Material
 from palpate.mechanics import make_linear_solver
-from palpate.mesh import Mesh, MeshSpec, mesh_dome
+from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
@@ -52,10 +52,15 @@ class PressFlags:
     wall: WallFlags = WallSpec()
     material: MaterialFlags = MaterialSpec()
     mesh: MeshFlags = MeshSpec()
+    skin: SkinFlag = "dome"
+
+    def build(self) -> Skin:
+        """The skin that is pressed."""
+        return build_skin(read_skin(self.skin, self.dome))
 
     def problem(self) -> tuple[Mesh, Material, WallSpec]:
         """What is pressed: mesh, material and wall of these flags."""
-        return mesh_dome(build_dome(self.dome), self.mesh), self.material.material(), self.wall
+        return mesh_skin(self.build(), self.mesh), self.material.material(), self.wall
 
 
 @Parameter(name="*")
@@ -98,7 +103,7 @@ def press(
 ) -> None:
     """Press one dome by a flat wall and follow it image by image."""
     how.refuse(flags.wall)
-    followed = None if points is None else _read_inner_points(points, build_dome(flags.dome))
+    followed = None if points is None else _read_inner_points(points, flags.build())
     if export is not None:
         check_export(export)
     solved = how.solve(flags.problem())
@@ -149,7 +154,7 @@ def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> d
     }
 
 
-def _read_inner_points(path: Path, dome: Dome) -> NDArray[np.float64]:
+def _read_inner_points(path: Path, dome: Skin) -> NDArray[np.float64]:
     points = read_points(path, dome)
     outside = np.flatnonzero(~np.isfinite(points[:, 2]))
     if len(outside):

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from palpate.cli.flag import flags_of
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, SkinSpec, build_skin, place_markers, read_skin
 
 if TYPE_CHECKING:
     from palpate.sensor import Unit
 
 _LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 
+_SKIN = "Shape of the skin as KIND:NAME=VALUE, for instance ellipsoid:aspect=0.8."
+SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
 DomeFlags = Annotated[DomeSpec, flags_of(DomeSpec, group="Dome")]
 MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]
 
@@ -23,10 +25,15 @@ MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]
 @Parameter(name="*")
 @dataclass(frozen=True)
 class DesignFlags:
-    """A dome and its markers."""
+    """A skin and its markers."""
 
     dome: DomeFlags = DomeSpec()
     markers: MarkerFlags = MarkerSpec()
+    skin: SkinFlag = "dome"
+
+    def skin_spec(self) -> SkinSpec:
+        """The skin of these flags."""
+        return read_skin(self.skin, self.dome)
 
 
 @Parameter(name="*")
@@ -42,6 +49,6 @@ class UnitFlags(DesignFlags):
         from palpate.camera import read_calibration
         from palpate.sensor import Unit
 
-        dome = build_dome(self.dome)
+        dome = build_skin(self.skin_spec())
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
         return Unit(dome, place_markers(dome, self.markers), marked=self.mark, lens=lens)

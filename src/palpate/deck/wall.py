@@ -42,6 +42,11 @@ class DeckWall:
     element: int
 
 
+def ascii_words(wall: ObstacleSpec) -> str:
+    """The obstacle in words that every program reads."""
+    return wall.words.replace("°", " deg")
+
+
 def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
     """The obstacle over a mesh; `elements` are already numbered."""
     obstacle, touched = wall.at_touch(mesh)
@@ -50,7 +55,7 @@ def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -
     if dialect is Dialect.CALCULIX:
         inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
         points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
-    return DeckWall(wall.words, len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
+    return DeckWall(ascii_words(wall), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
 
 
 def wall_lines(wall: DeckWall, dialect: Dialect) -> Iterator[str]:

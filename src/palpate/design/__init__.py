@@ -1,9 +1,9 @@
 """Design: from height, base radius, thickness and markers to the geometry of a dome and its limits."""
 
-from palpate.design.build_dome import build_dome
+from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
 from palpate.design.check_design import check_design, refuse_errors
-from palpate.design.dome import Dome, DomeShape
-from palpate.design.ellipsoid import Ellipsoid
+from palpate.design.dome import Dome, DomeShape, DomeSpec
+from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import Module, build_module, build_solid
@@ -13,14 +13,16 @@ from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
 from palpate.design.rings import markers_in_rings, ring_count, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
-from palpate.design.spec import DomeSpec, MarkerSpec, MountSpec
+from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 
 __all__ = [
     "PRINT_TOLERANCE",
+    "SKINS",
     "Dome",
     "DomeShape",
     "DomeSpec",
     "Ellipsoid",
+    "EllipsoidSpec",
     "Finding",
     "MarkerLayout",
     "MarkerSpec",
@@ -29,19 +31,22 @@ __all__ = [
     "Rim",
     "Severity",
     "Skin",
+    "SkinSpec",
     "Symmetry",
-    "build_dome",
     "build_module",
+    "build_skin",
     "build_solid",
     "check_design",
     "markers_in_rings",
     "place_markers",
     "place_orientation_mark",
     "read_points",
+    "read_skin",
     "refuse_errors",
     "ring_count",
     "ring_diameters",
     "rotation_vector",
+    "skin_from_data",
     "turn_about_axis",
     "wall_normal",
 ]

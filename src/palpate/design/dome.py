@@ -12,9 +12,9 @@ The frame's origin is the middle of the base plane, z runs along the axis to the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import Self, final
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,7 @@ from numpy.typing import ArrayLike
 from palpate.cad import Arc, Outline
 from palpate.core import FloatArray
 from palpate.design.skin import Rim, Skin, Symmetry
-
-_PAPER_BASE = 20.0
-"""Base radius of the paper's domes in mm; a name does not repeat it."""
+from palpate.design.spec import SkinSpec
 
 
 class DomeShape(StrEnum):
@@ -33,6 +31,14 @@ class DomeShape(StrEnum):
     SEGMENT = "hemispherical segment"
     HEMISPHERE = "hemisphere"
     CAP = "spherical cap"
+
+
+@final
+class DomeSpec(SkinSpec):
+    """A dome: sector of a sphere with a wall of even thickness, measured on its inner surface."""
+
+    def build(self) -> Dome:
+        return Dome(height=self.height, base_radius=self.base_radius, thickness=self.thickness)
 
 
 @final
@@ -67,7 +73,6 @@ class Dome(Skin):
 
     @property
     def shape(self) -> DomeShape:
-        """The shape's name in the paper."""
         if self.height < self.base_radius:
             return DomeShape.SEGMENT
         return DomeShape.HEMISPHERE if self.height == self.base_radius else DomeShape.CAP
@@ -78,9 +83,8 @@ class Dome(Skin):
         return float(np.arctan2(self.base_radius, -self.center_z))
 
     @property
-    def name(self) -> str:
-        base = "" if self.base_radius == _PAPER_BASE else f" B{self.base_radius:g}"
-        return f"H{self.height:g}{base} T{self.thickness:g}"
+    def spec_data(self) -> dict[str, Any]:
+        return asdict(self)
 
     @property
     def symmetry(self) -> Symmetry:

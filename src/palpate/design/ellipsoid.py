@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Self, final
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, Self, final
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, parameter
 from palpate.design.revolved import RevolvedSkin
+from palpate.design.spec import SkinSpec
+
+
+@final
+class EllipsoidSpec(SkinSpec):
+    """Cap of an ellipsoid of revolution with a wall of even thickness, measured on its inner surface."""
+
+    kind: Literal["ellipsoid"] = "ellipsoid"
+    aspect: float = parameter(
+        1.0, unit="1", meaning="semi-axis along the axis over that across; 1: a dome", ge=0.2, le=5
+    )
+
+    def build(self) -> Ellipsoid:
+        return Ellipsoid(self.height, self.base_radius, self.thickness, self.aspect)
 
 
 @final
@@ -34,7 +48,15 @@ class Ellipsoid(RevolvedSkin):
 
     @property
     def name(self) -> str:
-        return f"ellipsoid {self.aspect:g} H{self.height:g} B{self.base_radius:g} T{self.thickness:g}"
+        return f"ellipsoid {self.aspect:g} {super().name}"
+
+    @property
+    def shape(self) -> str:
+        return f"ellipsoid of aspect {self.aspect:g}"
+
+    @property
+    def spec_data(self) -> dict[str, Any]:
+        return {"kind": "ellipsoid", **asdict(self)}
 
     @property
     def centre_height(self) -> float:

@@ -55,8 +55,9 @@ class RevolvedSkin(Skin):
     def widest(self) -> tuple[float, float]:
         t, curve, _ = self._table
         best = int(curve[t <= 1.0, 0].argmax())
-        radius, height = curve[best] if t[best] < 1.0 - 1e-9 else self.curve(np.ones(1))[0]
-        return float(radius), float(height)
+        if curve[best, 0] <= self.base_radius * (1 + 1e-9):
+            return self.base_radius, 0.0
+        return float(curve[best, 0]), float(curve[best, 1])
 
     def _end(self, offset: float, rim: Rim) -> float:
         """Parameter at which the curve `offset` mm outside the meridian meets the base."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import StrEnum
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike
 from palpate.cad import Outline
 from palpate.core import FloatArray
 
+PAPER_BASE = 20.0
+"""Base radius of the paper's domes in mm; a name does not repeat it."""
 _AT_APEX = 1e-9
 """Sine of the slope below which a point counts as the apex."""
 
@@ -51,9 +53,20 @@ class Skin(ABC):
     thickness: float
 
     @property
-    @abstractmethod
     def name(self) -> str:
-        """Short name with the numbers that tell one skin from another, e.g. ``H20 T2``."""
+        """Short name with the numbers that tell one skin from another of its shape, e.g. ``H20 T2``."""
+        base = "" if self.base_radius == PAPER_BASE else f" B{self.base_radius:g}"
+        return f"H{self.height:g}{base} T{self.thickness:g}"
+
+    @property
+    @abstractmethod
+    def shape(self) -> str:
+        """The shape in words, without its sizes: ``hemisphere``."""
+
+    @property
+    @abstractmethod
+    def spec_data(self) -> dict[str, Any]:
+        """Plain values from which `palpate.design.skin_from_data` reads this skin's spec again."""
 
     @property
     @abstractmethod

@@ -1,7 +1,8 @@
-"""What a person may choose about a dome and its markers."""
+"""What a user chooses about a skin and its markers."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,16 @@ from pydantic_core import PydanticCustomError
 
 from palpate.core import Spec, parameter
 from palpate.design.rings import MAX_RINGS, markers_in_rings, ring_count
+from palpate.design.skin import Skin
 
 PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
 
 
-class DomeSpec(Spec):
-    """A dome: sector of a sphere with a wall of even thickness, measured on its inner surface."""
+class SkinSpec(Spec, ABC):
+    """A skin over a round base with a wall of even thickness, measured on its inner surface.
+
+    A skin of one's own adds its numbers and a ``kind`` that names it in files; a dome, the oldest, names none.
+    """
 
     height: float = parameter(
         20.0, unit="mm", meaning="height of the inner surface's apex over the base", source=PAPER, ge=2, le=60
@@ -31,6 +36,16 @@ class DomeSpec(Spec):
         ge=0.2,
         le=15,
     )
+
+    @abstractmethod
+    def build(self) -> Skin:
+        """Geometry of this skin.
+
+        Raises
+        ------
+        PalpateError
+            If there is none of these numbers.
+        """
 
 
 class MountSpec(Spec):

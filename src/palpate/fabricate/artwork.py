@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.design import Dome, MarkerLayout, place_orientation_mark
+from palpate.design import MarkerLayout, Skin, place_orientation_mark
 from palpate.fabricate.spec import PadMapping
 
 _MARGIN = 6.0
@@ -50,7 +50,7 @@ class Artwork:
     mapping: PadMapping
 
 
-def draw_artwork(dome: Dome, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
+def draw_artwork(dome: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
     """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
     rim = float(np.abs(flatten(dome, dome.inner_point([dome.base_radius], [0.0]), mapping)).max())
     reach = rim + _MARGIN
@@ -64,7 +64,7 @@ def draw_artwork(dome: Dome, layout: MarkerLayout, mapping: PadMapping, *, mark:
     )
 
 
-def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
+def flatten(dome: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
     rho = np.hypot(points[:, 0], points[:, 1])
     if mapping is PadMapping.ARC:
@@ -75,7 +75,7 @@ def flatten(dome: Dome, points: FloatArray, mapping: PadMapping) -> FloatArray:
     return np.asarray(points[:, :2] * scale[:, None] * [-1.0, 1.0])
 
 
-def carry_to_dome(dome: Dome, page: FloatArray, mapping: PadMapping) -> FloatArray:
+def carry_to_dome(dome: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
     reach = np.hypot(page[:, 0], page[:, 1])
     rho = dome.at_arc_length(reach) if mapping is PadMapping.ARC else reach

@@ -10,7 +10,14 @@ import numpy as np
 from palpate.cad import Solid
 from palpate.camera import Camera
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeShape, Finding, MarkerLayout, Module, Severity, check_design
+from palpate.design import (
+    Finding,
+    MarkerLayout,
+    Module,
+    Severity,
+    Skin,
+    check_design,
+)
 from palpate.fabricate.artwork import flatten
 from palpate.fabricate.enclosure import Enclosure, free_travel
 from palpate.fabricate.mold import Mold
@@ -30,7 +37,7 @@ _PEEL_UNKNOWN = 2.0
 
 
 def check_process(
-    dome: Dome, layout: MarkerLayout, material: Material, camera: Camera, spec: ProcessSpec
+    dome: Skin, layout: MarkerLayout, material: Material, camera: Camera, spec: ProcessSpec
 ) -> tuple[Finding, ...]:
     """Report what the workshop meets with a design: demolding, dots, pad and camera; errors first."""
     findings = [
@@ -61,7 +68,7 @@ def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
     )
 
 
-def _check_wall(dome: Dome) -> Iterator[Finding]:
+def _check_wall(dome: Skin) -> Iterator[Finding]:
     if dome.thickness >= dome.radius:
         yield Finding(
             Severity.ERROR,
@@ -71,10 +78,10 @@ def _check_wall(dome: Dome) -> Iterator[Finding]:
         )
 
 
-def _check_peeling(dome: Dome, material: Material) -> Iterator[Finding]:
-    if dome.shape is not DomeShape.CAP:
+def _check_peeling(dome: Skin, material: Material) -> Iterator[Finding]:
+    if not dome.bulges:
         return
-    stretch, depth = dome.radius / dome.base_radius, dome.radius - dome.base_radius
+    stretch, depth = dome.widest[0] / dome.base_radius, dome.widest[0] - dome.base_radius
     known = np.isfinite(material.stretch_range[1])
     limit = 1 + _PEEL * (material.stretch_range[1] - 1) if known else _PEEL_UNKNOWN
     where = f"the part must stretch {stretch:.3g} times to be peeled off the core (undercut {depth:.3g} mm)"
@@ -94,7 +101,7 @@ def _check_peeling(dome: Dome, material: Material) -> Iterator[Finding]:
         )
 
 
-def _check_dots(dome: Dome, layout: MarkerLayout, camera: Camera, spec: ProcessSpec) -> Iterator[Finding]:
+def _check_dots(dome: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessSpec) -> Iterator[Finding]:
     diameter = layout.diameter
     if diameter < spec.smallest_dot:
         yield Finding(
@@ -131,9 +138,9 @@ def _check_dots(dome: Dome, layout: MarkerLayout, camera: Camera, spec: ProcessS
         )
 
 
-def _check_pad(dome: Dome, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
+def _check_pad(dome: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
     points = layout.positions[layout.on_dome]
-    slope = float(np.degrees(np.arccos(np.clip((points[:, 2] - dome.center_z) / dome.radius, -1, 1))).max())
+    slope = float(np.degrees(np.arccos(np.clip(dome.normal(points)[:, 2], -1, 1))).max())
     if slope > spec.steepest_deg:
         yield Finding(
             Severity.WARNING,

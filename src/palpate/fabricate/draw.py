@@ -35,7 +35,7 @@ def draw_module_section(module: Module) -> Figure:
     _dimension(axis, (side, 0.0), (side, dome.height), f"H = {dome.height:.4g}")
     _dimension(axis, (0.0, dome.height), (0.0, top), f"T = {dome.thickness:.4g}", beside=True)
     _dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
-    axis.text(0, dome.height / 2, f"inner radius r = {dome.radius:.4g}", ha="center", fontsize=9)
+    axis.text(0, dome.height / 2, f"inner radius at the apex {dome.radius:.4g}", ha="center", fontsize=9)
     axis.set_xlim(-side - 14, side + 14)
     axis.set_ylim(foot - 14, top + 5)
     return figure

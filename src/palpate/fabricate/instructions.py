@@ -11,7 +11,12 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
 from palpate.camera import Camera
-from palpate.design import PRINT_TOLERANCE, Dome, DomeShape, Finding, MarkerLayout
+from palpate.design import (
+    PRINT_TOLERANCE,
+    Finding,
+    MarkerLayout,
+    Skin,
+)
 from palpate.fabricate.enclosure import Enclosure
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
@@ -38,7 +43,7 @@ class Section:
 
 
 def write_instructions(
-    dome: Dome,
+    dome: Skin,
     layout: MarkerLayout,
     material: str,
     made: tuple[Mold, Enclosure, Camera, ProcessSpec],
@@ -66,7 +71,7 @@ def write_instructions(
         Section("Cast", tuple(_cast(mixed, mold)), steps=True),
         Section(
             "Print the markers",
-            tuple(_print_markers(layout, spec, has_template=dome.shape is not DomeShape.CAP)),
+            tuple(_print_markers(layout, spec, has_template=not dome.bulges)),
             steps=True,
         ),
         Section("Inspect", tuple(_inspect(dome, layout))),
@@ -75,7 +80,7 @@ def write_instructions(
     ]
 
 
-def _describe(dome: Dome, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
+def _describe(dome: Skin, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
     return [
         f"{dome.shape}: H = {dome.height:g} mm, B = {dome.base_radius:g} mm, T = {dome.thickness:g} mm, "
         f"inner radius {dome.radius:.5g} mm.",
@@ -131,7 +136,7 @@ def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: boo
     ]
 
 
-def _inspect(dome: Dome, layout: MarkerLayout) -> list[str]:
+def _inspect(dome: Skin, layout: MarkerLayout) -> list[str]:
     return [
         f"Thickness at the apex and at four places half way down: {dome.thickness:g} ± "
         f"{max(0.05, 0.05 * dome.thickness):.2g} mm.",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.camera import CameraSpec
-from palpate.design import DomeSpec, Finding, MarkerSpec, MountSpec
+from palpate.design import Finding, MarkerSpec, MountSpec, SkinSpec
 from palpate.fabricate.spec import ProcessSpec
 from palpate.material import Material
 
@@ -27,7 +27,7 @@ class PackSpec:
         The camera in the enclosure; its `distance` places it.
     """
 
-    dome: DomeSpec
+    dome: SkinSpec
     markers: MarkerSpec
     mount: MountSpec
     material: Material

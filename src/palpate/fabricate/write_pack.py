@@ -13,13 +13,13 @@ from palpate.cad import Solid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError, provenance
 from palpate.design import (
-    Dome,
     Finding,
     MarkerLayout,
     Module,
     Severity,
-    build_dome,
+    Skin,
     build_module,
+    build_skin,
     build_solid,
     place_markers,
     refuse_errors,
@@ -48,7 +48,7 @@ _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 class _Made:
     """Everything that a pack shows."""
 
-    dome: Dome
+    dome: Skin
     layout: MarkerLayout
     module: Module
     mold: Mold
@@ -78,7 +78,7 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     PalpateError
         If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
     """
-    dome = build_dome(spec.dome)
+    dome = build_skin(spec.dome)
     layout = place_markers(dome, spec.markers)
     camera = build_camera(spec.camera)
     findings = check_process(dome, layout, spec.material, camera, spec.process)
@@ -99,7 +99,7 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     return FabricationPack(folder, files, volumes, findings)
 
 
-def _make(spec: PackSpec, dome: Dome, layout: MarkerLayout, camera: Camera) -> _Made:
+def _make(spec: PackSpec, dome: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
     module = build_module(dome, spec.mount)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
     mold = build_mold(build_module(dome, spec.mount, scale), spec.process)

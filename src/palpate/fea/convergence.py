@@ -12,7 +12,7 @@ from palpate.fea.press import Press
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
-from palpate.mesh import Mesh, MeshSpec, mesh_dome
+from palpate.mesh import Mesh, MeshSpec, mesh_skin
 
 CELLS = (8, 11, 16, 22, 32)
 """Cells from pole to rim: each mesh has about twice the elements of the one before."""
@@ -96,7 +96,7 @@ def study_convergence(
     presses = []
     for count in counts:
         spec = mesh.spec.model_copy(update={"cells": MeshSpec(cells=count).cells})
-        presses.append(solve_press(mesh_dome(mesh.dome, spec), material, wall))
+        presses.append(solve_press(mesh_skin(mesh.dome, spec), material, wall))
         on_press(count, presses[-1])
     return tuple(_compare(presses, points, _deepest_shared(presses)))
 

@@ -10,12 +10,12 @@ import h5py
 import numpy as np
 
 from palpate.core import PalpateError, refuse_outside_links
-from palpate.design import DomeSpec, build_dome
+from palpate.design import build_skin, skin_from_data
 from palpate.fea.obstacles import obstacle_from_data
 from palpate.fea.press import FEA_VERSION, Press
 from palpate.material import material_from_data
 from palpate.mechanics import Ended, SolverSpec
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 _ARRAYS = {
     "depth": "mm",
@@ -39,10 +39,7 @@ def write_press(path: Path, press: Press) -> None:
     with h5py.File(path, "w") as file:
         file.attrs["kind"] = "palpate press"
         file.attrs["version"] = FEA_VERSION
-        dome = press.mesh.dome
-        file.attrs["dome"] = json.dumps(
-            {"height": dome.height, "base_radius": dome.base_radius, "thickness": dome.thickness}
-        )
+        file.attrs["dome"] = json.dumps(press.mesh.dome.spec_data)
         file.attrs["mesh"] = press.mesh.spec.model_dump_json()
         file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
         file.attrs["wall"] = press.wall.model_dump_json()
@@ -71,10 +68,10 @@ def read_press(path: Path) -> Press:
             refuse_outside_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != FEA_VERSION:
                 raise PalpateError(f"{path} is no press of version {FEA_VERSION}.", "Solve it again.")
-            dome = build_dome(DomeSpec(**json.loads(file.attrs["dome"])))
+            dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}
             return Press(
-                mesh=mesh_dome(dome, MeshSpec.model_validate_json(file.attrs["mesh"])),
+                mesh=mesh_skin(dome, MeshSpec.model_validate_json(file.attrs["mesh"])),
                 material=material_from_data(json.loads(file.attrs["material"])),
                 wall=obstacle_from_data(json.loads(file.attrs["wall"])),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),

@@ -3,7 +3,7 @@
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
 from palpate.mesh.locate import SurfacePoints, locate_inner
 from palpate.mesh.mesh import Mesh
-from palpate.mesh.mesh_dome import mesh_dome
+from palpate.mesh.mesh_skin import mesh_skin
 from palpate.mesh.quality import MeshQuality, measure_quality
 from palpate.mesh.spec import MeshSpec
 
@@ -15,7 +15,7 @@ __all__ = [
     "gauss_points",
     "locate_inner",
     "measure_quality",
-    "mesh_dome",
+    "mesh_skin",
     "shape_hexahedron",
     "shape_quadrilateral",
 ]

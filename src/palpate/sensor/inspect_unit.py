@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import Camera, centre_bias, dot_edges
 from palpate.core import FloatArray, Spec, parameter
-from palpate.design import PRINT_TOLERANCE, Dome
+from palpate.design import PRINT_TOLERANCE, Skin
 from palpate.markers import DetectSpec
 from palpate.sensor.register import Registration
 from palpate.sensor.sensor import read_rest
@@ -96,45 +96,26 @@ def inspect_unit(
     """
     registration = read_rest(images, unit, detect).registration
     camera, points = registration.camera, unit.layout.positions
-    outward = _outward(unit.dome, points)
+    outward = unit.dome.normal(points)
     bias = centre_bias(camera, points, dot_edges(points, outward, unit.layout.diameter))
     nominal = camera.project(points)
     seen = nominal + registration.print_error_px
     found = np.isfinite(seen).all(axis=1)
     dots = np.full_like(points, np.nan)
     dots[found] = _on_dome(camera, unit.dome, seen[found])
-    axes = _surface_axes(points, outward)
+    axes = np.stack(unit.dome.tangents(points)[1:], axis=1)
     error = np.einsum("mij,mj->mi", axes, dots - points)
     return Inspection(
         unit, registration, error, _scale(camera, unit.dome, nominal + bias), (spec or InspectSpec()).tolerance
     )
 
 
-def _outward(dome: Dome, points: FloatArray) -> FloatArray:
-    return np.asarray((points - np.array([0.0, 0.0, dome.center_z])) / dome.radius)
-
-
-def _on_dome(camera: Camera, dome: Dome, pixels: FloatArray) -> FloatArray:
+def _on_dome(camera: Camera, dome: Skin, pixels: FloatArray) -> FloatArray:
     """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
-    rays = camera.back_project(pixels)
-    start = camera.origin - np.array([0.0, 0.0, dome.center_z])
-    along = rays @ start
-    inside = along**2 - start @ start + dome.radius**2
-    reach = -along + np.sqrt(np.where(inside >= 0.0, inside, np.nan))
-    return np.asarray(camera.origin + reach[:, None] * rays)
+    return dome.hit(camera.origin, camera.back_project(pixels))
 
 
-def _surface_axes(points: FloatArray, outward: FloatArray) -> FloatArray:
-    """(m, 2, 3) unit vectors along the meridian, away from the apex, and along the ring; x and y at the apex."""
-    rho = np.linalg.norm(points[:, :2], axis=1)
-    at_apex = rho < 1e-9
-    ring = np.zeros_like(points)
-    ring[:, 0] = -points[:, 1] / np.where(at_apex, 1.0, rho)
-    ring[:, 1] = np.where(at_apex, 1.0, points[:, 0] / np.where(at_apex, 1.0, rho))
-    return np.stack([np.cross(ring, outward), ring], axis=1)
-
-
-def _scale(camera: Camera, dome: Dome, pixels: FloatArray) -> FloatArray:
+def _scale(camera: Camera, dome: Skin, pixels: FloatArray) -> FloatArray:
     """(m,) greatest motion on the surface that a pixel stands for, mm."""
     half = 0.5
     steps = [

@@ -14,7 +14,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.fea import WallSpec, solve_press
 from palpate.markers import Naming, PressFit, name_by_press
 from palpate.material import Material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor.register import register_dome
 from palpate.sensor.unit import Unit
 
@@ -65,7 +65,7 @@ class KnownPress:
             depth=depth,
             image_step=min(_IMAGE_STEP, depth),
         )
-        press = solve_press(mesh_dome(unit.dome, MeshSpec(cells=_CELLS)), material, wall)
+        press = solve_press(mesh_skin(unit.dome, MeshSpec(cells=_CELLS)), material, wall)
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(
                 f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",

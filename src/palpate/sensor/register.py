@@ -23,7 +23,7 @@ from scipy.spatial import cKDTree
 
 from palpate.camera import LENSES, Camera, CameraSpec, build_camera, centre_bias, dot_edges
 from palpate.core import FloatArray, PalpateError
-from palpate.design import Dome, MarkerLayout
+from palpate.design import MarkerLayout, Skin
 from palpate.markers import Naming
 
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
@@ -77,7 +77,7 @@ class _Fit:
 def register_dome(
     naming: Naming,
     layout: MarkerLayout,
-    dome: Dome,
+    dome: Skin,
     nominal: CameraSpec | None = None,
     refine_lens: bool = False,
 ) -> Registration:
@@ -109,7 +109,7 @@ def register_dome(
             "The image is mirrored: left is right.", "Flip it before it is read, or turn off the mirror."
         )
     points, seen = layout.positions[naming.found], naming.positions_px[naming.found]
-    normals = (points - np.array([0.0, 0.0, dome.center_z])) / dome.radius
+    normals = dome.normal(points)
     edges = dot_edges(points, normals, layout.diameter)
     start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
     start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0

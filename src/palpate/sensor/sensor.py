@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
-from palpate.design import Dome, MarkerLayout, place_orientation_mark
+from palpate.design import MarkerLayout, Skin, place_orientation_mark, wall_normal
 from palpate.learn import Predictor
 from palpate.markers import (
     Detector,
@@ -245,10 +245,8 @@ def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> 
     return replace(naming, positions_px=positions, found=found)
 
 
-def _wall(dome: Dome, pose: FloatArray) -> tuple[FloatArray, float]:
+def _wall(skin: Skin, pose: FloatArray) -> tuple[FloatArray, float]:
     """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
-    theta = np.radians(np.hypot(pose[0], pose[1]))
-    scale = np.sinc(theta / np.pi) * np.radians(1.0)
-    normal = np.array([scale * pose[1], -scale * pose[0], np.cos(theta)])
-    limit = normal[2] * dome.center_z + dome.radius - max(float(pose[2]), 0.0) * normal[2]
+    normal = wall_normal(*np.radians(pose[:2]))
+    limit = skin.touch(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
     return normal, float(limit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from palpate.camera import CameraSpec
-from palpate.design import Dome, MarkerLayout
+from palpate.design import MarkerLayout, Skin
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Unit:
         Its real lens, from a calibration, and about where it is; `None` for the nominal one.
     """
 
-    dome: Dome
+    dome: Skin
     layout: MarkerLayout
     marked: bool = True
     nominal: CameraSpec | None = None

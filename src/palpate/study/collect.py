@@ -12,7 +12,7 @@ import numpy as np
 
 from palpate.core import ArtefactStore, provenance
 from palpate.dataset import DATASET_VERSION
-from palpate.design import build_dome
+from palpate.design import build_skin
 from palpate.fea import FEA_VERSION, Branch, read_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
@@ -82,7 +82,7 @@ def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
     return DesignResult(
         dome=dataset.dome,
         markers=dataset.markers,
-        shape=build_dome(dataset.dome).shape,
+        shape=build_skin(dataset.dome).shape,
         clean=Metrics.from_dict(tally["clean"]) if tally else None,
         jittered=Metrics.from_dict(tally["jittered"]) if tally else None,
         travel_mm=float(tally["travel_mm"]) if tally else float("nan"),
@@ -107,11 +107,17 @@ def _versions() -> dict[str, str]:
     return {**provenance(), **stages}
 
 
+_SIZES = {"height", "base_radius", "thickness"}
+"""What every skin has, and the grid in columns of its own."""
+
+
 def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
-    """What was chosen beside dome and markers; every press of a design shares it but for the tilt."""
+    """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
     wall = press.wall.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})
+    own = dataset.dome.model_dump(mode="json", exclude=_SIZES)
     return {
+        **({"skin": own} if own else {}),
         "mesh": press.mesh.model_dump(mode="json"),
         "material": press.material.key_data(),
         "tilts_deg": [item.wall.radial for item in dataset.presses],

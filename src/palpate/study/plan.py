@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_dome, check_design, place_markers, refuse_errors
+from palpate.design import MarkerSpec, SkinSpec, build_skin, check_design, place_markers, refuse_errors
 from palpate.fea import Branch
 from palpate.study.study import Study
-from palpate.study.task import DatasetTask, LearningTask, PressTask, Task, dome_name
+from palpate.study.task import DatasetTask, LearningTask, PressTask, Task
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def plan_study(study: Study) -> Plan:
     """
     study = study.seeded()
     designs = []
-    for dome in study.designs.domes():
+    for dome in study.designs.skins():
         presses = tuple(_plan_presses(study, dome))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, dome))
         inverted = replace(min(presses, key=lambda press: press.wall.radial), branch=Branch.INVERTED)
@@ -74,7 +74,7 @@ def plan_study(study: Study) -> Plan:
     return Plan(designs=tuple(designs))
 
 
-def _plan_presses(study: Study, dome: DomeSpec) -> Iterator[PressTask]:
+def _plan_presses(study: Study, dome: SkinSpec) -> Iterator[PressTask]:
     for tilt_deg in study.tilts_deg:
         yield PressTask(
             dome=dome,
@@ -85,7 +85,7 @@ def _plan_presses(study: Study, dome: DomeSpec) -> Iterator[PressTask]:
         )
 
 
-def _plan_relatives(study: Study, dome: DomeSpec) -> Iterator[Iterator[PressTask]]:
+def _plan_relatives(study: Study, dome: SkinSpec) -> Iterator[Iterator[PressTask]]:
     """Presses of units that differ from the design, as `RandomiseSpec` asks for: frictions, thinner, thicker."""
     varied = study.dataset.randomise
     if varied is None:
@@ -94,18 +94,18 @@ def _plan_relatives(study: Study, dome: DomeSpec) -> Iterator[Iterator[PressTask
         wall = study.wall.model_copy(update={"contact": friction})
         yield _plan_presses(study.model_copy(update={"wall": wall}), dome)
     for step in (-varied.thickness, varied.thickness) if varied.thickness else ():
-        other = DomeSpec.model_validate(dome.model_dump() | {"thickness": dome.thickness + step})
+        other = type(dome).model_validate(dome.model_dump() | {"thickness": dome.thickness + step})
         yield _plan_presses(study, other)
 
 
-def _checked(dome_spec: DomeSpec, markers: MarkerSpec) -> MarkerSpec:
+def _checked(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     """The layout with its number of markers counted, after the design was found buildable."""
-    dome = build_dome(dome_spec)
+    dome = build_skin(dome_spec)
     layout = place_markers(dome, markers)
     try:
         refuse_errors(check_design(dome, layout))
     except PalpateError as error:
-        raise PalpateError(f"Design {dome_name(dome_spec)}: {error.what}", error.remedy) from None
+        raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy) from None
     return markers.model_copy(update={"count": len(layout)})
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from palpate.design import DomeShape, DomeSpec, MarkerSpec
+from palpate.design import MarkerSpec, SkinSpec
 from palpate.learn import Coverage, DepthLimit, Metrics
 
 
@@ -109,9 +109,9 @@ class DesignResult:
         Why there is no result; empty where there is one.
     """
 
-    dome: DomeSpec
+    dome: SkinSpec
     markers: MarkerSpec
-    shape: DomeShape
+    shape: str
     clean: Metrics | None
     jittered: Metrics | None
     travel_mm: float
@@ -144,7 +144,7 @@ class DesignLimits:
         Why there are none; empty where there are.
     """
 
-    dome: DomeSpec
+    dome: SkinSpec
     markers: MarkerSpec
     limits: tuple[DepthLimit, ...]
     failure: str = ""

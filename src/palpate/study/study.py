@@ -5,13 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from pydantic import BaseModel, Field, ValidationError, field_validator
+from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from palpate.camera import CameraSpec
 from palpate.core import PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
-from palpate.design import DomeSpec, MarkerSpec
+from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import WallSpec
 from palpate.learn import SearchSpec
 from palpate.material import Material, get_material
@@ -24,6 +24,7 @@ PAPER = "Zaid et al. 2024, doi 10.1016/j.sna.2024.115469"
 class DesignsSpec(Spec):
     """The designs of a study: every height with every thickness and every marker layout."""
 
+    skin: dict[str, Any] = Field(default={}, description="kind of the skins and its own numbers; empty: domes")
     heights: tuple[float, ...] = parameter((20.0,), unit="mm", meaning="heights of the domes", source=PAPER)
     thicknesses: tuple[float, ...] = parameter((2.0,), unit="mm", meaning="thicknesses of the walls", source=PAPER)
     base_radius: float = parameter(20.0, unit="mm", meaning="base radius of every dome", source=PAPER)
@@ -38,25 +39,35 @@ class DesignsSpec(Spec):
             return layouts
         return [layout if isinstance(layout, dict | MarkerSpec) else {"count": layout} for layout in layouts]
 
-    @field_validator("heights")
+    @field_validator("skin")
     @classmethod
-    def _heights_in_bounds(cls, heights: tuple[float, ...]) -> tuple[float, ...]:
-        return _each_in_bounds(DomeSpec, "height", heights)
+    def _is_a_skin(cls, skin: dict[str, Any]) -> dict[str, Any]:
+        try:
+            skin_from_data(skin)
+        except PalpateError as error:
+            raise PydanticCustomError("no_skin", "{says}", {"says": str(error).replace("\n", " ")}) from None
+        return skin
 
-    @field_validator("thicknesses")
+    @field_validator("heights", "thicknesses", "base_radius")
     @classmethod
-    def _thicknesses_in_bounds(cls, thicknesses: tuple[float, ...]) -> tuple[float, ...]:
-        return _each_in_bounds(DomeSpec, "thickness", thicknesses)
+    def _sizes_in_bounds(cls, given: Any, info: ValidationInfo) -> Any:
+        """Hold every size against the bounds that the skin declares for one."""
+        name = {"heights": "height", "thicknesses": "thickness"}.get(str(info.field_name), "base_radius")
+        kind = SKINS.get(str(info.data.get("skin", {}).get("kind", "dome")))
+        _each_in_bounds(kind, name, given if isinstance(given, tuple) else (given,))
+        return given
 
-    @field_validator("base_radius")
-    @classmethod
-    def _base_radius_in_bounds(cls, base_radius: float) -> float:
-        return _each_in_bounds(DomeSpec, "base_radius", (base_radius,))[0]
+    def skins(self) -> tuple[SkinSpec, ...]:
+        """Every skin, thicknesses within heights.
 
-    def domes(self) -> tuple[DomeSpec, ...]:
-        """Every dome, thicknesses within heights."""
+        Raises
+        ------
+        PalpateError
+            If there is no skin of that kind, or a size is out of its bounds.
+        """
+        base = {**self.skin, "base_radius": self.base_radius}
         return tuple(
-            DomeSpec(height=height, base_radius=self.base_radius, thickness=thickness)
+            skin_from_data({**base, "height": height, "thickness": thickness})
             for height in self.heights
             for thickness in self.thicknesses
         )

@@ -20,12 +20,12 @@ from palpate.dataset import (
     read_dataset,
     write_dataset,
 )
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import FEA_VERSION, Branch, WallSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 TASK_VERSION = "3"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""
@@ -73,7 +73,7 @@ class Task(ABC):
 class PressTask(Task):
     """Solve one dome under one tilt, on the branch that is pressed from rest or on the inverted one."""
 
-    dome: DomeSpec
+    dome: SkinSpec
     mesh: MeshSpec
     material: Material
     wall: WallSpec
@@ -84,7 +84,7 @@ class PressTask(Task):
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
         friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
-        return f"press {dome_name(self.dome)} tilt {self.wall.tilt_deg:g}°{friction}{state}"
+        return f"press {self.dome.build().name} tilt {self.wall.tilt_deg:g}°{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -109,7 +109,7 @@ class PressTask(Task):
         return (100.0 if self.branch is Branch.INVERTED else 20.0) * self.wall.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
-        mesh = mesh_dome(build_dome(self.dome), self.mesh)
+        mesh = mesh_skin(build_skin(self.dome), self.mesh)
         press = solve_press(mesh, self.material, self.wall, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
 
@@ -119,7 +119,7 @@ class DatasetTask(Task):
     """Make the images of one design from the presses of its dome."""
 
     presses: tuple[PressTask, ...]
-    dome: DomeSpec
+    dome: SkinSpec
     markers: MarkerSpec
     camera: CameraSpec
     spec: DatasetSpec
@@ -128,11 +128,11 @@ class DatasetTask(Task):
 
     @property
     def name(self) -> str:
-        return f"dataset {dome_name(self.dome)} {self.markers.count} markers"
+        return f"dataset {self.dome.build().name} {self.markers.count} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
-        layout = place_markers(build_dome(self.dome), self.markers)
+        layout = place_markers(build_skin(self.dome), self.markers)
         spec = {
             "markers_mm": layout.positions.tolist(),
             "camera": self.camera.model_dump(mode="json"),
@@ -151,7 +151,7 @@ class DatasetTask(Task):
 
     def make(self, store: ArtefactStore) -> None:
         groups = [[read_press(find_made(store, task)) for task in group] for group in (self.presses, *self.relatives)]
-        layout = place_markers(build_dome(self.dome), self.markers)
+        layout = place_markers(build_skin(self.dome), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
         relatives = Relatives(tuple(groups[1:frictions]), tuple(groups[frictions:]))
         dataset = generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives)
@@ -168,7 +168,7 @@ class LimitTask(Task):
 
     @property
     def name(self) -> str:
-        return f"limit {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
+        return f"limit {self.dataset.dome.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -189,7 +189,7 @@ class LimitTask(Task):
 
         dataset = self.dataset
         presses = [read_press(find_made(store, task)) for task in dataset.presses]
-        field = build_field(presses, place_markers(build_dome(dataset.dome), dataset.markers))
+        field = build_field(presses, place_markers(build_skin(dataset.dome), dataset.markers))
         limits = find_limits(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
         store.write(self.recipe, lambda path: _write_json(path, [asdict(limit) for limit in limits]), self.suffix)
 
@@ -205,7 +205,7 @@ class EstimatorTask(Task):
 
     @property
     def name(self) -> str:
-        return f"estimator {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
+        return f"estimator {self.dataset.dome.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -244,7 +244,7 @@ class LearningTask(Task):
 
     @property
     def name(self) -> str:
-        return f"learning {dome_name(self.dataset.dome)} {self.dataset.markers.count} markers"
+        return f"learning {self.dataset.dome.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
     def limit(self) -> LimitTask:
@@ -317,11 +317,6 @@ def find_made(store: ArtefactStore, task: Task) -> Path:
     if path is None:
         raise MissingArtefactError(f"The artefact of '{task.name}' is missing or broken.", task.recipe.key)
     return path
-
-
-def dome_name(dome: DomeSpec) -> str:
-    """Short name of a dome, e.g. ``"H20 T2"`` (mm)."""
-    return f"H{dome.height:g} T{dome.thickness:g}"
 
 
 def _write_json(path: Path, content: Any) -> None:

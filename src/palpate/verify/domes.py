@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.design import Dome, DomeSpec, build_dome
+from palpate.design import Dome, DomeSpec, build_skin
 from palpate.fea import Branch, Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.case import Row, compare
 from palpate.verify.read_reference import Reference, read_reference
 
@@ -37,10 +37,10 @@ _SOFT_BULK = 100.0
 
 def press_dome(height: int, thickness: int, wall: WallSpec, bulk_ratio: float, mesh: MeshSpec | None) -> Press:
     """Press a dome of this height and thickness (mm); with a mesh given, the contact is stiffer as well."""
-    dome = build_dome(DomeSpec(height=height, thickness=thickness))
+    dome = build_skin(DomeSpec(height=height, thickness=thickness))
     material = get_material("zaid_2024_ecoflex_00_30").with_bulk_ratio(bulk_ratio)
     solver = None if mesh is None else SolverSpec(penalty_ratio=_STIFF)
-    return solve_press(mesh_dome(dome, mesh), material, wall, solver)
+    return solve_press(mesh_skin(dome, mesh), material, wall, solver)
 
 
 def flat_branch(height: int, thickness: int) -> list[Row]:
@@ -70,9 +70,9 @@ def inverted_branch(height: int, thickness: int) -> list[Row]:
     """Depth from which the inverted state exists, its force and its energy at the images beyond."""
     data = read_reference(f"dome_inverted_branch_H{height}_T{thickness}").between("apex_gap_mm", 0.05, 1e3)
     wall = WallSpec(contact="frictionless")
-    dome = build_dome(DomeSpec(height=height, thickness=thickness))
+    dome = build_skin(DomeSpec(height=height, thickness=thickness))
     material = get_material("zaid_2024_ecoflex_00_30").with_bulk_ratio(2000.0)
-    mesh = mesh_dome(dome, _RING_MESH.get((height, thickness)))
+    mesh = mesh_skin(dome, _RING_MESH.get((height, thickness)))
     press = solve_press(mesh, material, wall, branch=Branch.INVERTED)
     image = press.depth >= data["d_mm"].min() + _ONSET_MM
     depth = press.depth[image]

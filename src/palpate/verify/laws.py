@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import WallSpec, solve_press
 from palpate.material import Material, NeoHooke
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.ball import make_ball, make_pressing
 from palpate.verify.case import Row, below, compare
 from palpate.verify.mapped import Turn, even
@@ -42,7 +42,7 @@ def dome_scaling() -> list[Row]:
     """A dome ten times as large: forces a hundred times, energies a thousand times, by the product's own steps."""
     small, large = (
         solve_press(
-            mesh_dome(build_dome(DomeSpec(height=5 * k, base_radius=5 * k, thickness=0.5 * k)), MeshSpec(cells=10)),
+            mesh_skin(build_skin(DomeSpec(height=5 * k, base_radius=5 * k, thickness=0.5 * k)), MeshSpec(cells=10)),
             SILICONE,
             WallSpec(tilt_deg=5, depth=1.6 * k, image_step=0.4 * k, contact="no-slip"),
         )
@@ -60,7 +60,7 @@ def dome_scaling() -> list[Row]:
 
 def mirror() -> list[Row]:
     """A whole dome under two walls that are mirror images in x = 0: forces and displacements are, too."""
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=10, whole=True))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=3)), MeshSpec(cells=10, whole=True))
     walls = [
         WallSpec(tilt_deg=6, azimuth_deg=azimuth, depth=2.4, contact="frictionless") for azimuth in (25.0, -25.0)
     ]

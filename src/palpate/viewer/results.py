@@ -17,7 +17,14 @@ from pydantic import ValidationError
 
 from palpate.camera import Camera, CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeSpec, MarkerLayout, MarkerSpec, build_dome, place_markers
+from palpate.design import (
+    MarkerLayout,
+    MarkerSpec,
+    Skin,
+    build_skin,
+    place_markers,
+    skin_from_data,
+)
 from palpate.fea import Press, read_press
 from palpate.grid import Cell, SpecificationGrid, read_grid
 
@@ -63,7 +70,7 @@ class Design:
 
     number: int
     row: Mapping[str, Cell]
-    dome: Dome
+    dome: Skin
     layout: MarkerLayout
     camera: Camera
     press_keys: tuple[str, ...]
@@ -107,8 +114,8 @@ def read_design(results: Results, number: int) -> Design:
     row = results.grid.designs[number]
     try:
         sizes = {name: row[f"{name}_mm"] for name in ("height", "base_radius", "thickness")}
-        dome = build_dome(DomeSpec.model_validate(sizes))
         spec = json.loads(str(row.get("spec") or "{}"))
+        dome = build_skin(skin_from_data(spec.get("skin", {}) | sizes))
         camera = build_camera(CameraSpec(**spec.get("camera", {})))
         return Design(number, row, dome, _read_layout(results, row, dome), camera, _keys(row, "press"))
     except (KeyError, TypeError, ValueError, ValidationError) as error:
@@ -164,7 +171,7 @@ def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:
     return tuple(str(row.get(f"{kind}_key") or "").split())
 
 
-def _read_layout(results: Results, row: Mapping[str, Cell], dome: Dome) -> MarkerLayout:
+def _read_layout(results: Results, row: Mapping[str, Cell], dome: Skin) -> MarkerLayout:
     """Markers as the dataset has them; without a dataset, the rings of as many markers."""
     spec = json.loads(str(row.get("spec") or "{}"))
     diameter = float(spec.get("markers", {}).get("diameter", MarkerSpec().diameter))

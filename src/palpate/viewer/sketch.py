@@ -10,10 +10,17 @@ from pydantic import BaseModel
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError, Spec
-from palpate.design import DomeSpec, Finding, MarkerSpec, Severity, build_dome, place_markers
+from palpate.design import (
+    DomeSpec,
+    Finding,
+    MarkerSpec,
+    Severity,
+    build_skin,
+    place_markers,
+)
 from palpate.fabricate import ProcessSpec, check_process
 from palpate.fea import WallSpec
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 from palpate.viewer.library import Specimen
 from palpate.viewer.pressed_dome import rest_dome
@@ -51,11 +58,11 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     PalpateError
         If the dome cannot be built or its markers not be placed on it.
     """
-    dome = build_dome(sketch.dome)
+    dome = build_skin(sketch.dome)
     layout, camera = place_markers(dome, sketch.markers), build_camera(sketch.camera)
     if not layout.on_dome.all():
         raise PalpateError("Some markers lie outside the dome.", "Use smaller rings, or a wider dome.")
-    mesh = mesh_dome(dome, MeshSpec(cells=REST_CELLS))
+    mesh = mesh_skin(dome, MeshSpec(cells=REST_CELLS))
     findings = check_process(dome, layout, sketch.material.material(), camera, ProcessSpec())
     hidden = int((~camera.visible(layout.positions, dome)).sum())
     if hidden:

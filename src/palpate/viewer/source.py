@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import RenderSpec, edge_offsets, list_images, read_image, render
 from palpate.core import FloatArray, PalpateError, generator, load_extra
-from palpate.design import Dome, place_orientation_mark
+from palpate.design import Skin, place_orientation_mark
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import follow_points
 from palpate.viewer.results import Design
@@ -156,19 +156,17 @@ def _depths(deepest: float) -> list[float]:
     return [float(depth) for depth in (*down, *([deepest] * _HOLD), *up)]
 
 
-def _edges(dome: Dome, design: Design) -> FloatArray:
+def _edges(dome: Skin, design: Design) -> FloatArray:
     """Edges (m + 1, k, 3) mm of the dots and of the orientation mark, on the undeformed inner surface."""
     mark = place_orientation_mark(dome, design.layout)
     centres = np.concatenate([design.layout.positions, mark[None]])
-    middle = np.array([0.0, 0.0, dome.center_z])
-    normals = (centres - middle) / dome.radius
+    normals = dome.normal(centres)
     aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     first = np.cross(normals, aside)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normals, first)
     flat = edge_offsets(design.layout.diameter / 2, _EDGE)
     around = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
-    arm = around - middle
-    edges: FloatArray = middle + dome.radius * arm / np.linalg.norm(arm, axis=-1, keepdims=True)
+    edges = dome.nearest(around)
     edges[..., 2] = np.maximum(edges[..., 2], 1e-6)  # a dot at the rim ends there
     return edges

@@ -6,17 +6,17 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from palpate.design import MountSpec, build_dome
+from palpate.design import MountSpec, build_skin
 from palpate.fabricate import PackSpec, ProcessSpec, write_pack
 from palpate.fea import Press, solve_press
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.errand import Report
 from palpate.viewer.sketch import Sketch
 
 
 def press_sketch(sketch: Sketch, report: Report) -> Press:
     """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
-    mesh = mesh_dome(build_dome(sketch.dome), MeshSpec())
+    mesh = mesh_skin(build_skin(sketch.dome), MeshSpec())
     wall = sketch.wall
     return solve_press(
         mesh, sketch.material.material(), wall, observe=lambda depth: report(min(depth / wall.depth, 1.0))

@@ -8,10 +8,10 @@ from palpate.bench.deviation import IMPERFECTIONS, draw_deviation, single_deviat
 from palpate.bench.photograph import set_scene
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
 
-DOME = build_dome(DomeSpec())
+DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 TOLERANCE = ToleranceSpec()
 PARTS = {part: item for item in IMPERFECTIONS for part in item.parts}

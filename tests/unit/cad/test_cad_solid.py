@@ -6,14 +6,14 @@ import pytest
 from needs import needs
 from palpate.cad import Solid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MountSpec, build_dome, build_module, build_solid
+from palpate.design import DomeSpec, MountSpec, build_module, build_skin, build_solid
 
 needs("build123d")
 
 
 @pytest.mark.parametrize(("height", "thickness"), [(10, 1), (20, 2), (30, 4)])
 def test_build_solid_has_the_volume_of_a_dome_and_a_drafted_ring(height: float, thickness: float) -> None:
-    dome, mount = build_dome(DomeSpec(height=height, thickness=thickness)), MountSpec()
+    dome, mount = build_skin(DomeSpec(height=height, thickness=thickness)), MountSpec()
     module = build_module(dome, mount)
 
     def cap(radius: float) -> float:
@@ -31,7 +31,7 @@ def test_build_solid_has_the_volume_of_a_dome_and_a_drafted_ring(height: float, 
 
 
 def test_a_mesh_is_closed_faces_outward_and_keeps_the_volume() -> None:
-    solid = build_solid(build_module(build_dome(DomeSpec()), MountSpec()))
+    solid = build_solid(build_module(build_skin(DomeSpec()), MountSpec()))
     mesh = solid.mesh()
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(solid.volume, rel=5e-3)
@@ -95,7 +95,7 @@ def test_two_bodies_apart_have_nothing_in_common() -> None:
 
 
 def test_a_meridian_lies_on_the_sphere_and_ends_on_base_or_axis() -> None:
-    dome = build_dome(DomeSpec(height=30, thickness=2))
+    dome = build_skin(DomeSpec(height=30, thickness=2))
     (down,), (back,) = (dome.meridian(dome.thickness, down=way) for way in (True, False))
     for x, z in (down.through, down.end, back.end):
         assert np.hypot(x, z - dome.center_z) == pytest.approx(dome.outer_radius)

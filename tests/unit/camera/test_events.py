@@ -5,7 +5,7 @@ import pytest
 
 from palpate.camera import EventSpec, build_camera, dot_edges, render, stream_events
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
 EVEN = EventSpec(threshold=0.1, spread=0.0, dark=1.0)
 
@@ -30,7 +30,7 @@ def test_what_is_left_of_a_step_is_kept_and_the_way_back_takes_it_off():
 
 
 def test_events_add_up_to_the_change_of_the_image():
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     normals = (layout.positions - [0, 0, dome.center_z]) / dome.radius
     images = [

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, centre_bias, dot_edges, edge_offsets, render
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 
-DOME = build_dome(DomeSpec())
+DOME = build_skin(DomeSpec())
 
 
 def dots(count=91):

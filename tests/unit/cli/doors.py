@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.dataset import Normalisation
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.grid import evaluate_grid, write_grid
 from palpate.learn import Estimator, write_estimator
 
@@ -154,7 +154,7 @@ ROWS = {
 
 def furnish(folder: Path) -> dict[str, Path]:
     """Right and wrong inputs of every kind, by name."""
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     points = np.vstack([layout.positions, place_orientation_mark(dome, layout)])
     edges = dot_edges(points, (points - [0, 0, dome.center_z]) / dome.radius, layout.diameter)

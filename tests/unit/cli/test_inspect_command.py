@@ -7,9 +7,9 @@ import pytest
 
 from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.cli import main
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 
-DOME = build_dome(DomeSpec())
+DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 
 

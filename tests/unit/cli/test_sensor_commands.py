@@ -11,13 +11,13 @@ import pytest
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.cli import main
 from palpate.dataset import Normalisation
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import Estimator, write_estimator
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
-DOME = build_dome(DomeSpec())
+DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 
 
@@ -154,7 +154,7 @@ def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, ca
     camera = build_camera(CameraSpec(roll_deg=65.0))
     normals = (LAYOUT.positions - [0, 0, DOME.center_z]) / DOME.radius
     wall = WallSpec(tilt_deg=8.0, azimuth_deg=15.0, depth=4.0, image_step=4.0)
-    press = solve_press(mesh_dome(DOME, MeshSpec(cells=6)), get_material("zaid_2024_ecoflex_00_30"), wall)
+    press = solve_press(mesh_skin(DOME, MeshSpec(cells=6)), get_material("zaid_2024_ecoflex_00_30"), wall)
     rest, pressed = press.positions(LAYOUT.positions)[[0, -1]]
     for name, points in (("0", rest), ("1", rest - [0, 0, 1]), ("2", rest - [0, 0, 2]), ("press", pressed)):
         image = render(camera, dot_edges(points, normals, LAYOUT.diameter), RenderSpec(noise=1.0, blur_px=0.6))

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 
 from palpate.dataset import build_field
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 DEPTH = 3.2
-DOME = build_dome(DomeSpec(height=20, thickness=3))
+DOME = build_skin(DomeSpec(height=20, thickness=3))
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 
 
 def press(tilt_deg, azimuth_deg=0.0):
-    mesh = mesh_dome(DOME, MeshSpec(cells=8))
+    mesh = mesh_skin(DOME, MeshSpec(cells=8))
     wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=DEPTH)
     return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall)
 

@@ -12,16 +12,16 @@ from palpate.core import PalpateError
 from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.deck.calculix import stored_energy
 from palpate.deck.read_results import read_blocks, read_images
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mechanics import Ended
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
-from palpate.mesh import MeshSpec, measure_quality, mesh_dome
+from palpate.mesh import MeshSpec, measure_quality, mesh_skin
 
 needs_ccx = needs_program("calculix-ccx")
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
-DOME = build_dome(DomeSpec(height=20, thickness=3))
+DOME = build_skin(DomeSpec(height=20, thickness=3))
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Pair:
 
 @pytest.fixture(scope="module")
 def pair() -> Pair:
-    mesh = mesh_dome(DOME, MeshSpec(cells=12))
+    mesh = mesh_skin(DOME, MeshSpec(cells=12))
     wall = WallSpec(tilt_deg=10, depth=3.2, contact="frictionless")
     return Pair(solve_press(mesh, SILICONE, wall), solve_press_calculix(mesh, SILICONE, wall))
 
@@ -77,7 +77,7 @@ class TestAgreement:
 @pytest.mark.slow
 @needs_ccx
 def test_azimuth_turns_the_force() -> None:
-    mesh = mesh_dome(DOME, MeshSpec(cells=6))
+    mesh = mesh_skin(DOME, MeshSpec(cells=6))
     wall = WallSpec(tilt_deg=10, azimuth_deg=90, depth=0.8, contact="frictionless")
     turned = solve_press_calculix(mesh, SILICONE, wall)
     assert turned.force[-1, 0] == pytest.approx(np.tan(np.radians(10)) * turned.force[-1, 2], rel=1e-4)
@@ -87,7 +87,7 @@ def test_azimuth_turns_the_force() -> None:
 def test_a_missing_ccx_is_said_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     with pytest.raises(PalpateError, match="apt install calculix-ccx"):
-        solve_press_calculix(mesh_dome(DOME, MeshSpec(cells=4)), SILICONE)
+        solve_press_calculix(mesh_skin(DOME, MeshSpec(cells=4)), SILICONE)
 
 
 def put_ccx(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:
@@ -102,7 +102,7 @@ def put_ccx(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:
 def test_a_failed_run_keeps_its_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put_ccx(tmp_path, monkeypatch, "echo ' *ERROR in gauss: no power'; exit 201")
     with pytest.raises(PalpateError, match=r"exit code 201\): in gauss: no power") as raised:
-        solve_press_calculix(mesh_dome(DOME, MeshSpec(cells=4)), SILICONE)
+        solve_press_calculix(mesh_skin(DOME, MeshSpec(cells=4)), SILICONE)
     (folder,) = tmp_path.glob("palpate-ccx-*")
     assert str(folder) in raised.value.remedy
     assert {path.name for path in folder.iterdir()} == {"press.inp", "press.log"}
@@ -111,7 +111,7 @@ def test_a_failed_run_keeps_its_log(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_a_run_that_takes_too_long_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     put_ccx(tmp_path, monkeypatch, "exec sleep 60")
     with pytest.raises(PalpateError, match=r"longer than 0\.2 s"):
-        solve_press_calculix(mesh_dome(DOME, MeshSpec(cells=4)), SILICONE, None, CalculixSpec(timeout=0.2))
+        solve_press_calculix(mesh_skin(DOME, MeshSpec(cells=4)), SILICONE, None, CalculixSpec(timeout=0.2))
 
 
 DAT = """
@@ -172,7 +172,7 @@ def test_shape_functions_are_one_at_their_node_and_sum_to_one() -> None:
 
 
 def test_filled_nodes_ignore_what_stood_there() -> None:
-    mesh = mesh_dome(DOME, MeshSpec(cells=4))
+    mesh = mesh_skin(DOME, MeshSpec(cells=4))
     linear = mesh.nodes @ np.array([[1.0, 2, 3], [0, 1, 0], [2, 0, 1]])
     broken = linear.copy()
     broken[np.setdiff1d(mesh.cells, mesh.cells[:, BRICK])] = np.nan
@@ -181,7 +181,7 @@ def test_filled_nodes_ignore_what_stood_there() -> None:
 
 
 def test_stored_energy_of_a_swelling_is_that_of_its_bulk_modulus() -> None:
-    mesh = mesh_dome(DOME, MeshSpec(cells=6))
+    mesh = mesh_skin(DOME, MeshSpec(cells=6))
     swollen = 1e-3 * fill_nodes(mesh.cells, mesh.nodes)
     expected = 0.5 * SILICONE.bulk_modulus * (1.001**3 - 1) ** 2 * measure_quality(mesh).volume
     assert stored_energy(mesh, SILICONE, swollen) == pytest.approx(expected, rel=5e-3)

@@ -9,18 +9,18 @@ from check_deck import cards, faults, read
 from palpate.core import PalpateError
 from palpate.deck import DeckSpec, deck_text, write_deck
 from palpate.deck.material import hyperelastic
-from palpate.design import DomeSpec, Rim, build_dome
+from palpate.design import DomeSpec, Rim, build_skin
 from palpate.fea import WallSpec
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, measure_quality, mesh_dome
+from palpate.mesh import MeshSpec, measure_quality, mesh_skin
 
 DIALECTS = [("abaqus", "solid"), ("abaqus", "shell"), ("calculix", "solid")]
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
-DOME = build_dome(DomeSpec(height=20, thickness=2))
+DOME = build_skin(DomeSpec(height=20, thickness=2))
 
 
 def text_of(dialect: str, element: str, wall: WallSpec | None = None, mesh: MeshSpec | None = None) -> str:
-    meshed = mesh_dome(DOME, mesh or MeshSpec(cells=6))
+    meshed = mesh_skin(DOME, mesh or MeshSpec(cells=6))
     spec = DeckSpec(dialect=dialect, element=element)  # type: ignore[arg-type]
     return deck_text(meshed, SILICONE, wall or WallSpec(tilt_deg=5), spec)
 
@@ -58,7 +58,7 @@ SETS = ("BASE", "INNER", "OUTER", "APEX", "MIRROR")
 
 
 def test_bricks_fill_the_dome() -> None:
-    mesh = mesh_dome(DOME, MeshSpec(cells=16))
+    mesh = mesh_skin(DOME, MeshSpec(cells=16))
     deck = read(text_of("calculix", "solid", mesh=mesh.spec))
     volume = sum(
         hexahedron_volume(np.array([deck.nodes[number] for number in nodes]))
@@ -117,7 +117,7 @@ def test_the_mirror_plane_of_a_half_model_is_held(element: str, held: list[str])
 
 
 def test_a_deck_ends_where_the_wall_reaches_the_clamp() -> None:
-    mesh = mesh_dome(build_dome(DomeSpec(height=10, thickness=1)), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec(height=10, thickness=1)), MeshSpec(cells=6))
     text = deck_text(mesh, SILICONE, WallSpec(tilt_deg=10), DeckSpec())
     times = next(card for card in cards(text) if card.keyword == "TIME POINTS")
     assert float(times.data[-1][0]) == pytest.approx(mesh.dome.clamp_depth(np.radians(10), Rim.FLAT))
@@ -167,7 +167,7 @@ def test_calculix_shells_are_refused() -> None:
 
 
 def test_a_deck_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    mesh = mesh_dome(DOME, MeshSpec(cells=4))
+    mesh = mesh_skin(DOME, MeshSpec(cells=4))
     write_deck(tmp_path / "press.inp", mesh, SILICONE, WallSpec())
     assert (tmp_path / "press.inp").read_text().startswith("*HEADING")
     assert (tmp_path / "press.inp").read_text().endswith("*END STEP\n")

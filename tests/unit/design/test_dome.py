@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from palpate.design import Dome, DomeShape, DomeSpec, build_dome
+from palpate.design import Dome, DomeShape, DomeSpec, build_skin
 
 
 @pytest.mark.parametrize(
@@ -14,7 +14,7 @@ from palpate.design import Dome, DomeShape, DomeSpec, build_dome
     ],
 )
 def test_the_papers_domes_follow_equation_1(height: float, radius: float, center_z: float, shape: DomeShape) -> None:
-    dome = build_dome(DomeSpec(height=height, thickness=3))
+    dome = build_skin(DomeSpec(height=height, thickness=3))
     assert dome.radius == pytest.approx(radius)
     assert dome.outer_radius == pytest.approx(radius + 3.0)
     assert dome.center_z == pytest.approx(center_z)
@@ -23,7 +23,7 @@ def test_the_papers_domes_follow_equation_1(height: float, radius: float, center
 
 @pytest.mark.parametrize("height", [4.0, 10.0, 20.0, 30.0, 55.0])
 def test_apex_and_rim_lie_on_the_inner_sphere(height: float) -> None:
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     apex, rim = [0.0, 0.0, height], [dome.base_radius, 0.0, 0.0]
     np.testing.assert_allclose(dome.distance([apex, rim]), 0.0, atol=1e-12)
     np.testing.assert_allclose(dome.inner_point(0.0, 0.0), apex, atol=1e-12)
@@ -32,7 +32,7 @@ def test_apex_and_rim_lie_on_the_inner_sphere(height: float) -> None:
 
 
 def test_a_bulging_dome_carries_points_to_its_upper_side() -> None:
-    dome = build_dome(DomeSpec(height=30))
+    dome = build_skin(DomeSpec(height=30))
     point = dome.inner_point(21.0, np.pi / 2)
     assert point[2] > dome.center_z
     np.testing.assert_allclose(point[:2], [0.0, 21.0], atol=1e-12)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 
 
 @pytest.mark.parametrize("height", [10, 20, 30])
 @pytest.mark.parametrize("count", [7, 37, 91, 169])
 def test_place_orientation_mark_breaks_every_symmetry_and_touches_no_dot(height: float, count: int) -> None:
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     layout = place_markers(dome, MarkerSpec(count=count))
     mark = place_orientation_mark(dome, layout)
     assert dome.distance(mark) == pytest.approx(0.0, abs=1e-9)

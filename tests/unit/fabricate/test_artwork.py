@@ -3,28 +3,28 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fabricate import PadMapping, carry_to_dome, draw_artwork, flatten
 
 
 @pytest.mark.parametrize("mapping", PadMapping)
 @pytest.mark.parametrize("height", [10, 20, 30])
 def test_carry_to_dome_brings_every_dot_to_its_marker(mapping: PadMapping, height: float) -> None:
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     layout = place_markers(dome, MarkerSpec(count=169))
     artwork = draw_artwork(dome, layout, mapping)
     assert carry_to_dome(dome, artwork.dots, mapping) == pytest.approx(layout.positions, abs=1e-9)
 
 
 def test_flatten_by_arc_keeps_lengths_along_the_meridian() -> None:
-    dome = build_dome(DomeSpec(height=20))
+    dome = build_skin(DomeSpec(height=20))
     points = dome.inner_point([0.0, 10.0, 20.0], [0.0, 0.0, 0.0])
     assert -flatten(dome, points, PadMapping.ARC)[:, 0] == pytest.approx([0.0, 20 * np.pi / 6, 20 * np.pi / 2])
     assert -flatten(dome, points, PadMapping.AXIS)[:, 0] == pytest.approx([0.0, 10.0, 20.0])
 
 
 def test_the_page_shows_the_dome_from_its_base() -> None:
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     marker = dome.inner_point([10.0], [np.radians(30.0)])
     x, y = flatten(dome, marker, PadMapping.AXIS)[0]
     assert x == pytest.approx(-10 * np.cos(np.radians(30)))
@@ -32,7 +32,7 @@ def test_the_page_shows_the_dome_from_its_base() -> None:
 
 
 def test_draw_artwork_leaves_the_mark_out_when_told() -> None:
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     assert draw_artwork(dome, layout, PadMapping.AXIS, mark=False).mark is None
     assert draw_artwork(dome, layout, PadMapping.AXIS).mark is not None

@@ -6,7 +6,7 @@ import pytest
 from needs import needs
 from palpate.cad import box
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_dome, build_module, build_solid, place_markers
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_module, build_skin, build_solid, place_markers
 from palpate.fabricate import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
 from palpate.fabricate.enclosure import free_travel
 
@@ -15,7 +15,7 @@ SPEC = ProcessSpec()
 
 
 def module_of(height: float, thickness: float = 2.0):
-    return build_module(build_dome(DomeSpec(height=height, thickness=thickness)), MountSpec())
+    return build_module(build_skin(DomeSpec(height=height, thickness=thickness)), MountSpec())
 
 
 @pytest.mark.parametrize("height", [10, 20, 30])
@@ -87,7 +87,7 @@ def test_a_camera_in_the_light_is_refused() -> None:
 
 
 def test_build_template_has_a_hole_at_every_marker() -> None:
-    dome = build_dome(DomeSpec(height=20))
+    dome = build_skin(DomeSpec(height=20))
     layout = place_markers(dome, MarkerSpec(count=37))
     mesh = build_template(dome, layout, SPEC)
     assert mesh.is_watertight
@@ -103,6 +103,6 @@ def test_build_template_has_a_hole_at_every_marker() -> None:
     [(30, 37, 1.5, "does not pass"), (20, 169, 2.4, "holes would stand|Holes")],
 )
 def test_a_template_that_cannot_be_is_refused(height: float, count: int, diameter: float, message: str) -> None:
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     with pytest.raises(PalpateError, match=message):
         build_template(dome, place_markers(dome, MarkerSpec(count=count, diameter=diameter)), SPEC)

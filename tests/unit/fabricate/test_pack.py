@@ -14,7 +14,7 @@ from needs import needs
 from palpate.cad import read_step
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, Severity, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, MountSpec, Severity, build_skin, place_markers
 from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, check_process, write_pack
 from palpate.material import get_material
 
@@ -128,7 +128,7 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path) -> None:
 
 
 def codes(dome: DomeSpec, markers: MarkerSpec, **process) -> dict[str, Severity]:
-    built = build_dome(dome)
+    built = build_skin(dome)
     layout = place_markers(built, markers)
     findings = check_process(built, layout, MATERIAL, build_camera(CameraSpec()), ProcessSpec(**process))
     return {finding.code: finding.severity for finding in findings}

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, plot_convergence, study_convergence
 from palpate.material import get_material
-from palpate.mesh import mesh_dome
+from palpate.mesh import mesh_skin
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
-DOME = build_dome(DomeSpec(height=20, thickness=4))
+DOME = build_skin(DomeSpec(height=20, thickness=4))
 POINTS = place_markers(DOME, MarkerSpec(count=7)).positions
-MESH = mesh_dome(DOME)
+MESH = mesh_skin(DOME)
 WALL = WallSpec(contact="frictionless", depth=1.6)
 
 

@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec, export_press, solve_press
 from palpate.fea.export import nodal_stress
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mechanics.solid import Solid
 from palpate.mechanics.stress import von_mises
-from palpate.mesh import MeshSpec, gauss_points, measure_quality, mesh_dome
+from palpate.mesh import MeshSpec, gauss_points, measure_quality, mesh_skin
 
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 
 
 @pytest.fixture(scope="module")
 def press() -> Press:
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=8))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=3)), MeshSpec(cells=8))
     return solve_press(mesh, SILICONE, WallSpec(tilt_deg=8, azimuth_deg=30, depth=1.6, contact="frictionless"))
 
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from palpate.core import MissingExtraError, PalpateError
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec, picture_press, plot_press, solve_press, tabulate_press
 from palpate.fea.plot_press import check_graphics
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 
 @pytest.fixture(scope="module")
 def press() -> Press:
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=2)), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=2)), MeshSpec(cells=6))
     return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(tilt_deg=4, depth=1.6))
 
 

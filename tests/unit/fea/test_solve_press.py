@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, Rim, build_dome, turn_about_axis, wall_normal
+from palpate.design import DomeSpec, Rim, build_skin, turn_about_axis, wall_normal
 from palpate.fea import Branch, Press, WallSpec, read_press, solve_press, write_press
 from palpate.material import get_material
 from palpate.mechanics import Ended, SolverSpec
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 
 
 def press(height: float = 20, thickness: float = 2, cells: int = 9, whole: bool = False, **wall: object) -> Press:
-    mesh = mesh_dome(build_dome(DomeSpec(height=height, thickness=thickness)), MeshSpec(cells=cells, whole=whole))
+    mesh = mesh_skin(build_skin(DomeSpec(height=height, thickness=thickness)), MeshSpec(cells=cells, whole=whole))
     return solve_press(mesh, ECOFLEX, WallSpec(**{"depth": 2.4, "contact": "frictionless", **wall}))
 
 
@@ -77,7 +77,7 @@ def test_a_whole_dome_agrees_with_the_turned_half(contact: str) -> None:
 
 
 def test_stiffness_scales_force_and_not_shape() -> None:
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=8))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=8))
     wall = WallSpec(depth=1.6, contact="frictionless", tilt_deg=3)
     soft = solve_press(mesh, get_material("yeoh:0.0141156,0.0001106,0.0000048"), wall)
     stiff = solve_press(mesh, get_material("yeoh:0.0282312,0.0002212,0.0000096"), wall)
@@ -102,7 +102,7 @@ def test_a_press_ends_where_the_wall_reaches_the_clamp() -> None:
 
 
 def test_clamp_depth_is_that_of_the_notes() -> None:
-    dome = build_dome(DomeSpec(height=10, thickness=1))
+    dome = build_skin(DomeSpec(height=10, thickness=1))
     depths = [dome.clamp_depth(np.radians(tilt), Rim.RADIAL) for tilt in (5, 7, 10)]
     assert depths == pytest.approx([8.7, 8.0, 7.1], abs=0.06)
 
@@ -125,7 +125,7 @@ def test_a_press_survives_its_file(tilted: Press, tmp_path: Path) -> None:
 
 
 def test_backends_agree() -> None:
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=6))
     wall = WallSpec(depth=0.8, contact="frictionless")
     forces = [solve_press(mesh, ECOFLEX, wall, SolverSpec(backend=name)).force[-1, 2] for name in ("auto", "superlu")]
     assert forces[0] == pytest.approx(forces[1], rel=1e-6)

@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import Branch, WallSpec, find_stability, solve_press
 from palpate.material import get_material
 from palpate.mechanics import Ended
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 
 
 def coarse(thickness: float):
-    return mesh_dome(build_dome(DomeSpec(height=20, thickness=thickness)), MeshSpec(cells=10))
+    return mesh_skin(build_skin(DomeSpec(height=20, thickness=thickness)), MeshSpec(cells=10))
 
 
 def test_a_thin_dome_has_a_second_state_from_some_2_6_thicknesses_on() -> None:

@@ -3,7 +3,7 @@ import pytest
 from drawn_dots import bound, draw_dots, lattice, match, with_noise
 
 from palpate.core import PalpateError, generator
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import Detector, DetectSpec, prepare_detector
 from palpate.markers.choose_field import lie_half_way
 
@@ -87,7 +87,7 @@ def test_opencv_finds_the_same_dots():
 
 def test_uneven_light_and_clutter_outside_the_field_do_not_matter():
     rng = generator(5, "clutter")
-    layout = place_markers(build_dome(DomeSpec()), MarkerSpec(count=91))
+    layout = place_markers(build_skin(DomeSpec()), MarkerSpec(count=91))
     centres = layout.positions[:, :2] * 5.0 + [173.0, 130.0]
     image = draw_dots(centres, 7.0, 1.0, 110.0, (260, 346), ground=200.0)
     y, x = np.mgrid[:260, :346]

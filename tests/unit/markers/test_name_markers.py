@@ -3,12 +3,12 @@ import pytest
 from posed_dome import posed_dots, project
 
 from palpate.core import PalpateError, generator
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.markers import build_pattern, name_markers
 
 
 def layout(count, height=20.0):
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     markers = place_markers(dome, MarkerSpec(count=count))
     return markers.positions, place_orientation_mark(dome, markers)
 
@@ -172,7 +172,7 @@ def test_another_design_is_refused():
 def test_a_print_that_is_off_as_a_whole_keeps_its_mark(count, height):
     """The map of the dots is fitted far from the mark: 0.25 mm of the whole print may not hide it."""
     positions, mark = layout(count, height)
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     moved = np.vstack([positions, mark])[:, :2] + [0.2, 0.15]
     printed = dome.inner_point(np.hypot(*moved.T), np.arctan2(moved[:, 1], moved[:, 0]))
     naming = name_markers(project(printed), build_pattern(positions, project, mark))

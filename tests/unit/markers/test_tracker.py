@@ -4,7 +4,7 @@ from drawn_dots import draw_dots
 from posed_dome import pressed, project
 
 from palpate.core import PalpateError, generator
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.markers import (
     Motion,
     Tracker,
@@ -19,7 +19,7 @@ DEPTHS = np.arange(0.0, 8.01, 0.8)
 
 
 def markers(count):
-    return place_markers(build_dome(DomeSpec()), MarkerSpec(count=count)).positions
+    return place_markers(build_skin(DomeSpec()), MarkerSpec(count=count)).positions
 
 
 def follow(tracker, images, rng, lost=0.02):
@@ -107,7 +107,7 @@ def test_nothing_to_follow_is_refused():
 
 
 def test_images_become_tracks():
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     mark = place_orientation_mark(dome, layout)
     truth, images = [], []

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import WallSpec, read_press, solve_press, write_press
 from palpate.material import Material, Mode, fit_material, get_material, list_models, trace_curve
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec
 from palpate.mechanics import Ended, State, System, cauchy_stress
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.equilibrium import find_equilibrium, make_solid
 from palpate.verify.properties import distorted_cube
 
@@ -82,7 +82,7 @@ def test_the_condensed_tangent_is_the_slope_of_the_residual(material: Material) 
 def test_a_dome_of_it_is_pressed_and_the_energy_is_the_work(
     material: Material, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=3)), MeshSpec(cells=6))
     press = solve_press(mesh, material, WallSpec(tilt_deg=5, depth=1.6))
     assert press.ended is Ended.DEPTH_REACHED
     plain = solve_press(
@@ -117,7 +117,7 @@ def test_a_model_fitted_to_the_papers_curves_presses_like_the_paper() -> None:
         )
     ]
     fitted = fit_material(samples, FitSpec(model="ogden-2")).material("ogden")
-    mesh = mesh_dome(build_dome(DomeSpec(height=20, thickness=3)), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec(height=20, thickness=3)), MeshSpec(cells=6))
     own, reference = (solve_press(mesh, item, WallSpec(tilt_deg=5, depth=1.6)) for item in (fitted, paper))
     assert own.force[-1] == pytest.approx(reference.force[-1], rel=5e-3, abs=1e-4)
     assert own.displacement[-1] == pytest.approx(reference.displacement[-1], abs=5e-3)

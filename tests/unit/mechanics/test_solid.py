@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.material import get_material
 from palpate.mechanics.element import System
 from palpate.mechanics.solid import Solid, State
 from palpate.mechanics.stress import cauchy_stress
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 
@@ -52,7 +52,7 @@ def test_a_free_cell_has_six_zero_energy_modes() -> None:
 
 
 def test_a_rigid_motion_raises_no_force() -> None:
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=6))
     solid = Solid(mesh.nodes, mesh.cells, ECOFLEX, np.zeros(mesh.nodes.shape, bool))
     turn = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
@@ -63,7 +63,7 @@ def test_a_rigid_motion_raises_no_force() -> None:
 
 
 def test_a_patch_of_distorted_cells_carries_a_uniform_deformation() -> None:
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=6))
     F = np.diag([1.3, 1 / 1.3, 1.0]) + np.array([[0, 0.2, 0], [0, 0, 0.1], [0, 0, 0]])
     F /= np.cbrt(np.linalg.det(F))
     fixed = np.ones(mesh.nodes.shape, bool)

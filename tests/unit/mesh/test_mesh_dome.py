@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeSpec, Rim, build_dome
-from palpate.mesh import MeshSpec, locate_inner, measure_quality, mesh_dome
+from palpate.design import Dome, DomeSpec, Rim, build_skin
+from palpate.mesh import MeshSpec, locate_inner, measure_quality, mesh_skin
 
 domes = st.builds(
-    lambda height, base, thickness: build_dome(DomeSpec(height=height, base_radius=base, thickness=thickness)),
+    lambda height, base, thickness: build_skin(DomeSpec(height=height, base_radius=base, thickness=thickness)),
     st.floats(8, 32),
     st.floats(12, 25),
     st.floats(0.5, 6),
@@ -38,23 +38,23 @@ def random_surface_points(dome: Dome, count: int, seed: int = 0) -> np.ndarray:
 @settings(max_examples=25, deadline=None)
 @given(domes)
 def test_half_mesh_has_half_the_volume_of_the_dome(dome: Dome) -> None:
-    quality = measure_quality(mesh_dome(dome))
+    quality = measure_quality(mesh_skin(dome))
     assert quality.volume == pytest.approx(shell_volume(dome) / 2, rel=2e-4)
     assert quality.least_scaled_jacobian > 0.3
 
 
 def test_volume_converges_at_fourth_order() -> None:
-    dome = build_dome(DomeSpec(height=20, thickness=2))
+    dome = build_skin(DomeSpec(height=20, thickness=2))
     exact = shell_volume(dome) / 2
-    errors = [abs(measure_quality(mesh_dome(dome, MeshSpec(cells=n))).volume - exact) for n in (8, 16)]
+    errors = [abs(measure_quality(mesh_skin(dome, MeshSpec(cells=n))).volume - exact) for n in (8, 16)]
     assert np.log2(errors[0] / errors[1]) > 3.5
 
 
 @pytest.mark.parametrize("whole", [False, True])
 @pytest.mark.parametrize("height", [10, 20, 30])
 def test_sets_lie_on_base_mirror_and_apex(height: float, whole: bool) -> None:
-    dome = build_dome(DomeSpec(height=height, thickness=2))
-    mesh = mesh_dome(dome, MeshSpec(whole=whole))
+    dome = build_skin(DomeSpec(height=height, thickness=2))
+    mesh = mesh_skin(dome, MeshSpec(whole=whole))
     assert np.abs(mesh.nodes[mesh.base, 2]).max() < 1e-9
     assert (len(mesh.mirror) == 0) == whole
     assert np.abs(mesh.nodes[mesh.mirror, 0]).max(initial=0) == 0
@@ -65,8 +65,8 @@ def test_sets_lie_on_base_mirror_and_apex(height: float, whole: bool) -> None:
 
 
 def test_radial_rim_is_cut_towards_the_centre() -> None:
-    dome = build_dome(DomeSpec(height=10, thickness=4))
-    mesh = mesh_dome(dome, MeshSpec(rim=Rim.RADIAL))
+    dome = build_skin(DomeSpec(height=10, thickness=4))
+    mesh = mesh_skin(dome, MeshSpec(rim=Rim.RADIAL))
     arm = mesh.nodes[mesh.base] - [0, 0, dome.center_z]
     polar = np.arccos(arm[:, 2] / np.linalg.norm(arm, axis=1))
     assert np.ptp(polar) < 1e-9
@@ -75,7 +75,7 @@ def test_radial_rim_is_cut_towards_the_centre() -> None:
 @settings(max_examples=20, deadline=None)
 @given(domes, st.integers(0, 1000))
 def test_any_surface_point_is_located(dome: Dome, seed: int) -> None:
-    mesh = mesh_dome(dome)
+    mesh = mesh_skin(dome)
     points = random_surface_points(dome, 200, seed)
     found = locate_inner(mesh, points)
     assert found.weights.sum(axis=1) == pytest.approx(1)
@@ -83,7 +83,7 @@ def test_any_surface_point_is_located(dome: Dome, seed: int) -> None:
 
 
 def test_interpolation_of_a_quadratic_field_is_nearly_exact() -> None:
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     points = random_surface_points(dome, 300)
 
     def field(x: np.ndarray) -> np.ndarray:
@@ -91,13 +91,13 @@ def test_interpolation_of_a_quadratic_field_is_nearly_exact() -> None:
 
     errors = []
     for cells in (10, 20):
-        mesh = mesh_dome(dome, MeshSpec(cells=cells))
+        mesh = mesh_skin(dome, MeshSpec(cells=cells))
         errors.append(np.abs(locate_inner(mesh, points).interpolate(field(mesh.nodes)) - field(points)).max())
     assert np.log2(errors[0] / errors[1]) > 2.5
 
 
 @pytest.mark.parametrize("point", [[0, 0, 19], [0, 0, 21], [0, 21, -1]])
 def test_a_point_off_the_inner_surface_is_refused(point: list[float]) -> None:
-    mesh = mesh_dome(build_dome(DomeSpec()))
+    mesh = mesh_skin(build_skin(DomeSpec()))
     with pytest.raises(PalpateError, match="mm"):
         locate_inner(mesh, np.array([point], float))

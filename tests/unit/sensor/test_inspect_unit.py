@@ -5,7 +5,7 @@ import pytest
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.core import generator
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.sensor import InspectSpec, Unit, inspect_unit
 
 SEATED = CameraSpec(offset_x=0.3, offset_y=-0.2, distance=48.7, tilt_x_deg=0.6, tilt_y_deg=-0.4, roll_deg=12.0)
@@ -29,7 +29,7 @@ def photograph(unit, places, camera=SEATED, light=SPOILED):
 
 
 def unit_of(height, count):
-    dome = build_dome(DomeSpec(height=height))
+    dome = build_skin(DomeSpec(height=height))
     return Unit(dome, place_markers(dome, MarkerSpec(count=count)))
 
 

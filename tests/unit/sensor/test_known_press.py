@@ -7,13 +7,13 @@ import pytest
 
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.core import PalpateError, generator
-from palpate.design import MarkerSpec, build_dome, place_markers
+from palpate.design import MarkerSpec, build_skin, place_markers
 from palpate.markers import build_pattern, name_by_press, name_markers
 from palpate.sensor import KnownPress, Unit, read_rest
 from palpate.sensor.known_press import ask_press
 from small_chain import DOME, MARKERS, MATERIAL, solve
 
-BUILT = build_dome(DOME)
+BUILT = build_skin(DOME)
 
 
 @pytest.fixture(scope="module")

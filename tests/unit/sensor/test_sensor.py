@@ -9,7 +9,7 @@ import pytest
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.core import PalpateError, generator
 from palpate.dataset import Normalisation
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
 from palpate.markers import DetectSpec, build_pattern, name_markers
 from palpate.sensor import (
@@ -23,7 +23,7 @@ from palpate.sensor import (
     write_readings,
 )
 
-DOME = build_dome(DomeSpec())
+DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))
 MARK = place_orientation_mark(DOME, LAYOUT)
 MOVED = CameraSpec(offset_x=0.4, offset_y=-0.3, distance=48.6, tilt_x_deg=1.2, tilt_y_deg=-0.8, roll_deg=25.0)
@@ -186,7 +186,7 @@ def test_a_lens_that_the_image_cannot_tell_stays_as_calibrated():
 def test_a_mirrored_image_and_another_height_are_refused(predictor):
     with pytest.raises(PalpateError, match="mirrored"):
         open_sensor([photograph((0, 0, 0))[:, ::-1].copy()], Unit(DOME, LAYOUT), predictor)
-    flat = build_dome(DomeSpec(height=10))
+    flat = build_skin(DomeSpec(height=10))
     other = Unit(flat, place_markers(flat, MarkerSpec(count=91)))
     with pytest.raises(PalpateError, match=r"markers (fit|were found)|mark was not seen"):
         open_sensor([photograph((0, 0, 0))], other, predictor)

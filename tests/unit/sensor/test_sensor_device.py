@@ -8,7 +8,7 @@ import pytest
 from needs import needs
 from palpate.bench import SimulatedSource
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import prepare_detector
 from palpate.material import get_material
 from palpate.sensor import Device, Flag, Reading, write_readings
@@ -16,7 +16,7 @@ from palpate.sensor import Device, Flag, Reading, write_readings
 
 @pytest.fixture(scope="module")
 def simulated():
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     return SimulatedSource(dome, layout, get_material("zaid_2024_ecoflex_00_30"), presses=1)
 

@@ -15,7 +15,7 @@ from palpate.camera.lens import make_lens
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.core.store import find_fault
 from palpate.dataset import Dataset, DatasetSpec, read_dataset, sample_poses, write_dataset
-from palpate.design import DomeSpec, build_dome, read_points
+from palpate.design import DomeSpec, build_skin, read_points
 from palpate.fea import read_press
 from palpate.learn import calibrate, fit_ridge, open_predictor, read_estimator, write_estimator
 from palpate.material import get_material, read_bench, read_material, write_material
@@ -92,7 +92,7 @@ def test_study_files(tmp_path: Path, changes: list[tuple[int, int, bytes]]) -> N
 @given(changes=CHANGES)
 @DAMAGED
 def test_marker_tables(tmp_path: Path, changes: list[tuple[int, int, bytes]]) -> None:
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     good = b"x_mm,y_mm,z_mm\n0,0,20\n12,0,16\n"
     take_or_refuse(lambda path: read_points(path, dome), tmp_path / "dots.csv", damage(good, changes))
 

@@ -30,7 +30,7 @@ def test_best_is_the_papers_48_designs_under_either_contact_law(name: str, conta
     study, paper = read_study(name), read_study("paper")
     assert study.designs == paper.designs
     assert study.tilts_deg == paper.tilts_deg
-    assert len(study.designs.domes()) * len(study.designs.markers) == 48
+    assert len(study.designs.skins()) * len(study.designs.markers) == 48
     assert (study.wall.contact, study.learning.preset) == (contact, "best")
 
 
@@ -50,7 +50,7 @@ def test_the_studies_at_the_root_are_the_presets(name: str) -> None:
 
 def test_first_is_eight_designs_of_fourteen_presses() -> None:
     study = read_study("first")
-    assert [(dome.height, dome.thickness) for dome in study.designs.domes()] == [(20, 2), (20, 3)]
+    assert [(dome.height, dome.thickness) for dome in study.designs.skins()] == [(20, 2), (20, 3)]
     assert [layout.count for layout in study.designs.markers] == [7, 37, 91, 169]
     assert study.tilts_deg == (0, 2, 4, 6, 8, 10, 12)
     assert (study.wall.contact, study.wall.depth, study.wall.image_step) == ("no-slip", 8, 0.8)
@@ -58,7 +58,7 @@ def test_first_is_eight_designs_of_fourteen_presses() -> None:
 
 def test_paper_is_its_whole_grid() -> None:
     designs = read_study("paper").designs
-    assert len(designs.domes()) * len(designs.markers) == 48
+    assert len(designs.skins()) * len(designs.markers) == 48
 
 
 def test_a_number_may_carry_its_unit(tmp_path: Path) -> None:

@@ -8,11 +8,11 @@ from palpate_guest.carroll import Carroll
 from palpate_guest.division import Division
 
 from palpate.camera import CameraSpec, build_camera
-from palpate.design import DomeSpec, MarkerSpec, build_dome, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
 from palpate.markers import build_pattern, name_markers
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
-from palpate.mesh import MeshSpec, mesh_dome
+from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import register_dome
 from palpate.testing import LawSuite, LensSuite, SourceSuite
 
@@ -44,7 +44,7 @@ class TestStack(SourceSuite):
 
 def test_a_dome_of_the_guests_law_is_pressed() -> None:
     material = get_material("carroll:0.008,0.00001,0.006")
-    mesh = mesh_dome(build_dome(DomeSpec()), MeshSpec(cells=6))
+    mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=6))
     press = solve_press(mesh, material, WallSpec(tilt_deg=5.0, depth=2.0))
     assert press.depth[-1] == pytest.approx(2.0)
     plain = solve_press(
@@ -61,7 +61,7 @@ def test_the_guests_law_is_fitted_to_a_curve() -> None:
 
 
 def test_a_camera_under_a_dome_is_registered_and_the_guests_lens_refined() -> None:
-    dome = build_dome(DomeSpec())
+    dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=169))
     mark = place_orientation_mark(dome, layout)
     nominal = CameraSpec(lens="division", distortion=(-0.2,))

@@ -23,7 +23,7 @@ _CELLS, _MORE_CELLS, _THICK = 10.0, 20.0, 0.1
 (docs/decisions/0016)."""
 
 
-def mesh_dome(dome: Skin, spec: MeshSpec | None = None) -> Mesh:
+def mesh_skin(dome: Skin, spec: MeshSpec | None = None) -> Mesh:
     """Mesh a dome with 27-node hexahedra.
 
     Parameters
