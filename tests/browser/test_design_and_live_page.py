@@ -5,6 +5,7 @@ import io
 import zipfile
 from pathlib import Path
 
+import pytest
 from walk import dots, open_page, wait_for_dots, wait_for_motion
 
 from needs import needs
@@ -73,6 +74,7 @@ def test_findings_say_what_is_wrong(page, link):
     page.get_by_text("out of the camera's sight").wait_for()
 
 
+@pytest.mark.slow
 def test_a_press_is_solved_and_another_is_cancelled(page, link):
     open_page(page, link, "design")
     box(page, "Depth (mm)").fill("2")
@@ -88,6 +90,7 @@ def test_a_press_is_solved_and_another_is_cancelled(page, link):
     assert page.get_by_text("Ended: depth reached at 2.00 mm.").is_visible()
 
 
+@pytest.mark.slow
 def test_a_fabrication_pack_is_made(page, link):
     needs("build123d")
     open_page(page, link, "design")

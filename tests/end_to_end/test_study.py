@@ -156,6 +156,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished
     assert numbers(tmp_path) == numbers(finished)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hands", [["--workers", "1"], ["--workers", "4"], ["--cluster", "local:2"]])
 def test_whoever_does_the_tasks_the_grid_is_the_same(
     tiny_study: Path, finished: Path, tmp_path: Path, hands: list[str]
@@ -170,6 +171,7 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     assert (said["made"], said["of"], said["left_s"]) == (12, 12, 0)
 
 
+@pytest.mark.slow
 def test_a_dask_worker_killed_in_the_middle_costs_nothing_but_time(
     tiny_study: Path, finished: Path, tmp_path: Path
 ) -> None:

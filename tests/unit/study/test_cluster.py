@@ -79,6 +79,7 @@ def _kill_one(crew: ClusterCrew, store: ArtefactStore) -> None:
     os.kill(pids[0], signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
     needs("distributed")
     hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
