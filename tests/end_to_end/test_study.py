@@ -141,6 +141,7 @@ def test_a_second_run_makes_nothing_and_gives_the_same_grid(tiny_study: Path, fi
     assert numbers(finished) == rows
 
 
+@pytest.mark.slow
 def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished: Path, tmp_path: Path) -> None:
     process = start(["run", tiny_study, "--out", tmp_path, "--workers", "2"])
     wait_for(tmp_path, 1)
@@ -252,6 +253,7 @@ def test_a_bad_question_is_bad_input(finished: Path, words: list[str]) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_a_failed_task_is_reported_and_the_rest_goes_on(tiny_study: Path, tmp_path: Path) -> None:
     study = tmp_path / "narrow.yaml"
     camera = "camera: {fx_px: 900, fy_px: 900}\n"  # sees the inner dots only

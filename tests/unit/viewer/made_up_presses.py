@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.design import DomeSpec, build_dome
+from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec, write_press
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_dome
 
 STEP = 0.8
-MESH = mesh_dome(build_dome(DomeSpec(height=20, thickness=2)), MeshSpec(cells=6))
+MESH = mesh_dome(build_skin(DomeSpec(height=20, thickness=2)), MeshSpec(cells=6))
 KEYS = {tilt: f"{int(tilt):032x}" for tilt in (0.0, 3.0, 6.0)}
 
 
