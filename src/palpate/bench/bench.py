@@ -27,7 +27,7 @@ from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
-from palpate.deck import CalculixSpec, solve_press_calculix
+from palpate.deck import CalculixSpec
 from palpate.design import (
     MarkerLayout,
     MarkerSpec,
@@ -36,7 +36,7 @@ from palpate.design import (
     build_skin,
     place_markers,
 )
-from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, solve_press, write_press
 from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
@@ -232,8 +232,8 @@ def _turned(press: Press, azimuth_deg: float) -> Press:
 def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
     mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
-    if bench.spec.solver == "calculix":
-        return solve_press_calculix(mesh, material, wall)
+    if bench.spec.solver != "palpate":
+        return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
     return solve_press(mesh, material, wall)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,25 +15,30 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
 from palpate.cli.unit import DomeFlags, SkinFlag
 from palpate.core import PalpateError, flag_of
-from palpate.deck import solve_press_calculix
 from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
-from palpate.fea import Branch, Press, SolverSpec, WallSpec, check_export, export_press, solve_press
+from palpate.fea import (
+    PRESS_SOLVERS,
+    Branch,
+    ObstacleSpec,
+    PalpateSolver,
+    Press,
+    PressSolver,
+    SolverSpec,
+    WallSpec,
+    check_export,
+    export_press,
+    read_obstacle,
+)
 from palpate.material import Material
 from palpate.mechanics import make_linear_solver
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 
 _POINTS = "CSV of undeformed points of the inner surface (x_mm, y_mm, z_mm), followed through every image."
-_SOLVER = "Who solves: palpate itself, or CalculiX (apt install calculix-ccx)."
+_SOLVER = "Who solves: palpate, calculix (apt install calculix-ccx), or that of an installed package."
+_OBSTACLE = "What presses, as KIND:NAME=VALUE, for instance ball:radius=8; travel and contact law are the wall's."
 _BRANCH = "The state that is pressed from rest, or the one with its apex turned inside out, where it exists."
 _EXPORT = "New folder for the images as .vtu files with a .pvd series, and force.csv."
-
-
-class Solver(StrEnum):
-    """Who solves a press."""
-
-    PALPATE = "palpate"
-    CALCULIX = "calculix"
 
 
 WallFlags = Annotated[WallSpec, flags_of(WallSpec, group="Wall")]
@@ -53,14 +57,19 @@ class PressFlags:
     material: MaterialFlags = MaterialSpec()
     mesh: MeshFlags = MeshSpec()
     skin: SkinFlag = "dome"
+    obstacle: Annotated[str, Parameter(help=_OBSTACLE, group="Wall")] = "wall"
 
     def build(self) -> Skin:
         """The skin that is pressed."""
         return build_skin(read_skin(self.skin, self.dome))
 
-    def problem(self) -> tuple[Mesh, Material, WallSpec]:
-        """What is pressed: mesh, material and wall of these flags."""
-        return mesh_skin(self.build(), self.mesh), self.material.material(), self.wall
+    def pressed_by(self) -> ObstacleSpec:
+        """The obstacle of these flags."""
+        return read_obstacle(self.obstacle, self.wall)
+
+    def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
+        """What is pressed: mesh, material and obstacle of these flags."""
+        return mesh_skin(self.build(), self.mesh), self.material.material(), self.pressed_by()
 
 
 @Parameter(name="*")
@@ -68,29 +77,31 @@ class PressFlags:
 class SolveFlags:
     """Who solves a press, which branch, and how."""
 
-    solver: Annotated[Solver, Parameter(help=_SOLVER)] = Solver.PALPATE
+    solver: Annotated[str, Parameter(help=_SOLVER)] = "palpate"
     branch: Annotated[Branch, Parameter(help=_BRANCH)] = Branch.FLAT
     advanced: SolverFlags = SolverSpec()
 
-    def refuse(self, wall: WallSpec) -> None:
-        """Refuse what cannot be solved, before anything is computed."""
-        if self.solver is Solver.PALPATE:
+    def chosen(self, wall: ObstacleSpec) -> PressSolver:
+        """The solver of these flags; what it cannot solve is refused before anything is computed."""
+        kind = PRESS_SOLVERS.get(self.solver)
+        if kind is PalpateSolver:
             make_linear_solver(self.advanced.backend)
-        elif self.branch is Branch.INVERTED or wall.unload:
-            raise PalpateError(
-                "CalculiX presses the flat branch from rest to full depth.",
-                "Leave out --branch and --unload, or --solver.",
-            )
-        elif self.advanced.model_fields_set:
+            return PalpateSolver(self.advanced, self.branch)
+        if self.branch is Branch.INVERTED:
+            raise PalpateError(f"{self.solver} presses the flat branch.", "Leave out --branch, or --solver.")
+        if self.advanced.model_fields_set:
             chosen = ", ".join(f"--{flag_of(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
-            raise PalpateError(f"{chosen} say how palpate solves, not CalculiX.", "Leave them out, or --solver.")
+            raise PalpateError(f"{chosen} say how palpate solves, not {self.solver}.", "Leave them out, or --solver.")
+        solver = kind()
+        solver.check(wall)
+        return solver
 
-    def solve(self, problem: tuple[Mesh, Material, WallSpec]) -> Press:
+    def solve(self, problem: tuple[Mesh, Material, ObstacleSpec]) -> Press:
         """Solve a press."""
-        if self.solver is Solver.CALCULIX:
-            return solve_press_calculix(*problem)
-        announce_compilation()
-        return solve_press(*problem, self.advanced, branch=self.branch)
+        solver = self.chosen(problem[2])
+        if isinstance(solver, PalpateSolver):
+            announce_compilation()
+        return solver.solve(*problem)
 
 
 def press(
@@ -101,8 +112,8 @@ def press(
     export: Annotated[Path | None, Parameter(help=_EXPORT)] = None,
     json: JsonFlag = False,
 ) -> None:
-    """Press one dome by a flat wall and follow it image by image."""
-    how.refuse(flags.wall)
+    """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
+    how.chosen(flags.pressed_by())
     followed = None if points is None else _read_inner_points(points, flags.build())
     if export is not None:
         check_export(export)

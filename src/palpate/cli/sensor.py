@@ -18,6 +18,7 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
+from palpate.design import TILT_DEPTH
 from palpate.markers import DetectSpec, prepare_detector
 from palpate.sensor import RigSpec
 
@@ -164,7 +165,7 @@ def _print_json(rows: Iterator[dict[str, Any]]) -> None:
 
 def _print_lines(rows: Iterator[dict[str, Any]]) -> None:
     """Print a line a reading as they come; nothing is kept."""
-    names = ["image", "rx_deg", "ry_deg", "depth_mm", "touching", "found", "latency_ms", "flags"]
+    names = ["image", *TILT_DEPTH.names, "touching", "found", "latency_ms", "flags"]
     print(" ".join(f"{name:>10}" for name in names))
     for row in rows:
         text = [_show(row[name]) for name in names]

@@ -11,6 +11,7 @@ from palpate.core.registry import Registry
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
 from palpate.core.store_care import Broken, Removal, Stored, check_store, clean_store, list_store
+from palpate.core.version import __version__
 
 __all__ = [
     "ArtefactStore",
@@ -29,6 +30,7 @@ __all__ = [
     "StoreError",
     "Stored",
     "TextArray",
+    "__version__",
     "check_store",
     "child_seed",
     "clean_store",

@@ -22,7 +22,7 @@ def provenance() -> dict[str, str]:
 
     A library that is not installed is left out.
     """
-    from palpate import __version__
+    from palpate.core.version import __version__
 
     found = {
         "palpate": __version__,

@@ -13,6 +13,7 @@ from palpate.core import PalpateError, refuse_outside_links
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.generate_dataset import DATASET_VERSION
 from palpate.dataset.spec import DatasetSpec
+from palpate.design import TILT_DEPTH
 
 _COLUMNS = {
     "images_px": (("image", "marker", "pixel_axis"), "px", "clean marker positions"),
@@ -23,7 +24,7 @@ _COLUMNS = {
     "travel_mm": (("image",), "mm", "mean distance of the markers from rest"),
     "rest_px": (("marker", "pixel_axis"), "px", "markers of the undeformed dome"),
 }
-_LABELS = {"pixel_axis": ("u_px", "v_px"), "pose_axis": ("rx_deg", "ry_deg", "depth_mm")}
+_LABELS = {"pixel_axis": ("u_px", "v_px"), "pose_axis": TILT_DEPTH.names}
 
 
 def write_dataset(path: Path, dataset: Dataset) -> None:

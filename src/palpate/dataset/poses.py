@@ -6,6 +6,7 @@ import numpy as np
 
 from palpate.core import FloatArray, generator
 from palpate.dataset.spec import DatasetSpec
+from palpate.design import rotation_vector
 
 PLASTIC_NUMBER = 1.3247179572447460
 """Real root of x³ = x + 1; its powers give the evenest two-dimensional Kronecker sequence known
@@ -31,13 +32,7 @@ def sample_poses(spec: DatasetSpec) -> FloatArray:
     if spec.poses == "disc":
         return _disc(spec.n_presses, spec.max_tilt_deg, spec.seed)
     tilt, azimuth = np.meshgrid(PAPER_TILTS_DEG, PAPER_AZIMUTHS_DEG[spec.poses], indexing="ij")
-    return rotation_components(tilt.ravel(), azimuth.ravel())
-
-
-def rotation_components(tilt_deg: FloatArray, azimuth_deg: FloatArray) -> FloatArray:
-    """Components (rx, ry) = tilt · (cos azimuth, sin azimuth) of the wall's rotation, (n, 2) degrees."""
-    azimuth = np.deg2rad(azimuth_deg)
-    return np.stack([tilt_deg * np.cos(azimuth), tilt_deg * np.sin(azimuth)], axis=-1)
+    return rotation_vector(tilt.ravel(), np.deg2rad(azimuth.ravel()))
 
 
 def _disc(n: int, max_tilt_deg: float, seed: int) -> FloatArray:
@@ -45,4 +40,4 @@ def _disc(n: int, max_tilt_deg: float, seed: int) -> FloatArray:
     start = generator(seed, "poses").random(2)
     steps = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
     square = (start + np.arange(n)[:, None] * steps) % 1.0
-    return rotation_components(max_tilt_deg * np.sqrt(square[:, 0]), 360.0 * square[:, 1])
+    return rotation_vector(max_tilt_deg * np.sqrt(square[:, 0]), np.deg2rad(360.0 * square[:, 1]))

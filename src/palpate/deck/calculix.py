@@ -13,8 +13,9 @@ import os
 import shutil
 import subprocess
 import tempfile
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -23,7 +24,7 @@ from palpate.core import FloatArray, PalpateError, Spec, parameter
 from palpate.deck.read_results import CalculixImages, read_counts, read_images
 from palpate.deck.spec import DeckSpec, Dialect
 from palpate.deck.write_deck import deck_depths, deck_text
-from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
+from palpate.fea import Branch, ObstacleSpec, Press, PressSolver, WallSpec
 from palpate.material import Material
 from palpate.mechanics import Ended, OuterSurface, SolverSpec, fill_nodes
 from palpate.mesh import Mesh, gauss_points, shape_hexahedron
@@ -74,7 +75,7 @@ def solve_press_calculix(
     Press
         At the 27-node mesh: face and centre nodes are interpolated. `contact_energy`, `dissipation` and
         `hold_tension` are nan, `negative_pivots` -1; `jump_depth` is the first image whose apex has left the wall.
-        Its `solver` says ``calculix``.
+        Its `solved_by` says ``calculix``.
 
     Raises
     ------
@@ -103,7 +104,8 @@ def solve_press_calculix(
         mesh=mesh,
         material=material,
         wall=wall,
-        solver=SolverSpec(backend="calculix"),
+        solver=SolverSpec(),
+        solved_by="calculix",
         **fields,
         ended=ended,
         ended_depth=float(fields["depth"][-1]),
@@ -113,6 +115,28 @@ def solve_press_calculix(
         newton_iterations=iterations,
         message=message,
     )
+
+
+@final
+@dataclass(frozen=True)
+class CalculixSolver(PressSolver):
+    """CalculiX behind the contract of press solvers.
+
+    Attributes
+    ----------
+    spec
+        How it is run.
+    """
+
+    spec: CalculixSpec = field(default_factory=CalculixSpec)
+
+    def check(self, wall: ObstacleSpec) -> None:
+        if wall.unload:
+            raise PalpateError("CalculiX presses from rest to full depth.", "Leave out --unload, or --solver.")
+        find_ccx()
+
+    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
+        return solve_press_calculix(mesh, material, wall, self.spec)
 
 
 def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:

@@ -2,7 +2,7 @@
 
 from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
 from palpate.design.check_design import check_design, refuse_errors
-from palpate.design.dome import Dome, DomeShape, DomeSpec
+from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
@@ -11,15 +11,18 @@ from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
+from palpate.design.pose_space import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
+from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_count, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 
 __all__ = [
+    "OFFSET_DEPTH",
     "PRINT_TOLERANCE",
     "SKINS",
+    "TILT_DEPTH",
     "Dome",
-    "DomeShape",
     "DomeSpec",
     "Ellipsoid",
     "EllipsoidSpec",
@@ -28,6 +31,8 @@ __all__ = [
     "MarkerSpec",
     "Module",
     "MountSpec",
+    "PoseSpace",
+    "RevolvedSkin",
     "Rim",
     "Severity",
     "Skin",

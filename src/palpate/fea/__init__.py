@@ -4,13 +4,15 @@ from palpate.fea.ball import Ball, BallSpec
 from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
 from palpate.fea.export import check_export, export_press
+from palpate.fea.first_touch import touch_first
 from palpate.fea.io import read_press, write_press
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.nodal_stress import nodal_von_mises
-from palpate.fea.obstacles import OBSTACLES, obstacle_from_data
+from palpate.fea.obstacles import OBSTACLES, obstacle_from_data, read_obstacle
 from palpate.fea.plot_convergence import plot_convergence
-from palpate.fea.plot_press import html_table, picture_press, plot_press, tabulate_press
+from palpate.fea.plot_press import picture_press, plot_press, tabulate_press
 from palpate.fea.press import FEA_VERSION, Branch, Press
+from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
 from palpate.fea.solve_press import image_depths, solve_press
 from palpate.fea.spec import FRICTIONLESS, NO_SLIP, ObstacleSpec, check_contact, contact_text
 from palpate.fea.stability import Stability, find_stability
@@ -23,6 +25,7 @@ __all__ = [
     "FRICTIONLESS",
     "NO_SLIP",
     "OBSTACLES",
+    "PRESS_SOLVERS",
     "Ball",
     "BallSpec",
     "Branch",
@@ -31,8 +34,10 @@ __all__ = [
     "Ended",
     "MeshResult",
     "ObstacleSpec",
+    "PalpateSolver",
     "Plane",
     "Press",
+    "PressSolver",
     "SkinMonitor",
     "SolverSpec",
     "Stability",
@@ -42,16 +47,17 @@ __all__ = [
     "contact_text",
     "export_press",
     "find_stability",
-    "html_table",
     "image_depths",
     "nodal_von_mises",
     "obstacle_from_data",
     "picture_press",
     "plot_convergence",
     "plot_press",
+    "read_obstacle",
     "read_press",
     "solve_press",
     "study_convergence",
     "tabulate_press",
+    "touch_first",
     "write_press",
 ]

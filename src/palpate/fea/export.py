@@ -88,7 +88,7 @@ def _write_images(folder: Path, press: Press) -> list[str]:
     mesh, turn = press.mesh, press.wall.turn(press.mesh)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
     obstacle, _ = press.wall.at_touch(mesh)
-    solid = None if press.solver.backend == "calculix" else held_solid(press)
+    solid = None if press.solved_by != "palpate" else held_solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):
         gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).reach(mesh.nodes + u)

@@ -44,6 +44,7 @@ def write_press(path: Path, press: Press) -> None:
         file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
         file.attrs["wall"] = press.wall.model_dump_json()
         file.attrs["solver"] = press.solver.model_dump_json()
+        file.attrs["solved_by"] = press.solved_by
         file.attrs["ended"] = str(press.ended)
         file.attrs["message"] = press.message
         for name in _NUMBERS:
@@ -79,6 +80,9 @@ def read_press(path: Path) -> Press:
                 branch=np.array(file["branch"].asstr()[()], dtype=np.str_),
                 ended=Ended(file.attrs["ended"]),
                 message=str(file.attrs["message"]),
+                solved_by=str(
+                    file.attrs.get("solved_by", "calculix" if '"calculix"' in file.attrs["solver"] else "palpate")
+                ),
                 **numbers,
             )
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:

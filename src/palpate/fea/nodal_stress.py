@@ -21,10 +21,10 @@ def nodal_von_mises(press: Press) -> FloatArray:
     Raises
     ------
     PalpateError
-        If CalculiX solved the press: its bricks have another pressure than our cells.
+        If another solver made it: its elements have another pressure than our cells.
     """
-    if press.solver.backend == "calculix":
-        raise PalpateError("A press solved by CalculiX has no stress at nodes.", "Solve it with palpate.")
+    if press.solved_by != "palpate":
+        raise PalpateError(f"A press solved by {press.solved_by} has no stress at nodes.", "Solve it with palpate.")
     solid = held_solid(press)
     return np.stack([von_mises(nodal_stress(solid, u)) for u in press.displacement])
 

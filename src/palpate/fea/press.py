@@ -61,6 +61,8 @@ class Press:
         Cost.
     message
         One sentence with numbers where the end was not the full depth.
+    solved_by
+        Name of the press solver; only palpate's own presses have stresses at the nodes.
     """
 
     mesh: Mesh
@@ -87,6 +89,7 @@ class Press:
     unknowns: int
     newton_iterations: int
     message: str = ""
+    solved_by: str = "palpate"
 
     def positions(self, points: FloatArray) -> FloatArray:
         """Follow points of the undeformed inner surface through every image.

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, Spec, parameter
-from palpate.design import turn_about_axis
+from palpate.design import OFFSET_DEPTH, PoseSpace, turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
@@ -71,6 +71,11 @@ class ObstacleSpec(Spec, ABC):
     @abstractmethod
     def words(self) -> str:
         """What tells this obstacle from others like it, in words: ``tilt 5°``."""
+
+    @property
+    def pose_space(self) -> PoseSpace:
+        """What a sensor may estimate of it: its place, unless an obstacle says otherwise."""
+        return OFFSET_DEPTH
 
     @property
     @abstractmethod

@@ -8,7 +8,7 @@ from typing import Self, final
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError, kernel, parameter
-from palpate.design import rotation_vector, wall_normal
+from palpate.design import TILT_DEPTH, PoseSpace, rotation_vector, wall_normal
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Gap, Obstacle, tangents
 from palpate.mesh import Mesh
@@ -26,6 +26,10 @@ class WallSpec(ObstacleSpec):
     @property
     def words(self) -> str:
         return f"tilt {self.tilt_deg:g}°"
+
+    @property
+    def pose_space(self) -> PoseSpace:
+        return TILT_DEPTH
 
     @property
     def radial(self) -> float:

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
+from palpate.design import TILT_DEPTH
 from palpate.grid.grid import Cell, Row, SpecificationGrid
 from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_limit, pool_limits
 from palpate.study import DesignResult, PressSummary
@@ -163,8 +164,8 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
     if metrics is None:
         return {}
     found: dict[str, Cell] = {}
-    axes = (("angle", metrics.angle, "deg"), ("rx", metrics.rx, "deg"), ("ry", metrics.ry, "deg"))
-    for axis, summary, unit in (*axes, ("depth", metrics.depth, "mm")):
+    for axis, _, unit in TILT_DEPTH.errors:
+        summary = getattr(metrics, axis)
         for figure in ("rmse", "mae", "max", "sd", "bias"):
             if axis == "angle" and figure in ("rmse", "max"):
                 continue  # these two are the grid's main columns

@@ -10,12 +10,13 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.dataset import Normalisation
+from palpate.design import TILT_DEPTH
 from palpate.learn.interval import Interval, Prediction
 
 LEARN_VERSION = "5"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
 
-OUTPUTS = ("rx_deg", "ry_deg", "depth_mm")
+OUTPUTS = TILT_DEPTH.names
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, MissingExtraError, PalpateError
 from palpate.dataset import Normalisation
+from palpate.design import TILT_DEPTH
 from palpate.learn.estimator import OUTPUTS, Estimator
 from palpate.learn.interval_graph import (
     HALF_WIDTH,
@@ -178,7 +179,7 @@ def _metadata(estimator: Estimator) -> dict[str, str]:
     content: dict[str, Any] = {
         "inputs": ["u_px", "v_px"],
         "outputs": list(OUTPUTS),
-        "units": {INPUT: "px", **{name: name.rsplit("_", 1)[1] for name in OUTPUTS}},
+        "units": {INPUT: "px", **{item.name: item.unit for item in TILT_DEPTH.components}},
         "marker_order_px": estimator.rest_px.tolist(),
         "activation": estimator.activation,
         "offset_px": estimator.normalisation.offset_px,

@@ -17,6 +17,7 @@ from typing import Any, Self
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
+from palpate.design import TILT_DEPTH
 
 TILT_STEP_DEG = 2.0
 """Width of the intervals of tilt, as the paper's step."""
@@ -159,7 +160,7 @@ class Metrics:
         return cls(images=data["images"], by_depth=by_depth, by_tilt=by_tilt, **summaries)
 
 
-_AXES = ("angle", "rx", "ry", "depth")
+_AXES = tuple(name for name, _, _ in TILT_DEPTH.errors)
 
 
 def measure_errors(estimates: FloatArray, poses: FloatArray) -> Metrics:
@@ -208,5 +209,7 @@ def _by_tilt(errors: FloatArray, tilt_deg: FloatArray) -> Iterator[TiltErrors]:
 
 
 def _by_axis(errors: FloatArray) -> dict[str, ErrorSummary]:
-    parts = (errors[:, :2], errors[:, 0], errors[:, 1], errors[:, 2])
-    return {name: ErrorSummary.of(part) for name, part in zip(_AXES, parts, strict=True)}
+    return {
+        name: ErrorSummary.of(errors[:, columns] if len(columns) > 1 else errors[:, columns[0]])
+        for name, columns, _ in TILT_DEPTH.errors
+    }

@@ -20,11 +20,12 @@ from typing import Any
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
+from palpate.design import TILT_DEPTH
 
 REST = "rest"
-_TRUTH = ("image", "press", "rx_deg", "ry_deg", "depth_mm")
-_ESTIMATE = ("rx_deg", "ry_deg", "depth_mm")
-_EXAMPLE = "Give a CSV with the columns image, press, rx_deg, ry_deg, depth_mm."
+_ESTIMATE = TILT_DEPTH.names
+_TRUTH = ("image", "press", *_ESTIMATE)
+_EXAMPLE = f"Give a CSV with the columns {', '.join(_TRUTH)}."
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import PalpateError
+from palpate.design import TILT_DEPTH
 from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
 
@@ -18,12 +19,8 @@ KINDS = (".csv", ".jsonl", ".rosbag2")
 
 COLUMNS = (
     "image",
-    "rx_deg",
-    "ry_deg",
-    "depth_mm",
-    "rx_half_width_deg",
-    "ry_half_width_deg",
-    "depth_half_width_mm",
+    *TILT_DEPTH.names,
+    *TILT_DEPTH.half_width_names,
     "touching",
     "found",
     "flags",

@@ -6,6 +6,8 @@ A test class inherits a suite and gives its fixtures; pytest, which this room al
 from palpate.testing.law import LawSuite
 from palpate.testing.lens import LensSuite
 from palpate.testing.linear_solver import LinearSolverSuite
+from palpate.testing.obstacle import ObstacleSuite
+from palpate.testing.skin import SkinSuite
 from palpate.testing.source import SourceSuite
 
-__all__ = ["LawSuite", "LensSuite", "LinearSolverSuite", "SourceSuite"]
+__all__ = ["LawSuite", "LensSuite", "LinearSolverSuite", "ObstacleSuite", "SkinSuite", "SourceSuite"]

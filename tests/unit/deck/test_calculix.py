@@ -13,7 +13,7 @@ from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.deck.calculix import stored_energy
 from palpate.deck.read_results import read_blocks, read_images
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mechanics import Ended
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
@@ -44,7 +44,7 @@ class TestAgreement:
         assert pair.theirs.ended is Ended.DEPTH_REACHED
         assert pair.theirs.depth == pytest.approx(pair.ours.depth)
         assert list(pair.theirs.branch) == list(pair.ours.branch)
-        assert pair.theirs.solver.backend == "calculix"
+        assert pair.theirs.solved_by == "calculix"
 
     def test_force_agrees(self, pair: Pair) -> None:
         assert pair.theirs.force[1:, 2] == pytest.approx(pair.ours.force[1:, 2], rel=0.04)
@@ -185,3 +185,23 @@ def test_stored_energy_of_a_swelling_is_that_of_its_bulk_modulus() -> None:
     swollen = 1e-3 * fill_nodes(mesh.cells, mesh.nodes)
     expected = 0.5 * SILICONE.bulk_modulus * (1.001**3 - 1) ** 2 * measure_quality(mesh).volume
     assert stored_energy(mesh, SILICONE, swollen) == pytest.approx(expected, rel=5e-3)
+
+
+@needs_ccx
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "obstacle",
+    [BallSpec(radius=8, offset=4, depth=3, image_step=1), CylinderSpec(radius=8, offset=3, depth=3, image_step=1)],
+    ids=["ball", "bar"],
+)
+def test_a_round_obstacle_presses_in_calculix_as_here(obstacle: ObstacleSpec) -> None:
+    obstacle = obstacle.model_copy(update={"contact": "frictionless"})
+    mesh = mesh_skin(DOME, MeshSpec(cells=12))
+    material = SILICONE.with_bulk_ratio(100.0)
+    ours, theirs = solve_press(mesh, material, obstacle), solve_press_calculix(mesh, material, obstacle)
+    assert ours.depth == pytest.approx(theirs.depth, abs=1e-3)
+    assert theirs.force[1:, 2] == pytest.approx(ours.force[1:, 2], rel=0.03)
+    ring = np.array([[8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [-8.0, 0.0, 0.0], [0.0, -8.0, 0.0]])
+    points = DOME.nearest(ring + [0.0, 0.0, 18.0])
+    apart = np.linalg.norm(theirs.positions(points)[1:] - ours.positions(points)[1:], axis=-1)
+    assert (apart.max(axis=1) < 0.05 * ours.depth[1:]).all()

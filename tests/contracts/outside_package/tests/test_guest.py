@@ -5,16 +5,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from palpate_guest.carroll import Carroll
+from palpate_guest.cosine import Bell
 from palpate_guest.division import Division
+from palpate_guest.wheel import WheelSpec
 
 from palpate.camera import CameraSpec, build_camera
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.fea import WallSpec, solve_press
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark, skin_from_data
+from palpate.fea import WallSpec, obstacle_from_data, solve_press
 from palpate.markers import build_pattern, name_markers
 from palpate.material import FitSpec, Loading, Mode, Sample, fit_material, get_material, trace_curve
-from palpate.mesh import MeshSpec, mesh_skin
+from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.sensor import register_dome
-from palpate.testing import LawSuite, LensSuite, SourceSuite
+from palpate.testing import LawSuite, LensSuite, ObstacleSuite, SkinSuite, SourceSuite
 
 RUBBER = (0.008, 0.00001, 0.006)
 
@@ -75,3 +77,29 @@ def test_a_camera_under_a_dome_is_registered_and_the_guests_lens_refined() -> No
     assert refined.rms_px < 0.3 * held.rms_px
     assert refined.camera.spec.distortion[0] == pytest.approx(-0.25, abs=0.02)
     assert refined.camera.spec.offset_x == pytest.approx(0.4, abs=0.05)
+
+
+class TestBell(SkinSuite):
+    @pytest.fixture
+    def skin(self) -> Bell:
+        return Bell(12.0, 20.0, 2.0)
+
+
+class TestWheel(ObstacleSuite):
+    @pytest.fixture
+    def spec(self) -> WheelSpec:
+        return WheelSpec()
+
+    @pytest.fixture
+    def mesh(self) -> Mesh:
+        return mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=6))
+
+
+def test_the_guests_obstacle_is_pressed_into_the_guests_skin() -> None:
+    mesh = mesh_skin(skin_from_data({"kind": "bell", "height": 14}).build(), MeshSpec(cells=8))
+    spec = obstacle_from_data(
+        {"kind": "wheel", "radius": 6, "depth": 1.6, "image_step": 0.2, "contact": "frictionless"}
+    )
+    press = solve_press(mesh, get_material("neo-hooke:0.0141"), spec)
+    assert press.depth[-1] == pytest.approx(1.6)
+    assert press.work[-1] == pytest.approx(press.energy[-1] + press.contact_energy[-1], rel=5e-3)

@@ -1,0 +1,91 @@
+"""What a sensor estimates: names, units, bounds and error of the components of a pose, declared once.
+
+Networks, intervals, readings, tables, grids and the metadata of models read them from here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.core import FloatArray
+
+
+class PoseComponent(NamedTuple):
+    """One number of a pose.
+
+    Attributes
+    ----------
+    axis
+        Short name, e.g. ``rx``.
+    unit
+        Of the number, ``deg`` or ``mm``.
+    word
+        Name in the paper's tables, e.g. ``roll``.
+    bounds
+        Least and greatest value that an obstacle's spec allows.
+    """
+
+    axis: str
+    unit: str
+    word: str
+    bounds: tuple[float, float]
+
+    @property
+    def name(self) -> str:
+        """Column of tables, e.g. ``rx_deg``."""
+        return f"{self.axis}_{self.unit}"
+
+
+@dataclass(frozen=True)
+class PoseSpace:
+    """The components of a pose in their order; the first two are Cartesian parts of one polar quantity.
+
+    Attributes
+    ----------
+    components
+        First the two that turn with the azimuth, then the depth.
+    polar
+        Name of the length of the first two, e.g. ``angle``.
+    """
+
+    components: tuple[PoseComponent, ...]
+    polar: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Columns: ``rx_deg, ry_deg, depth_mm``."""
+        return tuple(component.name for component in self.components)
+
+    @property
+    def half_width_names(self) -> tuple[str, ...]:
+        """Columns of the half-widths of intervals: ``rx_half_width_deg`` …"""
+        return tuple(f"{component.axis}_half_width_{component.unit}" for component in self.components)
+
+    @property
+    def errors(self) -> tuple[tuple[str, tuple[int, ...], str], ...]:
+        """What errors are told of: name, columns of the poses, unit; the polar quantity first."""
+        joint = (self.polar, (0, 1), self.components[0].unit)
+        return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
+
+    def error(self, estimates: FloatArray, poses: FloatArray) -> FloatArray:
+        """Length (n,) of the error in the first two components, of poses (n, k): degrees of an angle, or mm."""
+        return np.asarray(np.hypot(*(np.asarray(estimates) - poses)[:, :2].T))
+
+
+_DEPTH = PoseComponent("depth", "mm", "depth", (0.0, 60.0))
+TILT_DEPTH = PoseSpace(
+    (
+        PoseComponent("rx", "deg", "roll", (-30.0, 30.0)),
+        PoseComponent("ry", "deg", "pitch", (-30.0, 30.0)),
+        _DEPTH,
+    ),
+    "angle",
+)
+"""A flat wall: the components of its rotation vector, and how far it came."""
+OFFSET_DEPTH = PoseSpace(
+    (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH), "offset"
+)
+"""An obstacle beside the axis: where it stands, and how far it came."""

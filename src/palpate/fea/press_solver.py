@@ -1,0 +1,71 @@
+"""Who solves a press: palpate's own elements, another program, or a package of somebody else's."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import final
+
+from palpate.core import Registry
+from palpate.fea.press import Branch, Press
+from palpate.fea.solve_press import solve_press
+from palpate.fea.spec import ObstacleSpec
+from palpate.material import Material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import Mesh
+
+
+class PressSolver(ABC):
+    """Solves presses of the flat branch from rest; made without arguments it has usual settings."""
+
+    @abstractmethod
+    def check(self, wall: ObstacleSpec) -> None:
+        """Refuse what cannot be solved, before anything is computed.
+
+        Raises
+        ------
+        PalpateError
+            If a program is missing, or this press is beyond it.
+        """
+
+    @abstractmethod
+    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
+        """Solve one press; its `solved_by` names the solver.
+
+        Raises
+        ------
+        PalpateError
+            If the obstacle does not touch the skin first, or nothing is left of the press.
+        """
+
+
+@final
+@dataclass(frozen=True)
+class PalpateSolver(PressSolver):
+    """Quadratic hexahedra, contact by a penalty and continuation (see `solve_press`).
+
+    Attributes
+    ----------
+    spec
+        How.
+    branch
+        Which of the two states.
+    """
+
+    spec: SolverSpec = field(default_factory=SolverSpec)
+    branch: Branch = Branch.FLAT
+
+    def check(self, wall: ObstacleSpec) -> None:
+        """Nothing is beyond it that a spec can say."""
+
+    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
+        return solve_press(mesh, material, wall, self.spec, self.branch)
+
+
+PRESS_SOLVERS: Registry[type[PressSolver]] = Registry(
+    "palpate.press_solvers",
+    "press solver",
+    {"palpate": "palpate.fea.press_solver:PalpateSolver", "calculix": "palpate.deck.calculix:CalculixSolver"},
+    lambda found: isinstance(found, type) and issubclass(found, PressSolver),
+)
+"""Press solvers by name."""

@@ -1,0 +1,31 @@
+"""Every obstacle of the package, one row each, over a dome and an ellipsoid."""
+
+import pytest
+
+from palpate.design import Dome, Ellipsoid
+from palpate.fea import OBSTACLES, BallSpec, CylinderSpec, ObstacleSpec, WallSpec
+from palpate.mesh import Mesh, MeshSpec, mesh_skin
+from palpate.testing import ObstacleSuite
+
+ROWS: list[ObstacleSpec] = [
+    WallSpec(tilt_deg=7),
+    BallSpec(radius=6, offset=3),
+    BallSpec(radius=40),
+    CylinderSpec(radius=5, offset=-4),
+    CylinderSpec(radius=5),
+]
+
+
+def test_every_obstacle_has_a_row() -> None:
+    assert {type(row) for row in ROWS} == {OBSTACLES.get(name) for name in OBSTACLES.names}
+
+
+class TestObstacle(ObstacleSuite):
+    @pytest.fixture(params=ROWS, ids=lambda spec: spec.words)
+    def spec(self, request: pytest.FixtureRequest) -> ObstacleSpec:
+        found: ObstacleSpec = request.param
+        return found
+
+    @pytest.fixture(params=[Dome(20.0, 20.0, 2.0), Ellipsoid(14.0, 20.0, 2.0, 0.8)], ids=lambda skin: skin.name)
+    def mesh(self, request: pytest.FixtureRequest) -> Mesh:
+        return mesh_skin(request.param, MeshSpec(cells=6))
