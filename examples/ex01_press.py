@@ -1,7 +1,7 @@
 """Press one dome and read off force, stress and branch."""
 
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec, plot_press, solve_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 
@@ -13,7 +13,7 @@ def main() -> float:
     for depth, force, branch in zip(press.depth, press.force, press.branch, strict=True):
         print(f"{depth:.1f} mm: {force[2]:.4f} N along the axis, {force[1]:+.4f} N sideways, {branch}")
     print(press.ended)
-    press.plot().savefig("ex01_press.svg")
+    plot_press(press).savefig("ex01_press.svg")
     return float(press.force[-1, 2])
 
 

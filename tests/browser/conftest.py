@@ -1,7 +1,6 @@
 """A tiny study, the viewer on its results as a process of its own, and a browser that looks at it."""
 
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,12 +11,13 @@ import cv2
 import pytest
 from viewer_process import ENTRY, ROOT, viewer
 
+from needs import find_program, needs, needs_program
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.sensor import Unit
 from palpate.viewer.library import Library
 from palpate.viewer.results import read_results
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+CHROMIUM = find_program("chromium")
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE_MS = 60_000
 
@@ -37,11 +37,15 @@ learning: {preset: quick}
 
 
 def pytest_collection_modifyitems(items):
-    if CHROMIUM is None:
-        here = Path(__file__).parent
-        for item in items:
-            if here in item.path.parents:
-                item.add_marker(pytest.mark.skip(reason="Chromium is not installed"))
+    here = Path(__file__).parent
+    for item in (item for item in items if here in item.path.parents):
+        item.add_marker(needs_program("chromium"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _what_the_browser_needs():
+    for module in ("playwright", "nicegui", "torch"):
+        needs(module)
 
 
 @pytest.fixture(scope="session")
@@ -72,7 +76,7 @@ def link(results) -> Iterator[str]:
 
 @pytest.fixture(scope="session")
 def chromium():
-    api = pytest.importorskip("playwright.sync_api")
+    api = needs("playwright.sync_api")
     with api.sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield browser

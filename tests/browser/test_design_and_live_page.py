@@ -1,7 +1,6 @@
 """Designing, pressing, making and sensing on the page."""
 
 import csv
-import importlib.util
 import io
 import zipfile
 from pathlib import Path
@@ -9,7 +8,7 @@ from pathlib import Path
 import pytest
 from walk import dots, open_page, wait_for_dots, wait_for_motion
 
-CAD = importlib.util.find_spec("build123d") is not None
+from needs import needs
 
 
 def box(page, label):
@@ -75,6 +74,7 @@ def test_findings_say_what_is_wrong(page, link):
     page.get_by_text("out of the camera's sight").wait_for()
 
 
+@pytest.mark.slow
 def test_a_press_is_solved_and_another_is_cancelled(page, link):
     open_page(page, link, "design")
     box(page, "Depth (mm)").fill("2")
@@ -90,8 +90,9 @@ def test_a_press_is_solved_and_another_is_cancelled(page, link):
     assert page.get_by_text("Ended: depth reached at 2.00 mm.").is_visible()
 
 
-@pytest.mark.skipif(not CAD, reason="the CAD kernel is not installed")
+@pytest.mark.slow
 def test_a_fabrication_pack_is_made(page, link):
+    needs("build123d")
     open_page(page, link, "design")
     with page.expect_download(timeout=240_000) as download:
         page.get_by_role("button", name="Make").click()

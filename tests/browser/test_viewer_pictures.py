@@ -4,6 +4,7 @@ import pytest
 from walk import DRAWN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("size", [(1280, 800), (1920, 1080)], ids=["1280x800", "1920x1080"])
 def test_pages_fit_the_screen(page, link, pictures, size, dark):

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.camera import SOURCES
 from palpate.testing import SourceSuite
 
@@ -29,7 +30,7 @@ def make_video(folder: Path, patch: pytest.MonkeyPatch) -> str:
 
 
 def make_recording(folder: Path, patch: pytest.MonkeyPatch) -> str:
-    dv = pytest.importorskip("dv_processing")
+    dv = needs("dv_processing")
     path = folder / "r.aedat4"
     writer = dv.io.MonoCameraWriter(str(path), dv.io.MonoCameraWriter.FrameOnlyConfig("DAVIS346", (64, 48)))
     for number in range(3):

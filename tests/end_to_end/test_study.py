@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from command_line import finish, start
 
+from needs import needs
 from palpate.learn import open_predictor
 
 COLUMNS = {
@@ -140,6 +141,7 @@ def test_a_second_run_makes_nothing_and_gives_the_same_grid(tiny_study: Path, fi
     assert numbers(finished) == rows
 
 
+@pytest.mark.slow
 def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished: Path, tmp_path: Path) -> None:
     process = start(["run", tiny_study, "--out", tmp_path, "--workers", "2"])
     wait_for(tmp_path, 1)
@@ -155,12 +157,13 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(tiny_study: Path, finished
     assert numbers(tmp_path) == numbers(finished)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hands", [["--workers", "1"], ["--workers", "4"], ["--cluster", "local:2"]])
 def test_whoever_does_the_tasks_the_grid_is_the_same(
     tiny_study: Path, finished: Path, tmp_path: Path, hands: list[str]
 ) -> None:
     if "--cluster" in hands:
-        pytest.importorskip("distributed")
+        needs("distributed")
     done = finish(["run", tiny_study, "--out", tmp_path, *hands, "--json"])
     assert done.returncode == 0, done.stderr
     assert sum(json.loads(done.stdout)["computed"].values()) == 12
@@ -169,10 +172,11 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     assert (said["made"], said["of"], said["left_s"]) == (12, 12, 0)
 
 
+@pytest.mark.slow
 def test_a_dask_worker_killed_in_the_middle_costs_nothing_but_time(
     tiny_study: Path, finished: Path, tmp_path: Path
 ) -> None:
-    pytest.importorskip("distributed")
+    needs("distributed")
     process = start(["run", tiny_study, "--out", tmp_path, "--cluster", "local:3", "--json"])
     wait_for(tmp_path, 2)
     workers = spawned_by(process.pid)
@@ -249,6 +253,7 @@ def test_a_bad_question_is_bad_input(finished: Path, words: list[str]) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_a_failed_task_is_reported_and_the_rest_goes_on(tiny_study: Path, tmp_path: Path) -> None:
     study = tmp_path / "narrow.yaml"
     camera = "camera: {fx_px: 900, fy_px: 900}\n"  # sees the inner dots only

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from needs import needs
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EXPECTED = {
     "ex01_press": pytest.approx(0.1997, rel=0.01),
@@ -28,7 +30,7 @@ def test_every_example_is_expected() -> None:
 @pytest.mark.parametrize("name", EXPECTED)
 def test_an_example_gives_its_number(name: str, capsys, tmp_path, monkeypatch) -> None:
     for needed in NEEDS.get(name, ()):
-        pytest.importorskip(needed)
+        needs(needed)
     monkeypatch.chdir(tmp_path)  # where an example leaves its picture
     monkeypatch.setenv("MPLBACKEND", "agg")
     value = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"]()

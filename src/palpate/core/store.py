@@ -59,6 +59,8 @@ class Recipe:
         Keys of the artefacts that the stage reads.
     version
         Version of the code that matters.
+    key
+        Checksum of these, under which the artefact lies.
     """
 
     kind: str

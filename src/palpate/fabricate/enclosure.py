@@ -56,7 +56,9 @@ class Body:
     pinhole
         Distance from the front of the body to the pinhole of the lens, mm.
     screws
-        (x, y) mm of its screws, and their diameter.
+        (x, y) mm of its screws.
+    screw
+        Diameter of their holes, mm.
     """
 
     across: tuple[float, float]

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from needs import needs_program
 from palpate.bench import Deviation, ToleranceSpec, play_unit, run_bench, run_budget, write_bench, write_budget
 from palpate.bench.bench import presses_of, unit_tilts
 from palpate.bench.budget import BudgetLine, recommend, total
@@ -137,7 +138,7 @@ def test_clean_images_are_another_bench(bench):
     assert not np.array_equal(play_unit(clean, Deviation()).estimates, play_unit(bench, Deviation()).estimates)
 
 
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+@needs_program("calculix-ccx")
 def test_calculix_as_the_solver_gives_about_the_same_readings(bench):
     quick = bench.spec.model_copy(update={"tilts": 1, "contact": "frictionless"})
     units = [

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.cad import Solid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MountSpec, build_module, build_skin, build_solid
 
-pytest.importorskip("build123d")
+needs("build123d")
 
 
 @pytest.mark.parametrize(("height", "thickness"), [(10, 1), (20, 2), (30, 4)])

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.camera import open_source
 from palpate.camera.sources.numbered_camera import CameraSource
 from palpate.core import PalpateError, generator
@@ -111,7 +112,7 @@ def test_a_camera_whose_images_would_fill_the_memory_is_refused(monkeypatch):
 
 
 def test_an_event_cameras_recording_gives_its_images(tmp_path):
-    dv = pytest.importorskip("dv_processing")
+    dv = needs("dv_processing")
     path = tmp_path / "r.aedat4"
     writer = dv.io.MonoCameraWriter(str(path), dv.io.MonoCameraWriter.FrameOnlyConfig("DAVIS346", (64, 48)))
     for number in range(5):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 
+from needs import needs
 from palpate.core import PalpateError
 from palpate.dataset import (
     DatasetSpec,
@@ -149,8 +150,8 @@ def test_file_gives_the_same_dataset_back(dataset, tmp_path):
 
 
 def test_xarray_opens_the_file_with_its_dimensions_and_units(dataset, tmp_path):
-    xarray = pytest.importorskip("xarray")
-    pytest.importorskip("h5netcdf")
+    xarray = needs("xarray")
+    needs("h5netcdf")
     path = tmp_path / "dataset.h5"
     write_dataset(path, dataset)
     with xarray.open_dataset(path, engine="h5netcdf") as opened:

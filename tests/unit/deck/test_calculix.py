@@ -1,13 +1,13 @@
 """CalculiX as a second solver: it agrees with ours, and says clearly what is missing."""
 
 import os
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from needs import needs_program
 from palpate.core import PalpateError
 from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.deck.calculix import stored_energy
@@ -19,7 +19,7 @@ from palpate.mechanics import Ended
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
 from palpate.mesh import MeshSpec, measure_quality, mesh_skin
 
-needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed: apt install calculix-ccx")
+needs_ccx = needs_program("calculix-ccx")
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=3))
 

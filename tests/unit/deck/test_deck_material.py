@@ -1,6 +1,5 @@
 """The constants of a deck mean the same law in CalculiX as here: one brick, stretched along z."""
 
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from needs import needs_program
 from palpate.deck import Dialect
 from palpate.deck.material import material_lines
 from palpate.deck.read_results import read_blocks
@@ -76,7 +76,7 @@ def nominal_stress(material: Material, stretch: float) -> float:
     return (energy(stretch + 1e-3) - energy(stretch - 1e-3)) / 2e-3
 
 
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not installed: apt install calculix-ccx")
+@needs_program("calculix-ccx")
 @pytest.mark.parametrize("law", LAWS)
 def test_calculix_reads_the_law_we_mean(law: str, tmp_path: Path) -> None:
     material = Material(law, get_material(LAWS[law]).law, bulk_ratio=20.0)

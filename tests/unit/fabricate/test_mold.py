@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.cad import box
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_module, build_skin, build_solid, place_markers
 from palpate.fabricate import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
 from palpate.fabricate.enclosure import free_travel
 
-pytest.importorskip("build123d")
+needs("build123d")
 SPEC = ProcessSpec()
 
 

@@ -10,6 +10,7 @@ import meshio
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.cad import read_step
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
@@ -17,7 +18,7 @@ from palpate.design import DomeSpec, MarkerSpec, MountSpec, Severity, build_skin
 from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, check_process, write_pack
 from palpate.material import get_material
 
-pytest.importorskip("build123d")
+needs("build123d")
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 
 
@@ -53,7 +54,7 @@ def test_every_stl_is_closed_for_another_reader_and_keeps_the_volume(pack: Fabri
 
 
 def test_every_3mf_opens_elsewhere_in_millimetres(pack: FabricationPack) -> None:
-    lib3mf = pytest.importorskip("lib3mf")
+    lib3mf = needs("lib3mf")
     for name in pack.volumes:
         model = lib3mf.Wrapper().CreateModel()
         model.QueryReader("3mf").ReadFromFile(str(pack.folder / f"{name}.3mf"))
@@ -71,7 +72,7 @@ def test_step_has_the_parts_by_name_and_volume(pack: FabricationPack) -> None:
 
 
 def test_dots_of_dxf_and_svg_lie_where_the_table_says(pack: FabricationPack) -> None:
-    ezdxf = pytest.importorskip("ezdxf")
+    ezdxf = needs("ezdxf")
     with (pack.folder / "markers.csv").open() as file:
         page = np.array([[float(row["page_x_mm"]), float(row["page_y_mm"])] for row in csv.DictReader(file)])
     document = ezdxf.readfile(pack.folder / "artwork.dxf")

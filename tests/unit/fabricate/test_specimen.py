@@ -5,12 +5,13 @@ import json
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.cad import Arc, read_step
 from palpate.core import PalpateError
 from palpate.fabricate import ProcessSpec, build_specimen_molds, write_specimen_molds
 from palpate.fabricate.specimen import outline_dumbbell
 
-pytest.importorskip("build123d")
+needs("build123d")
 
 
 def test_build_specimen_molds_leave_the_specimens_hollow_after_shrinkage() -> None:

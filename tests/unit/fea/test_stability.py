@@ -16,6 +16,7 @@ def coarse(thickness: float):
     return mesh_skin(build_skin(DomeSpec(height=20, thickness=thickness)), MeshSpec(cells=10))
 
 
+@pytest.mark.slow
 def test_a_thin_dome_has_a_second_state_from_some_2_6_thicknesses_on() -> None:
     found = find_stability(coarse(1), MATERIAL, WallSpec(contact="frictionless", depth=4.0))
     assert 2.2 < found.inverted_from < 3.4

@@ -3,6 +3,7 @@ import sys
 
 import pytest
 
+from needs import needs
 from palpate.core import MissingExtraError, PalpateError
 from palpate.grid import SpecificationGrid, evaluate_grid, export_grid, html_rows
 from results import make_design
@@ -30,7 +31,7 @@ def test_markdown_is_a_table_for_people(tmp_path):
 
 
 def test_parquet_keeps_kinds_units_and_empty_cells(tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+    parquet = needs("pyarrow.parquet")
     export_grid(tmp_path / "g.parquet", GRID)
     table = parquet.read_table(tmp_path / "g.parquet")
     assert tuple(table.column_names) == GRID.columns

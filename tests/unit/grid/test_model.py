@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from needs import needs
 from palpate.core import PalpateError
 from palpate.grid import SpecificationGrid, copy_model
 
@@ -22,7 +23,7 @@ def test_copy_model_says_why_there_is_none(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_no_model_is_not_copied(tmp_path: Path) -> None:
-    pytest.importorskip("onnxruntime")
+    needs("onnxruntime")
     path = tmp_path / "store" / "estimator" / "ff" / "ff00.onnx"
     path.parent.mkdir(parents=True)
     path.write_bytes(b"no model")

@@ -4,10 +4,11 @@ import sys
 import pytest
 from synthetic import make_dataset
 
+from needs import needs
 from palpate.core import PalpateError
 from palpate.learn import TrainSpec, device, evaluate, find_device, train
 
-torch = pytest.importorskip("torch")
+torch = needs("torch")
 
 
 @pytest.mark.parametrize(("has_cuda", "found"), [(True, "cuda"), (False, "cpu")])

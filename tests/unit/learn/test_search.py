@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from synthetic import make_dataset
 
+from needs import needs
 from palpate.learn import SearchSpec, TrainSpec, search, train
 from palpate.learn import search as search_function
 
-pytest.importorskip("optuna")
+needs("optuna")
 
 
 def trials_of(journal):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from needs import needs
 from palpate.bench import simulate_sensor
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
@@ -50,7 +51,7 @@ def readings():
 
 
 def test_readings_become_a_bag_that_ros_reads(tmp_path):
-    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+    rosbag2 = needs("rosbags.rosbag2")
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from small_task import Sum, do, read, starts
 
+from needs import needs
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
 from palpate.study import Silence, check_place
 from palpate.study.cluster import ClusterCrew
@@ -49,7 +50,7 @@ def test_without_the_library_it_is_said_what_to_install(
 
 
 def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, tmp_path: Path) -> None:
-    pytest.importorskip("distributed")
+    needs("distributed")
     tasks = tree(lasts=0.5)
     bad = Sum("bad", 1.0, fault="unforeseen")
     with ClusterCrew(store, "local:2") as crew:
@@ -78,8 +79,9 @@ def _kill_one(crew: ClusterCrew, store: ArtefactStore) -> None:
     os.kill(pids[0], signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
-    pytest.importorskip("distributed")
+    needs("distributed")
     hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
     with ClusterCrew(store, "local:1") as crew:
         outcomes = do_tasks([hung, good], [], crew, Silence(), limit_s=20.0)
@@ -91,7 +93,7 @@ def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
 def test_a_scheduler_that_does_not_answer_is_an_error_with_a_remedy(
     store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("distributed")
+    needs("distributed")
     monkeypatch.setattr("palpate.study.cluster.CONNECT_S", 1.0)
     with pytest.raises(PalpateError, match="dask scheduler"):
         ClusterCrew(store, "tcp://127.0.0.1:9")

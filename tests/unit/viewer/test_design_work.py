@@ -5,8 +5,6 @@ import time
 import numpy as np
 import pytest
 
-pytest.importorskip("cv2")
-
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec

@@ -2,7 +2,7 @@
 
 import pytest
 
-pytest.importorskip("fastapi")
+pytest.importorskip("fastapi", reason="the extra web is not there: pip install -e '.[web]'")
 
 from fastapi import FastAPI, Request, WebSocket
 from starlette.testclient import TestClient

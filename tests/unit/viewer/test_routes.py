@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-pytest.importorskip("fastapi")
+pytest.importorskip("fastapi", reason="the extra web is not there: pip install -e '.[web]'")
 
 from fastapi import FastAPI
 from made_up_presses import write_results
