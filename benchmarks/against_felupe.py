@@ -65,7 +65,7 @@ def solve_by_felupe(press: Press) -> dict[str, np.ndarray]:
     mesh, material = press.mesh, press.material
     normal = normal_in_mesh(mesh, press.wall)
     outer = np.unique(mesh.outer_faces)
-    area = np.pi * mesh.dome.outer_radius * (mesh.dome.height + mesh.dome.thickness) / len(outer)
+    area = np.pi * mesh.skin.outer_radius * (mesh.skin.height + mesh.skin.thickness) / len(outer)
     given, result = FOLDER / "press.npz", FOLDER / "result.npz"
     python = environment()
     np.savez(
@@ -73,13 +73,13 @@ def solve_by_felupe(press: Press) -> dict[str, np.ndarray]:
         nodes=mesh.nodes,
         cells=mesh.cells[:, [*CORNERS, *EDGES, *FACES, *MIDDLE]],
         normal=-normal,
-        touch=touch_point(mesh.dome, normal),
+        touch=touch_point(mesh.skin, normal),
         outer=outer,
         base=mesh.base,
         mirror=mesh.mirror,
         constants=[0.0141156, 0.0001106, 4.8e-06],
         bulk=material.bulk_modulus,
-        penalty=PENALTY * material.young_modulus / mesh.dome.thickness * area,
+        penalty=PENALTY * material.young_modulus / mesh.skin.thickness * area,
         depth=press.depth[1:],
         steps=np.round(np.arange(1, round(DEPTH_MM / STEP_MM) + 1) * STEP_MM, 9),
     )

@@ -50,7 +50,7 @@ COLUMNS = [
 def disturb(mesh: Mesh, size: float, seed: int) -> Mesh:
     """The mesh with its wall moved along its radius by up to `size` mm."""
     rng = np.random.default_rng(seed)
-    center = np.array([0.0, 0.0, mesh.dome.center_z])
+    center = np.array([0.0, 0.0, mesh.skin.center_z])
     out = mesh.nodes - center
     direction = out / np.linalg.norm(out, axis=1, keepdims=True)
     azimuth = np.arctan2(direction[:, 1], direction[:, 0])

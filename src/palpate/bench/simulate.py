@@ -42,7 +42,7 @@ class SimulatedSource(Source):
     def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
         self._touches = touches
         camera = unit.lens or unit.nominal or CameraSpec()
-        self._scene = set_scene(unit.dome, unit.layout, Deviation(), camera, LIGHT)
+        self._scene = set_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
         self._truth = (0.0, 0.0, 0.0)
 
     @property
@@ -96,9 +96,9 @@ def simulate_sensor(
     PalpateError
         If the press cannot be solved.
     """
-    depth = min(8.0, 0.4 * unit.dome.height)
+    depth = min(8.0, 0.4 * unit.skin.height)
     wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, image_step=0.8)
-    press = solve_press(mesh_skin(unit.dome, MeshSpec(cells=_CELLS)), material, wall)
+    press = solve_press(mesh_skin(unit.skin, MeshSpec(cells=_CELLS)), material, wall)
     return SimulatedSource(unit, presses * [press])
 
 

@@ -1,14 +1,14 @@
 """Cad: outlines, and the solids that are revolved and extruded from them. The only room that knows the CAD kernel."""
 
-from palpate.cad.outline import Arc, Curve, Outline, Point
-from palpate.cad.solid import Solid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
+from palpate.cad.outline import Arc, Outline, Point, SmoothCurve
+from palpate.cad.solid import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
 
 __all__ = [
     "Arc",
-    "Curve",
+    "CadSolid",
     "Outline",
     "Point",
-    "Solid",
+    "SmoothCurve",
     "SurfaceMesh",
     "box",
     "cylinder",

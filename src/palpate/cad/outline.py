@@ -18,7 +18,7 @@ class Arc:
 
 
 @dataclass(frozen=True)
-class Curve:
+class SmoothCurve:
     """A smooth curve of an outline through points in their order, (x, z) or (x, y) mm; it ends at the last."""
 
     through: tuple[Point, ...]
@@ -29,5 +29,5 @@ class Curve:
         return self.through[-1]
 
 
-Outline = Sequence[Point | Arc | Curve]
+Outline = Sequence[Point | Arc | SmoothCurve]
 """An outline: a point, then straight lines to points, arcs and curves; a closed one is joined to its first point."""

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.cad.outline import Arc, Curve, Outline, Point
+from palpate.cad.outline import Arc, Outline, Point, SmoothCurve
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra
 
 _LINEAR_MM, _ANGULAR_RAD = 0.01, 0.1
@@ -75,7 +75,7 @@ class SurfaceMesh:
 
 
 @dataclass(frozen=True)
-class Solid:
+class CadSolid:
     """One body.
 
     Attributes
@@ -102,42 +102,42 @@ class Solid:
         """Number of separate bodies."""
         return len(self.shape.solids())
 
-    def join(self, *others: Solid) -> Solid:
+    def join(self, *others: CadSolid) -> CadSolid:
         """Unite with others."""
-        return Solid(self.shape.fuse(*(other.shape for other in others)).clean())
+        return CadSolid(self.shape.fuse(*(other.shape for other in others)).clean())
 
-    def cut(self, *others: Solid) -> Solid:
+    def cut(self, *others: CadSolid) -> CadSolid:
         """Take others away."""
-        return Solid(self.shape.cut(*(other.shape for other in others)))
+        return CadSolid(self.shape.cut(*(other.shape for other in others)))
 
-    def overlap(self, other: Solid) -> float:
+    def overlap(self, other: CadSolid) -> float:
         """Volume shared with another solid, mm³."""
         return float(sum(body.volume for body in self._shared(other)))
 
-    def common(self, other: Solid) -> Solid:
+    def common(self, other: CadSolid) -> CadSolid:
         """What two solids share."""
         shared = self._shared(other)
         if len(shared) != 1:
             raise PalpateError(f"Two solids share {len(shared)} bodies instead of one.", "Check the dimensions.")
-        return Solid(shared[0])
+        return CadSolid(shared[0])
 
-    def _shared(self, other: Solid) -> list[Any]:
+    def _shared(self, other: CadSolid) -> list[Any]:
         shared = self.shape.intersect(other.shape)
         return list(shared.solids()) if shared else []
 
-    def distance(self, other: Solid) -> float:
+    def distance(self, other: CadSolid) -> float:
         """Least distance to another solid, mm; zero where they touch."""
         return float(self.shape.distance_to(other.shape))
 
-    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Solid:
+    def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> CadSolid:
         """Move."""
         cad = _cad()
-        return Solid(self.shape.moved(cad.Location((x, y, z))))
+        return CadSolid(self.shape.moved(cad.Location((x, y, z))))
 
-    def turned(self, axis: str, angle_deg: float) -> Solid:
+    def turned(self, axis: str, angle_deg: float) -> CadSolid:
         """Turn about the axis x, y or z."""
         cad = _cad()
-        return Solid(self.shape.rotate(getattr(cad.Axis, axis.upper()), angle_deg))
+        return CadSolid(self.shape.rotate(getattr(cad.Axis, axis.upper()), angle_deg))
 
     def look(self, origin: Sequence[float]) -> list[FloatArray]:
         """Lines seen from far off at `origin` (3,) mm, hidden ones left out: polylines (n, 2) mm, z upward."""
@@ -173,38 +173,38 @@ class Solid:
         )
 
 
-def revolve(outline: Outline) -> Solid:
+def revolve(outline: Outline) -> CadSolid:
     """Turn an outline of (x, z), x >= 0, about the z axis."""
     cad = _cad()
-    return Solid(cad.revolve(_face(outline, lambda point: (point[0], 0.0, point[1])), axis=cad.Axis.Z))
+    return CadSolid(cad.revolve(_face(outline, lambda point: (point[0], 0.0, point[1])), axis=cad.Axis.Z))
 
 
-def extrude(outline: Outline, height: float) -> Solid:
+def extrude(outline: Outline, height: float) -> CadSolid:
     """Pull an outline of (x, y) from z = 0 up to `height`, or down where it is negative."""
     cad = _cad()
     face = _face(outline, lambda point: (point[0], point[1], 0.0))
-    return Solid(cad.extrude(face, amount=height, dir=(0, 0, 1)))
+    return CadSolid(cad.extrude(face, amount=height, dir=(0, 0, 1)))
 
 
-def cylinder(radius: float, low: float, high: float, at: Point = (0.0, 0.0)) -> Solid:
+def cylinder(radius: float, low: float, high: float, at: Point = (0.0, 0.0)) -> CadSolid:
     """Cylinder along z about `at` (x, y), from z = `low` to `high`."""
     cad = _cad()
-    return Solid(cad.Solid.make_cylinder(radius, high - low, cad.Plane((*at, low))))
+    return CadSolid(cad.Solid.make_cylinder(radius, high - low, cad.Plane((*at, low))))
 
 
-def box(low: Sequence[float], high: Sequence[float]) -> Solid:
+def box(low: Sequence[float], high: Sequence[float]) -> CadSolid:
     """Box between two corners (3,) mm."""
     cad = _cad()
     size = np.subtract(high, low)
-    return Solid(cad.Solid.make_box(*(float(value) for value in size), cad.Plane(tuple(map(float, low)))))
+    return CadSolid(cad.Solid.make_box(*(float(value) for value in size), cad.Plane(tuple(map(float, low)))))
 
 
-def gather(parts: Sequence[Solid]) -> Solid:
+def gather(parts: Sequence[CadSolid]) -> CadSolid:
     """Several solids as one, each as it is, to be looked at together."""
-    return Solid(_cad().Compound([body for part in parts for body in part.shape.solids()]))
+    return CadSolid(_cad().Compound([body for part in parts for body in part.shape.solids()]))
 
 
-def write_step(path: Path, name: str, parts: dict[str, Solid]) -> None:
+def write_step(path: Path, name: str, parts: dict[str, CadSolid]) -> None:
     """Write named parts as one assembly, in mm."""
     cad = _cad()
     children = []
@@ -217,24 +217,24 @@ def write_step(path: Path, name: str, parts: dict[str, Solid]) -> None:
         cad.export_step(cad.Compound(label=name, children=children), path, unit=cad.Unit.MM)
 
 
-def read_step(path: Path) -> dict[str, Solid]:
+def read_step(path: Path) -> dict[str, CadSolid]:
     """Read the named parts of an assembly."""
     with _silent():
         whole = _cad().import_step(path)
-    return {child.label: Solid(child) for child in whole.children}
+    return {child.label: CadSolid(child) for child in whole.children}
 
 
 def _face(outline: Outline, place: Any) -> Any:
     cad = _cad()
     first = outline[0]
-    if isinstance(first, Arc | Curve):
+    if isinstance(first, Arc | SmoothCurve):
         raise PalpateError("An outline begins with an arc or a curve.", "Begin with a point.")
     edges, here = [], first
     for item in [*outline[1:], first]:
-        end = item.end if isinstance(item, Arc | Curve) else item
+        end = item.end if isinstance(item, Arc | SmoothCurve) else item
         if isinstance(item, Arc):
             edges.append(cad.Edge.make_three_point_arc(place(here), place(item.through), place(end)))
-        elif isinstance(item, Curve):
+        elif isinstance(item, SmoothCurve):
             edges.append(cad.Edge.make_spline([place(point) for point in (here, *item.through)]))
         elif np.hypot(end[0] - here[0], end[1] - here[1]) > _MERGE_MM:
             edges.append(cad.Edge.make_line(place(here), place(end)))

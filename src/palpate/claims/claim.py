@@ -37,7 +37,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Finding:
+class ClaimFinding:
     """What was found about one claim.
 
     Attributes
@@ -55,7 +55,7 @@ class Finding:
     why: str = ""
 
     @classmethod
-    def of(cls, holds: bool, figures: str, why: str = "") -> Finding:
+    def of(cls, holds: bool, figures: str, why: str = "") -> ClaimFinding:
         """The finding of a test that was made."""
         return cls(Verdict.HOLDS if holds else Verdict.FAILS, figures, why)
 
@@ -74,7 +74,7 @@ class Answer:
 
     claim: Claim
     source: str
-    finding: Finding
+    finding: ClaimFinding
 
 
 CLAIMS = {

@@ -84,12 +84,12 @@ class Evidence:
         return {design: _number(cell) for design, cell in self._cells(column, designs).items()}
 
     def domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float]:
-        """One number a dome, from the first of its rows that has it; errors as of `figures`."""
+        """One number a dome, from the first of its rows that has it; errors: see `figures`."""
         found: dict[Dome, Cell] = self._of_domes(lambda row: row.get(column), domes)
         return {dome: _number(cell) for dome, cell in found.items()}
 
     def branches(self, domes: Iterable[Dome]) -> dict[Dome, list[tuple[float, str]]]:
-        """Tilt (degrees) and branch at full depth of every press of each dome; errors as of `figures`."""
+        """Tilt (degrees) and branch at full depth of every press of each dome; errors: see `figures`."""
         numbers = {id(row): number for number, row in enumerate(self.grid.designs)}
         found = self._of_domes(lambda row: rows_of(self.grid.presses, numbers[id(row)]) or None, domes)
         return {

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.claims.claim import CLAIMS, Answer, Finding, Verdict
+from palpate.claims.claim import CLAIMS, Answer, ClaimFinding, Verdict
 from palpate.claims.evidence import Evidence, MissingEvidenceError
 from palpate.claims.judge_errors import judge_best, judge_height, judge_line, judge_markers, judge_thickness
 from palpate.claims.judge_material import CONVERGENCE, judge_law, judge_mesh
@@ -20,7 +20,7 @@ from palpate.claims.judge_presses import (
 )
 from palpate.grid import read_grid
 
-JUDGES: dict[str, Callable[[Evidence], Finding]] = {
+JUDGES: dict[str, Callable[[Evidence], ClaimFinding]] = {
     "C3": judge_stress,
     "C4": judge_deformation,
     "C5": judge_inversion,
@@ -36,7 +36,7 @@ JUDGES: dict[str, Callable[[Evidence], Finding]] = {
 """Claims that one grid decides."""
 
 
-NO_MESHES = Finding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
+NO_MESHES = ClaimFinding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
 
 
 def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
@@ -77,7 +77,7 @@ def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tupl
         for evidence, name in zip(grids, names, strict=True):
             answers.append(Answer(CLAIMS[claim], name, _judge(judge, evidence)))
         if not grids:
-            answers.append(Answer(CLAIMS[claim], "no grid", Finding(Verdict.OPEN, "", "needs a grid")))
+            answers.append(Answer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.OPEN, "", "needs a grid")))
     return tuple(answers)
 
 
@@ -92,8 +92,8 @@ def _name_meshes(path: Path) -> str:
     return ", ".join(["mesh study", *path.stem.split("_", 1)[1:]]).replace("_", " ")
 
 
-def _judge(judge: Callable[[Evidence], Finding], evidence: Evidence) -> Finding:
+def _judge(judge: Callable[[Evidence], ClaimFinding], evidence: Evidence) -> ClaimFinding:
     try:
         return judge(evidence)
     except MissingEvidenceError as missing:
-        return Finding(Verdict.OPEN, "", str(missing))
+        return ClaimFinding(Verdict.OPEN, "", str(missing))

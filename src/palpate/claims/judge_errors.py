@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
-from palpate.claims.claim import MOSTLY, Finding
+from palpate.claims.claim import MOSTLY, ClaimFinding
 from palpate.claims.evidence import DESIGNS, HEIGHTS, MARKERS, THICKNESSES, Design, Evidence
 
 LITTLE = 0.1
@@ -21,7 +21,7 @@ CLEAN, JITTERED = "rmse_deg", "rmse_jitter_deg"
 Errors = dict[Design, float]
 
 
-def judge_markers(evidence: Evidence) -> Finding:
+def judge_markers(evidence: Evidence) -> ClaimFinding:
     """C9: errors fall with the number of markers, little above 91."""
 
     def test(errors: Errors) -> tuple[bool, str]:
@@ -36,7 +36,7 @@ def judge_markers(evidence: Evidence) -> Finding:
     return _clean_and_jittered(evidence, test)
 
 
-def judge_best(evidence: Evidence) -> Finding:
+def judge_best(evidence: Evidence) -> ClaimFinding:
     """C10: the best design and its errors."""
     clean, jittered = evidence.figures(CLEAN), evidence.figures(JITTERED)
     greatest = evidence.figures("max_error_deg", [BEST])[BEST]
@@ -49,10 +49,10 @@ def judge_best(evidence: Evidence) -> Finding:
     )
     within = clean[BEST] <= PRINTED_RMSE_DEG and greatest <= PRINTED_MAX_DEG
     why = "its errors are within the printed ones" if within else "its errors are above the printed ones"
-    return Finding.of(order[0] == BEST and within, figures, why)
+    return ClaimFinding.of(order[0] == BEST and within, figures, why)
 
 
-def judge_height(evidence: Evidence) -> Finding:
+def judge_height(evidence: Evidence) -> ClaimFinding:
     """C11: H = 20 mm beats H = 10 and 30 mm."""
 
     def test(errors: Errors) -> tuple[bool, str]:
@@ -70,7 +70,7 @@ def judge_height(evidence: Evidence) -> Finding:
     return replace(finding, why="; ".join(part for part in (finding.why, note) if part))
 
 
-def judge_thickness(evidence: Evidence) -> Finding:
+def judge_thickness(evidence: Evidence) -> ClaimFinding:
     """C12: thinner is more precise."""
 
     def test(errors: Errors) -> tuple[bool, str]:
@@ -83,7 +83,7 @@ def judge_thickness(evidence: Evidence) -> Finding:
     return _clean_and_jittered(evidence, test)
 
 
-def judge_line(evidence: Evidence) -> Finding:
+def judge_line(evidence: Evidence) -> ClaimFinding:
     """C14: the maximum error against the aerospace line."""
     clean = evidence.figures("max_error_deg", [BEST])[BEST]
     jittered = evidence.figures("max_error_jitter_deg", [BEST])[BEST]
@@ -97,7 +97,7 @@ def judge_line(evidence: Evidence) -> Finding:
         f"{len(there)} designs clean, {counts[1]} with jitter"
     )
     why = "" if jittered < LINE_DEG else "with the jitter of the training it is above the line"
-    return Finding.of(clean < LINE_DEG, figures, why)
+    return ClaimFinding.of(clean < LINE_DEG, figures, why)
 
 
 def name_design(design: Design) -> str:
@@ -105,9 +105,9 @@ def name_design(design: Design) -> str:
     return f"H{design[0]:g} T{design[1]:g} {design[2]}"
 
 
-def _clean_and_jittered(evidence: Evidence, test: Callable[[Errors], tuple[bool, str]]) -> Finding:
+def _clean_and_jittered(evidence: Evidence, test: Callable[[Errors], tuple[bool, str]]) -> ClaimFinding:
     """Decide by the clean errors; say what the jittered ones would decide."""
     holds, text = test(evidence.figures(CLEAN))
     holds_jittered, jittered = test(evidence.figures(JITTERED))
     why = "" if holds == holds_jittered else f"with jitter it {'holds' if holds_jittered else 'does not hold'}"
-    return Finding.of(holds, f"clean: {text}; with jitter: {jittered}", why)
+    return ClaimFinding.of(holds, f"clean: {text}; with jitter: {jittered}", why)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.claims.claim import Finding, Verdict
+from palpate.claims.claim import ClaimFinding, Verdict
 from palpate.core import PalpateError
 from palpate.material import Mode, get_material, trace_curve
 
@@ -24,7 +24,7 @@ CONVERGENCE = "convergence*.csv"
 """What `palpate convergence --out` leaves, also where a contact law was added to the name."""
 
 
-def judge_law() -> Finding:
+def judge_law() -> ClaimFinding:
     """C1: the law of Table 2 against the paper's own two figures."""
     stretch = np.array(list(MEASURED_MPA))
     found = trace_curve(get_material(TABLE_2), Mode.UNIAXIAL, stretch).nominal
@@ -33,10 +33,10 @@ def judge_law() -> Finding:
         f"stretch 5: {found[0]:.4f} MPa ({100 * errors[0]:+.1f} %); "
         f"half height: {-found[1]:.4f} MPa ({100 * errors[1]:+.1f} %)"
     )
-    return Finding.of(max(map(abs, errors)) < WITHIN, figures)
+    return ClaimFinding.of(max(map(abs, errors)) < WITHIN, figures)
 
 
-def judge_mesh(path: Path) -> Finding:
+def judge_mesh(path: Path) -> ClaimFinding:
     """C2: from how many elements of the whole dome on the greatest stress is within 5 % of the finest mesh.
 
     Parameters
@@ -50,8 +50,14 @@ def judge_mesh(path: Path) -> Finding:
     first = next(number for number in range(len(meshes)) if all(abs(e) < WITHIN for _, e in meshes[number:]))
     if first == len(meshes) - 1:  # the finest is compared with itself alone
         open_ended = meshes[-1][0] <= PRINTED_ELEMENTS
-        return Finding(Verdict.OPEN, figures, "needs finer meshes") if open_ended else Finding.of(False, figures)
-    return Finding.of(meshes[first][0] <= PRINTED_ELEMENTS, f"{figures}; within 5 % from {meshes[first][0]:g} on")
+        return (
+            ClaimFinding(Verdict.OPEN, figures, "needs finer meshes")
+            if open_ended
+            else ClaimFinding.of(False, figures)
+        )
+    return ClaimFinding.of(
+        meshes[first][0] <= PRINTED_ELEMENTS, f"{figures}; within 5 % from {meshes[first][0]:g} on"
+    )
 
 
 def _read_meshes(path: Path) -> list[tuple[float, float]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from palpate.claims.claim import MOSTLY, Finding, Verdict
+from palpate.claims.claim import MOSTLY, ClaimFinding, Verdict
 from palpate.claims.evidence import HEIGHTS, MARKERS, THICKNESSES, Dome, Evidence
 
 TIE = 0.01
@@ -19,15 +19,15 @@ THICK, THIN = [(height, 2.0) for height in HEIGHTS], [(height, 1.0) for height i
 """Domes (mm) of the paper's Fig. 10."""
 
 
-def judge_stress(evidence: Evidence) -> Finding:
+def judge_stress(evidence: Evidence) -> ClaimFinding:
     """C3: greatest stress at T = 2 mm falls with height."""
     straight = list(evidence.domes("peak_stress_straight_mpa", THICK).values())
     every = list(evidence.domes("peak_stress_mpa", THICK).values())
     figures = f"straight press {_by_height(straight)} MPa; any tilt {_by_height(every)} MPa"
-    return Finding.of(straight[0] > straight[1] > straight[2], figures)
+    return ClaimFinding.of(straight[0] > straight[1] > straight[2], figures)
 
 
-def judge_deformation(evidence: Evidence) -> Finding:
+def judge_deformation(evidence: Evidence) -> ClaimFinding:
     """C4: the hemisphere deforms most."""
     greatest = evidence.domes("displacement_max_mm", THIN + THICK)
     mean = evidence.domes("displacement_mean_straight_mm", THIN + THICK)
@@ -40,10 +40,10 @@ def judge_deformation(evidence: Evidence) -> Finding:
             f"T = {domes[0][1]:g}: greatest displacement in any press {_by_height([low, middle, high])} mm, mean "
             f"over the dome in the straight press {_by_height([low_mean, middle_mean, high_mean])} mm"
         )
-    return Finding.of(all(wins), "; ".join(texts))
+    return ClaimFinding.of(all(wins), "; ".join(texts))
 
 
-def judge_inversion(evidence: Evidence) -> Finding:
+def judge_inversion(evidence: Evidence) -> ClaimFinding:
     """C5: T = 2 mm conforms, T = 1 mm inverts, more so at steeper angles."""
     branches = evidence.branches(THIN + THICK)
     gap = max(evidence.domes("apex_gap_mm", THICK).values())
@@ -62,18 +62,18 @@ def judge_inversion(evidence: Evidence) -> Finding:
         steep = [branch == "inverted" for tilt, branch in thin if tilt >= middle]
         gentle = [branch == "inverted" for tilt, branch in thin if tilt < middle]
         steeper = sum(steep) / len(steep) > (sum(gentle) / len(gentle) if gentle else 0.0)
-        return Finding.of(conforms and steeper, figures)
+        return ClaimFinding.of(conforms and steeper, figures)
     if conforms and "from" in both[0]:
-        return Finding(
+        return ClaimFinding(
             Verdict.OPEN,
             figures,
             "the presses hold the apex to the wall, so that T = 1 mm keeps its flat state, while the inverted one "
-            "exists beside it; which a real dome takes hangs on knocks and flaws, which the paper does not give",
+            "exists beside it; which a real dome takes depends on knocks and flaws, which the paper does not give",
         )
-    return Finding.of(False, figures)
+    return ClaimFinding.of(False, figures)
 
 
-def judge_travel_by_markers(evidence: Evidence) -> Finding:
+def judge_travel_by_markers(evidence: Evidence) -> ClaimFinding:
     """C6: travel is lowest with 7 markers and highest with 169, and above 1 mm with more than 7."""
     domes = [dome for dome in DOMES if all((*dome, markers) in evidence.rows for markers in MARKERS)]
     travel = evidence.figures("travel_mm", [(*dome, markers) for dome in domes for markers in MARKERS])
@@ -88,20 +88,20 @@ def judge_travel_by_markers(evidence: Evidence) -> Finding:
         f"7 lowest on {lowest} of {len(domes)} domes, 169 highest on {highest}, all others above 1 mm on {above}; "
         f"mean over the domes {means} mm"
     )
-    return Finding.of(holds, figures)
+    return ClaimFinding.of(holds, figures)
 
 
-def judge_travel_by_height(evidence: Evidence) -> Finding:
+def judge_travel_by_height(evidence: Evidence) -> ClaimFinding:
     """C7: travel is greatest at H = 20 mm."""
     travel = evidence.figures("travel_mm")
     cases = [(t, m) for t in THICKNESSES for m in MARKERS]
     wins = sum(travel[20.0, t, m] > max(travel[10.0, t, m], travel[30.0, t, m]) for t, m in cases)
     means = [sum(travel[height, t, m] for t, m in cases) / len(cases) for height in HEIGHTS]
     figures = f"greatest at H = 20 in {wins} of {len(cases)}; mean {_by_height(means)} mm"
-    return Finding.of(wins >= MOSTLY * len(cases), figures)
+    return ClaimFinding.of(wins >= MOSTLY * len(cases), figures)
 
 
-def judge_travel_by_thickness(evidence: Evidence) -> Finding:
+def judge_travel_by_thickness(evidence: Evidence) -> ClaimFinding:
     """C8: travel against thickness is flat at H = 10 mm, and rises fast, then slowly, at 20 and 30 mm."""
     travel = evidence.figures("travel_mm")
     mean = {h: [sum(travel[h, t, m] for m in MARKERS) / len(MARKERS) for t in THICKNESSES] for h in HEIGHTS}
@@ -111,7 +111,7 @@ def judge_travel_by_thickness(evidence: Evidence) -> Finding:
         steps = [after - before for before, after in zip(mean[height], mean[height][1:], strict=False)]
         rises.append(steps[0] > RISE * mean[height][0] and steps[0] > max(steps[1:]))
     texts = [f"H{h:g} {' / '.join(f'{value:.2f}' for value in mean[h])}" for h in HEIGHTS]
-    return Finding.of(flat and all(rises), f"mean travel at T = 1 / 2 / 3 / 4: {'; '.join(texts)} mm")
+    return ClaimFinding.of(flat and all(rises), f"mean travel at T = 1 / 2 / 3 / 4: {'; '.join(texts)} mm")
 
 
 def _by_height(values: list[float]) -> str:

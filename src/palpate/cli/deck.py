@@ -23,4 +23,4 @@ def deck(
     """Write the complete input file of a press in mm, N and MPa."""
     mesh, material, wall = flags.problem()
     write_deck(output, mesh, material, wall, DeckSpec(dialect=dialect, element=element))
-    print(f"{output}: {mesh.dome.name} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")
+    print(f"{output}: {mesh.skin.name} of {element} elements for {dialect}, {output.stat().st_size / 1e6:.1f} MB")

@@ -31,7 +31,7 @@ SYSTEM_PACKAGES = {
 
 
 @dataclass(frozen=True)
-class Check:
+class InstallCheck:
     """One thing looked at: what it is, whether it is fine, and what to do where it is not."""
 
     name: str
@@ -67,9 +67,11 @@ def doctor(*, json: JsonFlag = False) -> int:
     return 0 if healthy else 1
 
 
-def _check_python() -> Check:
+def _check_python() -> InstallCheck:
     version = ".".join(str(part) for part in sys.version_info[:3])
-    return Check("python", sys.version_info >= (3, 11), version, "" if sys.version_info >= (3, 11) else "Use 3.11.")
+    return InstallCheck(
+        "python", sys.version_info >= (3, 11), version, "" if sys.version_info >= (3, 11) else "Use 3.11."
+    )
 
 
 def _needed() -> dict[str, str]:
@@ -94,19 +96,19 @@ def _only_for(marker: Marker, extra: str) -> bool:
     return marker.evaluate({"extra": extra}) and not marker.evaluate({"extra": ""})
 
 
-def _check_package(name: str, extra: str) -> Check:
+def _check_package(name: str, extra: str) -> InstallCheck:
     wanted = f'"palpate[{extra}]"' if extra else name
     if installed_version(name) is None:
-        return Check(name, False, "not installed", f"pip install {wanted}")
+        return InstallCheck(name, False, "not installed", f"pip install {wanted}")
     try:
         importlib.import_module(_module_of(name))
     except Exception as error:  # an old package beside a new one fails as it likes
         missing = re.search(r"lib[\w.+-]+\.so[.\d]*", str(error))
         if missing is not None:
             package = SYSTEM_PACKAGES.get(missing[0], f"the system package with {missing[0]}")
-            return Check(name, False, f"{missing[0]} is missing", f"apt-get install {package}")
-        return Check(name, False, f"does not load: {error}"[:60], f"pip install --upgrade {wanted}")
-    return Check(name, True, installed_version(name) or "")
+            return InstallCheck(name, False, f"{missing[0]} is missing", f"apt-get install {package}")
+        return InstallCheck(name, False, f"does not load: {error}"[:60], f"pip install --upgrade {wanted}")
+    return InstallCheck(name, True, installed_version(name) or "")
 
 
 def _module_of(name: str) -> str:
@@ -118,17 +120,17 @@ def _module_of(name: str) -> str:
     return own if own in public else next(iter(public or modules), own)
 
 
-def _check_calculix() -> Check:
+def _check_calculix() -> InstallCheck:
     path = shutil.which("ccx")
-    return Check(
+    return InstallCheck(
         "calculix", path is not None, path or "not installed", "" if path else "apt-get install calculix-ccx"
     )
 
 
-def _check_backends() -> list[Check]:
+def _check_backends() -> list[InstallCheck]:
     from palpate.mechanics import solver_backends
 
     return [
-        Check(name, available, "installed" if available else "not installed", "" if available else remedy)
+        InstallCheck(name, available, "installed" if available else "not installed", "" if available else remedy)
         for name, available, remedy in solver_backends()
     ]

@@ -62,9 +62,9 @@ def _describe(design: DesignLimits) -> dict[str, Any]:
 
     pooled = pool_limits(design.limits)
     return {
-        "height_mm": design.dome.height,
-        "base_radius_mm": design.dome.base_radius,
-        "thickness_mm": design.dome.thickness,
+        "height_mm": design.skin.height,
+        "base_radius_mm": design.skin.base_radius,
+        "thickness_mm": design.skin.thickness,
         "markers": design.markers.count,
         "limit_deg": pooled.least_squares_deg if pooled else None,
         "limit_pitman_deg": pooled.pitman_deg if pooled else None,

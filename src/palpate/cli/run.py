@@ -28,7 +28,7 @@ MOST_WORKERS = 1024
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class Hands:
+class WorkerFlags:
     """Who does the tasks of a study, and how long each may take."""
 
     workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None
@@ -60,7 +60,7 @@ def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
-    hands: Hands = Hands(),
+    hands: WorkerFlags = WorkerFlags(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
     ] = None,
@@ -92,7 +92,7 @@ def run(
     return 1 if result.failures else 0
 
 
-def _run_watched(study: Study, folder: Path, hands: Hands, *, quiet: bool) -> StudyResult:
+def _run_watched(study: Study, folder: Path, hands: WorkerFlags, *, quiet: bool) -> StudyResult:
     announce_compilation()
     if quiet or not sys.stderr.isatty():
         return run_study(study, folder, hands.workers, Lines(), hands.timeout, hands.cluster)

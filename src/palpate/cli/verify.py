@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_file, print_json, print_table
-from palpate.verify import Outcome, choose_cases, format_deviation, format_number, run_cases, write_page
+from palpate.verify import CaseOutcome, choose_cases, format_deviation, format_number, run_cases, write_page
 
 OUTSIDE = 1
 """Exit code where a row is outside its tolerance."""
@@ -42,7 +42,7 @@ def verify(
     return 0 if all(outcome.passed for outcome in outcomes) else OUTSIDE
 
 
-def describe_outcomes(outcomes: list[Outcome]) -> dict[str, Any]:
+def describe_outcomes(outcomes: list[CaseOutcome]) -> dict[str, Any]:
     """Outcomes as JSON data."""
     cases = [
         {
@@ -62,7 +62,7 @@ def _command(only: str | None, quick: bool, markdown: Path) -> str:
     return " ".join([*words, "--markdown", markdown.as_posix()])
 
 
-def _print_outcomes(outcomes: list[Outcome]) -> None:
+def _print_outcomes(outcomes: list[CaseOutcome]) -> None:
     rows = [
         [
             outcome.case.name,

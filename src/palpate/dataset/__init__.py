@@ -10,7 +10,7 @@ from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
 from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
-from palpate.dataset.vary import Relatives
+from palpate.dataset.vary import VariedPresses
 
 __all__ = [
     "DATASET_VERSION",
@@ -20,8 +20,8 @@ __all__ = [
     "MarkerField",
     "Normalisation",
     "RandomiseSpec",
-    "Relatives",
     "TiltRuns",
+    "VariedPresses",
     "build_field",
     "cut_into_runs",
     "draw_jitter",

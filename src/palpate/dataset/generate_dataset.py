@@ -15,7 +15,7 @@ from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
-from palpate.dataset.vary import Relatives, VariedField, vary_camera, vary_field
+from palpate.dataset.vary import VariedField, VariedPresses, vary_camera, vary_field
 
 if TYPE_CHECKING:
     from palpate.camera import Camera
@@ -33,7 +33,7 @@ def generate_dataset(
     markers: MarkerLayout,
     camera: Camera,
     spec: DatasetSpec = DatasetSpec(),  # noqa: B008  (a spec is frozen)
-    relatives: Relatives = Relatives(),  # noqa: B008  (frozen as well)
+    relatives: VariedPresses = VariedPresses(),  # noqa: B008  (frozen as well)
 ) -> Dataset:
     """Make the images of one design.
 
@@ -63,7 +63,7 @@ def generate_dataset(
     rotations = sample_poses(spec)
     field = vary_field(presses, markers, relatives, spec, len(rotations))
     base = field.base
-    view = _View(camera, presses[0].mesh.dome, spec, base.rest)
+    view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
     dropped: Counter[str] = Counter()

@@ -1,4 +1,4 @@
-"""Markers of units that differ from the design, for a training that has seen what the bench will meet.
+"""Domain randomisation: markers of units that differ from the design, so that a training has seen what will be met.
 
 Every virtual press is that of another unit. With fields u of the presses of the design, of walls with friction µ_k
 and of a thinner and a thicker dome, a unit's displacement is
@@ -33,7 +33,7 @@ _STEP = 0.2
 
 
 @dataclass(frozen=True)
-class Relatives:
+class VariedPresses:
     """Presses of units that differ from the design.
 
     Attributes
@@ -117,7 +117,7 @@ class VariedField:
 
 
 def vary_field(
-    presses: Sequence[Press], layout: MarkerLayout, relatives: Relatives, spec: DatasetSpec, count: int
+    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec, count: int
 ) -> VariedField:
     """Draw a unit for each of `count` virtual presses.
 
@@ -181,7 +181,7 @@ def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> C
     return build_camera(nominal.model_copy(update=values))
 
 
-def _refuse_missing(spec: RandomiseSpec, relatives: Relatives) -> None:
+def _refuse_missing(spec: RandomiseSpec, relatives: VariedPresses) -> None:
     wanted: Mapping[str, tuple[int, int]] = {
         "friction": (len(spec.frictions), len(relatives.frictions)),
         "thickness": (2 if spec.thickness else 0, len(relatives.thicknesses)),
@@ -198,7 +198,7 @@ def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec)
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()
-    dome = presses[0].mesh.dome
+    dome = presses[0].mesh.skin
     _, along, around = dome.tangents(layout.positions)
     moved = [dome.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
     return tuple(build_field(presses, replace(layout, positions=points)) for points in moved)

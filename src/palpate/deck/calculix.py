@@ -201,7 +201,7 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: Obstac
         "contact_energy": nothing,
         "dissipation": nothing,
         "work": PchipInterpolator(depth, force[:, 2]).antiderivative()(depth),
-        "branch": np.where(gap > _INVERTED_GAP * mesh.dome.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
+        "branch": np.where(gap > _INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], images.peak_stress]),
         "contact_area": parts * area,
         "apex_gap": gap,

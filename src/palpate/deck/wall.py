@@ -50,7 +50,7 @@ def ascii_words(wall: ObstacleSpec) -> str:
 def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
     """The obstacle over a mesh; `elements` are already numbered."""
     obstacle, touched = wall.at_touch(mesh)
-    half = 2.0 * (mesh.dome.outer_widest[0] + mesh.dome.thickness)
+    half = 2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness)
     points, facets = obstacle.patch(touched, half)
     if dialect is Dialect.CALCULIX:
         inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal

@@ -11,7 +11,7 @@ from palpate.deck.mesh import deck_mesh, mesh_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
 from palpate.deck.step import boundary_lines, image_lines, step_lines
 from palpate.deck.wall import ascii_words, contact_lines, deck_wall, wall_lines
-from palpate.fea import ObstacleSpec, contact_text, image_depths
+from palpate.fea import ObstacleSpec, contact_text, increment_depths
 from palpate.material import Material
 from palpate.mesh import Mesh
 
@@ -82,11 +82,11 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
 
 def deck_depths(mesh: Mesh, wall: ObstacleSpec) -> list[float]:
     """Depths in mm of the images of a deck, up to where the wall reaches the clamped rim."""
-    return image_depths(wall, min(wall.depth, wall.clamp_depth(mesh)))
+    return increment_depths(wall, min(wall.depth, wall.clamp_depth(mesh)))
 
 
 def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
-    dome = mesh.dome
+    dome = mesh.skin
     part = "whole dome" if mesh.spec.whole else "half dome x >= 0 (forces and energies of the whole are twice these)"
     yield "*HEADING"
     yield f"palpate {provenance()['palpate']}: {dome.name}, pressed by a rigid obstacle"
@@ -111,7 +111,7 @@ def _sections(mesh: Mesh, spec: DeckSpec) -> Iterator[str]:
     if spec.element is DeckElement.SHELL:
         yield "** Section: shell on the mid surface, thickness in mm, 5 points through it"
         yield "*SHELL SECTION, ELSET=DOME, MATERIAL=SILICONE"
-        yield f"{mesh.dome.thickness:.10g}, 5"
+        yield f"{mesh.skin.thickness:.10g}, 5"
         return
     yield "** Section: solid"
     yield "*SOLID SECTION, ELSET=DOME, MATERIAL=SILICONE"

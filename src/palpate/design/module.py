@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.cad import Outline, Solid, revolve
+from palpate.cad import CadSolid, Outline, revolve
 from palpate.design.skin import Skin
 from palpate.design.spec import MountSpec
 
@@ -94,6 +94,6 @@ def build_module(dome: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     return Module(dome, thickness, outer, dome.base_radius, outer + draft, dome.base_radius + draft)
 
 
-def build_solid(module: Module) -> Solid:
+def build_solid(module: Module) -> CadSolid:
     """Build the body of a module."""
     return revolve(module.outline())

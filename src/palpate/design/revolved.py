@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Curve, Outline
+from palpate.cad import Outline, SmoothCurve
 from palpate.core import FloatArray
 from palpate.design.skin import Rim, Skin, Symmetry
 
@@ -192,4 +192,4 @@ class RevolvedSkin(Skin):
         place = self.curve(t) + offset * self._normals(t)
         place[0, 0], place[-1, 1] = 0.0, 0.0
         points = place[1:] if down else place[-2::-1]
-        return [Curve(tuple((float(x), float(z)) for x, z in points))]
+        return [SmoothCurve(tuple((float(x), float(z)) for x, z in points))]

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from palpate.cad import Solid
+from palpate.cad import CadSolid
 from palpate.camera import Camera
 from palpate.core import PalpateError
 from palpate.design import (
@@ -175,7 +175,7 @@ def check_enclosure(module: Module, enclosure: Enclosure, spec: ProcessSpec) -> 
         )
 
 
-def refuse_interference(parts: dict[str, Solid], intended: frozenset[str] = frozenset()) -> None:
+def refuse_interference(parts: dict[str, CadSolid], intended: frozenset[str] = frozenset()) -> None:
     """Stop where two parts of an assembly share volume; the pair `intended` may.
 
     Raises

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from palpate.cad import Arc, Curve, Outline, Solid
+from palpate.cad import Arc, CadSolid, Outline, SmoothCurve
 from palpate.core import FloatArray
 from palpate.design import Module
 
@@ -57,7 +57,7 @@ def draw_mold_section(module: Module, radius: float, floor: float, plate: float)
     return figure
 
 
-def draw_bodies(bodies: Sequence[tuple[str, Solid]]) -> Figure:
+def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
     """Draw the visible edges of bodies side by side, seen from above at an angle, to one scale."""
     figure = Figure(figsize=(3.4 * len(bodies), 3.4), layout="constrained")
     FigureCanvasAgg(figure)
@@ -79,7 +79,7 @@ def follow_outline(outline: Outline) -> FloatArray:
     for item in outline[1:]:
         if isinstance(item, Arc):
             points.append(_follow_arc(points[-1][-1], item))
-        elif isinstance(item, Curve):
+        elif isinstance(item, SmoothCurve):
             points.append(np.array(item.through))
         else:
             points.append(np.array([item], float))

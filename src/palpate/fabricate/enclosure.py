@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.cad import Solid, box, cylinder, revolve
+from palpate.cad import CadSolid, box, cylinder, revolve
 from palpate.core import PalpateError
 from palpate.design import Module, wall_normal
 from palpate.fabricate.spec import CameraBody, ProcessSpec
@@ -42,7 +42,7 @@ ISO_RADIUS = 31.5
 
 
 @dataclass(frozen=True)
-class Body:
+class BodySizes:
     """A camera's body: its size across, its depth behind the pinhole, the lens, and its screws.
 
     Attributes
@@ -74,8 +74,8 @@ def _corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
 
 
 BODIES = {
-    CameraBody.DAVIS346: Body((60.0, 40.0), 25.0, 30.0, 14.0, _corners(24.0, 14.0), 2.5),
-    CameraBody.BOARD28: Body((32.0, 32.0), 12.0, 15.0, 8.0, _corners(14.0, 14.0), 2.2),
+    CameraBody.DAVIS346: BodySizes((60.0, 40.0), 25.0, 30.0, 14.0, _corners(24.0, 14.0), 2.5),
+    CameraBody.BOARD28: BodySizes((32.0, 32.0), 12.0, 15.0, 8.0, _corners(14.0, 14.0), 2.2),
 }
 
 
@@ -93,7 +93,7 @@ class Enclosure:
         (radius, z) mm of the edges of the clamp ring that a wall may meet.
     """
 
-    parts: dict[str, Solid]
+    parts: dict[str, CadSolid]
     camera_distance: float
     ring: tuple[tuple[float, float], ...]
 
@@ -139,7 +139,7 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
     return [(float(radius * np.cos(angle)), float(radius * np.sin(angle))) for angle in angles]
 
 
-def _housing(module: Module, body: Body, sizes: tuple[float, float, float, float]) -> Solid:
+def _housing(module: Module, body: BodySizes, sizes: tuple[float, float, float, float]) -> CadSolid:
     """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
     bore, outer, shelf, low = sizes
     seat, lip = module.foot, module.foot - LED_HEIGHT - WALL
@@ -168,7 +168,7 @@ def _screw_places(module: Module, outer: float) -> list[tuple[float, float]]:
     return _circle(SCREWS, (module.flange_foot + outer) / 2 + 0.25)
 
 
-def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> Solid:
+def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
     """Ring that lies on the housing around the flange and presses on its upper face."""
     edge = module.flange_foot + spec.clearance
     opening = _ring_opening(module)
@@ -191,7 +191,7 @@ def _ring_opening(module: Module) -> float:
     return module.flange_radius - 0.6 * (module.flange_radius - module.dome.outer_widest[0])
 
 
-def _robot_plate(screw_radius: float, outer: float, top: float) -> Solid:
+def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:
     """Plate with the boss, screws and pin of ISO 9409-1-50-4-M6, screwed under the housing."""
     plate = cylinder(outer, top - ISO_PLATE, top).join(
         cylinder(ISO_BOSS / 2 - 0.05, top - ISO_PLATE - ISO_BOSS_HEIGHT, top - ISO_PLATE / 2)

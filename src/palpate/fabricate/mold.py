@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.cad import Solid, box, cylinder, revolve
+from palpate.cad import CadSolid, box, cylinder, revolve
 from palpate.core import PalpateError
 from palpate.design import Module
 from palpate.fabricate.spec import ProcessSpec
@@ -48,7 +48,7 @@ class Mold:
     """
 
     module: Module
-    parts: dict[str, Solid]
+    parts: dict[str, CadSolid]
     radius: float
 
     @property
@@ -111,7 +111,7 @@ def _pins(module: Module, spec: ProcessSpec) -> list[tuple[float, float]]:
     return [_at(middle, azimuth) for azimuth in PIN_AZIMUTHS_DEG]
 
 
-def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> Solid:
+def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
     top = module.dome.height + module.dome.thickness + spec.mold_floor
     block = cylinder(radius, module.foot, top).cut(revolve(module.outside()))
     root = module.foot + spec.mold_floor / 4
@@ -119,7 +119,7 @@ def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> Solid:
     return block.join(*pins)
 
 
-def _build_core(module: Module, spec: ProcessSpec, radius: float) -> Solid:
+def _build_core(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
     foot, low = module.foot, module.foot - spec.plate
     core = cylinder(radius, low, foot).join(revolve(module.inside()))
     hole = spec.pin_diameter / 2 + spec.clearance
@@ -137,7 +137,7 @@ def vent_azimuths(count: int) -> list[float]:
     return [POUR_AZIMUTH_DEG + 360.0 * (k + 1) / (count + 1) for k in range(count)]
 
 
-def _split(cavity: Solid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, Solid]:
+def _split(cavity: CadSolid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
     """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
     low, high = module.foot - spec.pin_height, module.dome.height + module.dome.thickness + spec.mold_floor
     across = (module.dome.outer_widest[0] + radius) / 2
@@ -154,6 +154,6 @@ def _split(cavity: Solid, module: Module, radius: float, spec: ProcessSpec) -> d
     }
 
 
-def _dowel(x: float, z: float, radius: float) -> Solid:
+def _dowel(x: float, z: float, radius: float) -> CadSolid:
     """Hole for a dowel along y about (x, z)."""
     return cylinder(radius, -DOWEL_DEPTH, DOWEL_DEPTH).turned("x", 90.0).moved(x, 0.0, z)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.cad import Arc, Outline, Point, Solid, box, cylinder, extrude, write_step
+from palpate.cad import Arc, CadSolid, Outline, Point, box, cylinder, extrude, write_step
 from palpate.core import PalpateError, new_folder, provenance
 from palpate.fabricate.folder import hash_files
 from palpate.fabricate.mesh_file import write_mesh
@@ -50,8 +50,8 @@ class SpecimenMold:
     """
 
     name: str
-    specimen: Solid
-    tray: Solid
+    specimen: CadSolid
+    tray: CadSolid
 
 
 def build_specimen_molds(spec: ProcessSpec, count: int = 5) -> tuple[SpecimenMold, SpecimenMold]:
@@ -122,7 +122,7 @@ def outline_dumbbell(scale: float = 1.0) -> Outline:
     ]
 
 
-def _tray(hollow: Callable[[], Solid], size: tuple[float, float, float], scale: float, count: int) -> Solid:
+def _tray(hollow: Callable[[], CadSolid], size: tuple[float, float, float], scale: float, count: int) -> CadSolid:
     """A block with `count` hollows side by side along y, open at the top."""
     long, wide, high = (scale * value for value in size)
     pitch = wide + _RIM

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.cad import Solid, SurfaceMesh, gather, write_step
+from palpate.cad import CadSolid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError, new_folder, provenance
 from palpate.design import (
@@ -55,7 +55,7 @@ class _Made:
     enclosure: Enclosure
     artwork: Artwork
     camera: Camera
-    solids: dict[str, Solid]
+    solids: dict[str, CadSolid]
 
 
 def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
@@ -140,7 +140,7 @@ def _for_printer(name: str, mesh: SurfaceMesh) -> SurfaceMesh:
     return mesh.turned(_UPSIDE_DOWN if name in _TURNED else np.eye(3))
 
 
-def _as_printed(name: str, solid: Solid) -> Solid:
+def _as_printed(name: str, solid: CadSolid) -> CadSolid:
     return solid.turned("x", 180.0) if name in _TURNED else solid
 
 

@@ -13,7 +13,7 @@ from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.plot_press import picture_press, plot_press, tabulate_press
 from palpate.fea.press import FEA_VERSION, Branch, Press
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
-from palpate.fea.solve_press import image_depths, solve_press
+from palpate.fea.solve_press import increment_depths, solve_press
 from palpate.fea.spec import FRICTIONLESS, NO_SLIP, ObstacleSpec, check_contact, contact_text
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.wall import Plane, WallSpec
@@ -47,7 +47,7 @@ __all__ = [
     "contact_text",
     "export_press",
     "find_stability",
-    "image_depths",
+    "increment_depths",
     "nodal_von_mises",
     "obstacle_from_data",
     "picture_press",

@@ -97,5 +97,5 @@ class BallSpec(ObstacleSpec):
         middle = self.turn(mesh).T @ turn_about_axis(np.radians(self.azimuth_deg)) @ [self.offset, 0.0, 0.0]
         if not mesh.spec.whole:
             middle[0] = 0.0
-        middle[2] = self.radius + mesh.dome.outer_height
+        middle[2] = self.radius + mesh.skin.outer_height
         return touch_first(mesh, Ball(self.radius, middle))

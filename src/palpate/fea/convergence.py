@@ -20,7 +20,7 @@ CELLS = (8, 11, 16, 22, 32)
 
 @dataclass(frozen=True)
 class MeshResult:
-    """What one mesh says of a press at the deepest image that every mesh reached, against the finest mesh.
+    """What one mesh says of a press at the deepest increment that every mesh reached, against the finest mesh.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class MeshResult:
     elements, unknowns
         Of the modelled part.
     depth
-        mm, of the image compared.
+        mm, of the increment compared.
     peak_stress
         MPa, greatest von Mises stress.
     force
@@ -86,7 +86,7 @@ def study_convergence(
     Raises
     ------
     PalpateError
-        If fewer than two meshes are given, or they share no image but rest.
+        If fewer than two meshes are given, or they share no increment but rest.
     """
     counts = sorted(set(cells))
     if len(counts) < 2:
@@ -96,7 +96,7 @@ def study_convergence(
     presses = []
     for count in counts:
         spec = mesh.spec.model_copy(update={"cells": MeshSpec(cells=count).cells})
-        presses.append(solve_press(mesh_skin(mesh.dome, spec), material, wall))
+        presses.append(solve_press(mesh_skin(mesh.skin, spec), material, wall))
         on_press(count, presses[-1])
     return tuple(_compare(presses, points, _deepest_shared(presses)))
 
@@ -109,19 +109,19 @@ def _deepest_shared(presses: Sequence[Press]) -> float:
 
 
 def _compare(presses: Sequence[Press], points: FloatArray, depth: float) -> Iterable[MeshResult]:
-    finest, images = presses[-1], list(_images(presses, depth))
-    expected = finest.positions(points)[images[-1]]
-    for press, image in zip(presses, images, strict=True):
-        distance = np.linalg.norm(press.positions(points)[image] - expected, axis=1) / depth
+    finest, increments = presses[-1], list(_images(presses, depth))
+    expected = finest.positions(points)[increments[-1]]
+    for press, increment in zip(presses, increments, strict=True):
+        distance = np.linalg.norm(press.positions(points)[increment] - expected, axis=1) / depth
         yield MeshResult(
             cells=press.mesh.spec.cells or 0,
             elements=len(press.mesh.cells),
             unknowns=press.unknowns,
             depth=depth,
-            peak_stress=float(press.peak_stress[image]),
-            force=float(press.force[image, 2]),
-            stress_error=float(press.peak_stress[image] / finest.peak_stress[images[-1]] - 1),
-            force_error=float(press.force[image, 2] / finest.force[images[-1], 2] - 1),
+            peak_stress=float(press.peak_stress[increment]),
+            force=float(press.force[increment, 2]),
+            stress_error=float(press.peak_stress[increment] / finest.peak_stress[increments[-1]] - 1),
+            force_error=float(press.force[increment, 2] / finest.force[increments[-1], 2] - 1),
             marker_error=float(np.sqrt((distance**2).mean())),
             worst_marker_error=float(distance.max()),
             cpu_s=press.cpu_s,

@@ -76,5 +76,5 @@ class CylinderSpec(ObstacleSpec):
 
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
-        middle = turn @ [0.0, self.offset, self.radius + mesh.dome.outer_height]
+        middle = turn @ [0.0, self.offset, self.radius + mesh.skin.outer_height]
         return touch_first(mesh, Cylinder(self.radius, middle, turn[:, 0].copy()))

@@ -1,4 +1,4 @@
-"""Export a press to look at: a VTK file an image, a series in time, and the force as a table.
+"""Export a press to look at: a VTK file an increment, a series in time, and the force as a table.
 
 ``press.pvd`` opens the series in ParaView; its time is the depth in mm. The nodes are those of the undeformed mesh
 in the dome's frame (*Warp by vector* ``displacement_mm`` shows the deformed dome); cells are quadratic in all three
@@ -84,8 +84,10 @@ def _write_images(folder: Path, press: Press) -> list[str]:
         if solid is not None:
             fields |= _stress_fields(solid, u, turn)
         names.append(f"press_{k:04d}.vtu")
-        image = meshio.Mesh(mesh.nodes @ turn.T, cells, {name: np.ascontiguousarray(f) for name, f in fields.items()})
-        meshio.write(folder / names[-1], image)
+        increment = meshio.Mesh(
+            mesh.nodes @ turn.T, cells, {name: np.ascontiguousarray(f) for name, f in fields.items()}
+        )
+        meshio.write(folder / names[-1], increment)
     return names
 
 
@@ -112,7 +114,7 @@ def _write_series(path: Path, names: list[str], depth: FloatArray) -> None:
 
 
 def _write_force(path: Path, press: Press) -> None:
-    """One row an image: force of the whole dome on the wall in the dome's frame, energies, contact."""
+    """One row an increment: force of the whole dome on the wall in the dome's frame, energies, contact."""
     columns = {
         "depth_mm": press.depth,
         "fx_n": press.force[:, 0],

@@ -38,7 +38,7 @@ def touch_first(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
     PalpateError
         If it passes by the skin, or touches its clamped rim first.
     """
-    size = mesh.dome.base_radius
+    size = mesh.skin.base_radius
     turn = np.pi if not mesh.spec.whole else 2 * np.pi
     angle = np.linspace(0, turn, _AROUND) - np.pi / 2
     radius = np.linspace(0, 1, _RINGS)[:, None]
@@ -61,7 +61,7 @@ def _deepest(mesh: Mesh, obstacle: Obstacle, disc: FloatArray) -> tuple[FloatArr
     """Point (3,) mm of the outer surface that lies deepest in the obstacle, and its penetration, mm."""
 
     def outside(place: FloatArray) -> FloatArray:
-        return mesh.dome.point(place, 1.0, mesh.spec.rim)
+        return mesh.skin.point(place, 1.0, mesh.spec.rim)
 
     def reach(place: FloatArray) -> float:
         length = max(1.0, float(np.hypot(*place)))

@@ -39,7 +39,7 @@ def write_press(path: Path, press: Press) -> None:
     with h5py.File(path, "w") as file:
         file.attrs["kind"] = "palpate press"
         file.attrs["version"] = FEA_VERSION
-        file.attrs["dome"] = json.dumps(press.mesh.dome.spec_data)
+        file.attrs["dome"] = json.dumps(press.mesh.skin.spec_data)
         file.attrs["mesh"] = press.mesh.spec.model_dump_json()
         file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
         file.attrs["wall"] = press.wall.model_dump_json()

@@ -33,8 +33,8 @@ def plot_press(press: Press) -> Figure:
     FigureCanvasAgg(figure)
     section, curve = figure.subplots(1, 2)
     chosen = np.unique(np.linspace(0, len(press.depth) - 1, _DRAWN).astype(int))
-    for image, shade in zip(chosen, np.linspace(0.75, 0.1, len(chosen)), strict=True):
-        _draw_section(section, press, int(image), str(shade))
+    for increment, shade in zip(chosen, np.linspace(0.75, 0.1, len(chosen)), strict=True):
+        _draw_section(section, press, int(increment), str(shade))
     section.set_aspect("equal")
     section.set_xlabel("across, in the plane of the tilt (mm)")
     section.set_ylabel("height (mm)")
@@ -48,13 +48,13 @@ def plot_press(press: Press) -> Figure:
     curve.legend(frameon=False)
     for axis in (section, curve):
         axis.spines[["top", "right"]].set_visible(False)
-    title = f"{press.mesh.dome.name}, {press.wall.words}: {press.ended}"
+    title = f"{press.mesh.skin.name}, {press.wall.words}: {press.ended}"
     figure.suptitle(title, fontsize=11)
     return figure
 
 
 def tabulate_press(press: Press) -> str:
-    """A press as an HTML table, a row an image."""
+    """A press as an HTML table, a row an increment."""
     heads = ("depth (mm)", "force (N)", "peak stress (MPa)", "contact (mm²)", "branch")
     force = np.linalg.norm(press.force, axis=1)
     figures = zip(press.depth, force, press.peak_stress, press.contact_area, strict=True)
@@ -72,15 +72,15 @@ def html_table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) 
     return f"<table><caption>{html.escape(title)}</caption><tr>{line}</tr>{body}</table>"
 
 
-def picture_press(press: Press, image: int = -1, path: Path | None = None) -> NDArray[np.uint8]:
+def picture_press(press: Press, increment: int = -1, path: Path | None = None) -> NDArray[np.uint8]:
     """Picture of the pressed dome in 3-D, coloured by von Mises stress.
 
     Parameters
     ----------
     press
         The press.
-    image
-        Which of its images; the last by default.
+    increment
+        Which of its increments; the last by default.
     path
         PNG file to write as well.
 
@@ -100,7 +100,9 @@ def picture_press(press: Press, image: int = -1, path: Path | None = None) -> ND
     pyvista = load_extra("pyvista", "viz")
     plotter = pyvista.Plotter(off_screen=True, window_size=(800, 600))
     try:
-        plotter.add_mesh(_surface(pyvista, press, image), scalars="von Mises (MPa)", cmap="viridis", show_edges=False)
+        plotter.add_mesh(
+            _surface(pyvista, press, increment), scalars="von Mises (MPa)", cmap="viridis", show_edges=False
+        )
         plotter.view_isometric()
         drawn: NDArray[np.uint8] = np.asarray(
             plotter.screenshot(None if path is None else str(path), return_img=True)
@@ -129,14 +131,14 @@ def check_graphics() -> None:
         ) from None
 
 
-def _surface(pyvista: Any, press: Press, image: int) -> Any:
+def _surface(pyvista: Any, press: Press, increment: int) -> Any:
     """Both halves of the deformed surfaces as one mesh of quadrilaterals."""
     mesh = press.mesh
     quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
     faces = np.concatenate([mesh.outer_faces, mesh.inner_faces])[:, quads].reshape(-1, 4)
     cells = np.column_stack([np.full(len(faces), 4), faces])
-    points = mesh.nodes + press.displacement[image]
-    stress = nodal_von_mises(press)[image]
+    points = mesh.nodes + press.displacement[increment]
+    stress = nodal_von_mises(press)[increment]
     halves = []
     for side in (1.0,) if mesh.spec.whole else (1.0, -1.0):
         half = pyvista.PolyData(points * [side, 1.0, 1.0], cells.ravel())
@@ -145,14 +147,14 @@ def _surface(pyvista: Any, press: Press, image: int) -> Any:
     return halves[0].merge(halves[1]) if len(halves) > 1 else halves[0]
 
 
-def _draw_section(axis: Any, press: Press, image: int, shade: str) -> None:
+def _draw_section(axis: Any, press: Press, increment: int, shade: str) -> None:
     """Inner and outer outline of the deformed section x = 0."""
     mesh = press.mesh
     inside = np.flatnonzero(np.abs(mesh.nodes[:, 0]) < 1e-9)
-    moved = mesh.nodes + press.displacement[image]
+    moved = mesh.nodes + press.displacement[increment]
     for faces in (mesh.inner_faces, mesh.outer_faces):
         line = np.intersect1d(inside, faces)
         line = line[np.argsort(mesh.inner_disc[line, 1])]
-        label = f"{press.depth[image]:.1f} mm" if faces is mesh.inner_faces else None
+        label = f"{press.depth[increment]:.1f} mm" if faces is mesh.inner_faces else None
         axis.plot(moved[line, 1], moved[line, 2], color=shade, linewidth=1.4, label=label)
     axis.legend(frameon=False, fontsize=8, loc="lower center", ncols=2)

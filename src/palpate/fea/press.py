@@ -18,7 +18,7 @@ FEA_VERSION = "7"
 
 
 class Branch(StrEnum):
-    """Which of the two stable states an image shows."""
+    """Which of the two stable states an increment shows."""
 
     FLAT = "flat"
     INVERTED = "inverted"
@@ -26,7 +26,7 @@ class Branch(StrEnum):
 
 @dataclass(frozen=True)
 class Press:
-    """What a press left: one *image* at rest, one every image step, and the last state where it ended early.
+    """What a press left: one increment at rest, one every increment step, and the last state where it ended early.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Press:
     solved_by: str = "palpate"
 
     def positions(self, points: FloatArray) -> FloatArray:
-        """Follow points of the undeformed inner surface through every image.
+        """Follow points of the undeformed inner surface through every increment.
 
         Parameters
         ----------

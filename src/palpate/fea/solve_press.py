@@ -58,19 +58,19 @@ def solve_press(
     material
         The elastomer.
     wall
-        The obstacle: where it is, how far it goes, image step and contact law; a flat wall by default.
+        The obstacle: where it is, how far it goes, increment step and contact law; a flat wall by default.
     solver
         How to solve.
     branch
         Flat: pressed from rest. Inverted: the other state, found at the greatest depth and followed back to where
-        it ends; it has no image at rest, and its work counts from the energy stored there.
+        it ends; it has no increment at rest, and its work counts from the energy stored there.
     observe
-        Called with the depth in mm of each image on the way down as soon as it is solved.
+        Called with the depth in mm of each increment on the way down as soon as it is solved.
 
     Returns
     -------
     Press
-        Images at rest, at every image step, and at the end where it came early, with its reason.
+        Increments at rest, at every increment step, and at the end where it came early, with its reason.
 
     Raises
     ------
@@ -81,17 +81,17 @@ def solve_press(
     started = time.process_time()
     path = start_press(mesh, material, wall, solver)
     reachable = wall.clamp_depth(mesh)
-    goals = image_depths(wall, min(wall.depth, reachable))
-    images = _press_down(path, goals, observe)
+    goals = increment_depths(wall, min(wall.depth, reachable))
+    increments = _press_down(path, goals, observe)
     if wall.unload and path.ended is Ended.DEPTH_REACHED:
-        images += _draw_back(path, goals)
+        increments += _draw_back(path, goals)
     if branch is Branch.INVERTED:
-        images = _follow_back(path, goals, mesh.dome.thickness)
+        increments = _follow_back(path, goals, mesh.skin.thickness)
     ended, message = path.ended, path.message
     if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
         message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
-    fields = _fields(path, images, mesh, wall)
+    fields = _fields(path, increments, mesh, wall)
     jumps = [increment.depth for increment in path.increments if increment.jumped]
     return Press(
         mesh=mesh,
@@ -110,49 +110,49 @@ def solve_press(
 
 
 def _press_down(path: Continuation, goals: list[float], observe: Callable[[float], None] | None) -> list[int]:
-    """Press to the depths (mm) of the images as far as they go; the points of the path that are images."""
-    images = [0]
+    """Press to the depths (mm) of the increments as far as they go; the points of the path that are increments."""
+    increments = [0]
     for goal in goals:
         if not path.advance(goal):
-            if path.last.depth > path.increments[images[-1]].depth:
-                images.append(len(path.increments) - 1)
+            if path.last.depth > path.increments[increments[-1]].depth:
+                increments.append(len(path.increments) - 1)
             break
-        images.append(len(path.increments) - 1)
+        increments.append(len(path.increments) - 1)
         if observe is not None:
             observe(goal)
-    return images
+    return increments
 
 
 def _draw_back(path: Continuation, goals: list[float]) -> list[int]:
-    """Draw the wall back through the depths (mm) of the images to first touch; the points that are images."""
-    images = []
+    """Draw the wall back through the depths (mm) of the increments to first touch; the points that are increments."""
+    increments = []
     for goal in [*reversed(goals[:-1]), 0.0]:
         if not path.advance(goal):
             break
-        images.append(len(path.increments) - 1)
-    return images
+        increments.append(len(path.increments) - 1)
+    return increments
 
 
 def _follow_back(path: Continuation, goals: list[float], thickness: float) -> list[int]:
-    """Invert the apex at the depth reached and follow that branch back; its points, and those that are images."""
+    """Invert the apex at the depth reached and follow that branch back; its points, and those that are increments."""
     rest, deepest = path.increments[0], path.last.depth
     if not any(path.invert(push * thickness) for push in _PUSHES):
         path.increments = [rest]
         path.ended, path.message = Ended.NO_BRANCH, f"No inverted state was found at {deepest:.4g} mm."
         return [0]
-    path.ended, path.message, images = Ended.DEPTH_REACHED, "", [0]
+    path.ended, path.message, increments = Ended.DEPTH_REACHED, "", [0]
     for goal in reversed([goal for goal in goals if goal < deepest - 1e-6]):
         reached = path.advance(goal)
-        if len(path.increments) - 1 > images[-1]:
-            images.append(len(path.increments) - 1)
+        if len(path.increments) - 1 > increments[-1]:
+            increments.append(len(path.increments) - 1)
         if not reached:
             break
     path.increments = [replace(increment, jumped=False) for increment in reversed(path.increments)]
-    return [len(path.increments) - 1 - image for image in reversed(images)]
+    return [len(path.increments) - 1 - increment for increment in reversed(increments)]
 
 
-def image_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
-    """Depths in mm of the images after rest: every image step, and the deepest."""
+def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
+    """Depths in mm of the increments after rest: every increment step, and the deepest."""
     count = int(np.floor(deepest / wall.image_step + 1e-9))
     depths = [wall.image_step * (k + 1) for k in range(count)]
     if not depths or deepest - depths[-1] > 1e-6:
@@ -168,7 +168,7 @@ def start_press(mesh: Mesh, material: Material, wall: ObstacleSpec, solver: Solv
     solid = Solid(mesh.nodes, mesh.cells, material, fixed)
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
-    thickness = mesh.dome.thickness
+    thickness = mesh.skin.thickness
     stiffness = solver.penalty_ratio * material.young_modulus / thickness
     law = ContactLaw(
         stiffness=stiffness,
@@ -183,18 +183,18 @@ def start_press(mesh: Mesh, material: Material, wall: ObstacleSpec, solver: Solv
 
     loading = ContactLoading(mesh.nodes, surface, law, at)
     probe = int(np.argmin(np.linalg.norm(surface.points - touched, axis=1)))
-    unit = mesh.dome.base_radius / _BASE_RADIUS
+    unit = mesh.skin.base_radius / _BASE_RADIUS
     monitor = SkinMonitor(solid, loading, probe, obstacle.gap(touched[None]).normal[0], thickness, unit)
     tolerance = solver.tolerance * material.law.shear_modulus * thickness**2
     problem = Problem(solid, make_linear_solver(solver.backend), tolerance, thickness)
     return Continuation(problem, loading, monitor, solver, unit)
 
 
-def _fields(path: Continuation, images: list[int], mesh: Mesh, wall: ObstacleSpec) -> dict[str, Any]:
-    """Arrays of the `Press` at the images."""
+def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: ObstacleSpec) -> dict[str, Any]:
+    """Arrays of the `Press` at the increments."""
     monitor = path.monitor
     assert isinstance(monitor, SkinMonitor)
-    points = [path.increments[k] for k in images]
+    points = [path.increments[k] for k in increments]
     parts = 1.0 if mesh.spec.whole else 2.0
     side = np.ones(3) if mesh.spec.whole else np.array([0.0, 1.0, 1.0])
     area, peak = [], []
@@ -211,7 +211,7 @@ def _fields(path: Continuation, images: list[int], mesh: Mesh, wall: ObstacleSpe
         "energy": np.array([parts * point.loads.elastic for point in points]),
         "contact_energy": np.array([parts * point.loads.potential for point in points]),
         "dissipation": np.array([parts * point.dissipated for point in points]),
-        "work": parts * _work(path.increments)[images],
+        "work": parts * _work(path.increments)[increments],
         "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.array(peak),
         "contact_area": np.array(area),

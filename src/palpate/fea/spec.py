@@ -52,7 +52,7 @@ class ObstacleSpec(Spec, ABC):
     depth: float = parameter(8.0, unit="mm", meaning="travel of the wall from first touch", gt=0, le=60)
     image_step: float = parameter(0.8, unit="mm", meaning="travel between two images", flag="step", gt=0, le=60)
     unload: bool = False
-    """Whether the wall is drawn back to first touch, through the same images."""
+    """Whether the wall is drawn back to first touch, through the same increments."""
     contact: Annotated[str | float, BeforeValidator(check_contact)] = parameter(
         NO_SLIP,
         unit="1",

@@ -23,12 +23,12 @@ from palpate.mesh import Mesh
 
 @dataclass(frozen=True)
 class Stability:
-    """Both branches of one dome under one tilt, at the depths of the images.
+    """Both branches of one dome under one tilt, at the depths of the increments.
 
     Attributes
     ----------
     wall
-        Tilt, deepest travel, image step and contact law.
+        Tilt, deepest travel, increment step and contact law.
     depth
         (n,) mm.
     flat_energy, inverted_energy
@@ -67,7 +67,7 @@ def find_stability(
     Returns
     -------
     Stability
-        At the depths of the images of the flat press, from first touch on.
+        At the depths of the increments of the flat press, from first touch on.
     """
     flat = solve_press(mesh, material, wall, solver)
     inverted = solve_press(mesh, material, wall, solver, Branch.INVERTED)
@@ -90,7 +90,7 @@ def find_stability(
 
 
 def _at(press: Press, values: FloatArray, branch: Branch, depth: FloatArray) -> FloatArray:
-    """Values (n,) of the images of a branch at these depths; nan where it has none."""
+    """Values (n,) of the increments of a branch at these depths; nan where it has none."""
     result = np.full(len(depth), np.nan)
     for at, value, label in zip(press.depth, values, press.branch, strict=True):
         if label == branch:

@@ -41,7 +41,7 @@ class WallSpec(ObstacleSpec):
 
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         normal = self.normal(mesh)
-        touched = mesh.dome.touch(normal)
+        touched = mesh.skin.touch(normal)
         return Plane(normal, touched), touched
 
     def normal(self, mesh: Mesh) -> FloatArray:
@@ -53,7 +53,7 @@ class WallSpec(ObstacleSpec):
             If the wall touches the clamped rim before the skin.
         """
         tilt, azimuth = np.radians(self.tilt_deg), np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
-        rim = mesh.dome.rim_slope(mesh.spec.rim)
+        rim = mesh.skin.rim_slope(mesh.spec.rim)
         if tilt >= rim:
             raise PalpateError(
                 f"A wall tilted by {self.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the "
@@ -63,7 +63,7 @@ class WallSpec(ObstacleSpec):
         return wall_normal(*rotation_vector(tilt, azimuth))
 
     def clamp_depth(self, mesh: Mesh) -> float:
-        return mesh.dome.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim)
+        return mesh.skin.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim)
 
 
 @final

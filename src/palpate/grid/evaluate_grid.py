@@ -92,9 +92,9 @@ def _press(press: PressSummary) -> Row:
 
 def _row(design: DesignResult) -> dict[str, Cell]:
     return {
-        "height_mm": design.dome.height,
-        "base_radius_mm": design.dome.base_radius,
-        "thickness_mm": design.dome.thickness,
+        "height_mm": design.skin.height,
+        "base_radius_mm": design.skin.base_radius,
+        "thickness_mm": design.skin.thickness,
         "shape": str(design.shape),
         "markers": design.markers.count,
         **_errors(design.clean, ""),

@@ -1,4 +1,4 @@
-"""How far an estimate may be wrong, and whether the image is of a kind that the training knew.
+"""Conformal intervals: how far an estimate may be wrong; and which images are out of distribution.
 
 The half-width of the interval of one component of the pose is
 

@@ -63,7 +63,7 @@ def _best_setting(dataset: Dataset, space: SearchSpace, spec: SearchSpec, journa
     study = _open_study(journal)
     trials = spec.trials or space.trials
     while (done := len(_ended(study))) < trials:
-        # the sampler's stream hangs on the number of trials done, so that a resumed search repeats the same ones
+        # the sampler's stream depends on the number of trials done, so that a resumed search repeats the same ones
         study.sampler = _sampler(child_seed(spec.seed, "trial", done) % 2**32)
         study.optimize(lambda trial: _judge(dataset, space, trial, spec), n_trials=1)
     return study.best_trial.params

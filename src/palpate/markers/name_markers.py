@@ -1,4 +1,4 @@
-"""From dots at rest to numbered markers, for a camera whose pose is not known well.
+"""Assignment of dots at rest to markers (naming), for a camera whose pose is not known well.
 
 1. The pattern is laid over the dots for every turn and shift of a coarse grid, scored by how many dots lie near.
 2. From the best of these, nearest neighbours and a smooth map (similarity, then affine, then polynomial) improve each

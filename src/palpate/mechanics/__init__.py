@@ -5,7 +5,7 @@ from palpate.mechanics.continuation import Continuation, Increment
 from palpate.mechanics.element import System
 from palpate.mechanics.friction import ContactLaw
 from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
-from palpate.mechanics.loading import ContactLoading, Loading, LoadLoading
+from palpate.mechanics.loading import ContactLoading, DeadLoading, PathLoading
 from palpate.mechanics.monitor import Ended, Monitor, Unwatched
 from palpate.mechanics.newton import Equilibrium, Loads, Problem
 from palpate.mechanics.obstacle import Gap, Obstacle, grid_quads, tangents
@@ -26,17 +26,17 @@ __all__ = [
     "Continuation",
     "Damping",
     "DeadLoad",
+    "DeadLoading",
     "Ended",
     "Equilibrium",
     "Gap",
     "Increment",
     "LinearSolver",
-    "LoadLoading",
-    "Loading",
     "Loads",
     "Monitor",
     "Obstacle",
     "OuterSurface",
+    "PathLoading",
     "Pattern",
     "Problem",
     "Share",

@@ -20,7 +20,7 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.mechanics.friction import ContactHistory
-from palpate.mechanics.loading import Loading
+from palpate.mechanics.loading import PathLoading
 from palpate.mechanics.monitor import Ended, Monitor
 from palpate.mechanics.newton import Equilibrium, Loads, Problem
 from palpate.mechanics.solid import State
@@ -121,7 +121,7 @@ class Continuation:
     """
 
     problem: Problem
-    loading: Loading
+    loading: PathLoading
     monitor: Monitor
     spec: SolverSpec
     unit: float = 1.0

@@ -26,7 +26,7 @@ from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import DeadLoad, Term
 
 
-class Loading(ABC):
+class PathLoading(ABC):
     """The terms that act on a body at a parameter of its path: depth in mm, or factor on its loads."""
 
     remembers: bool
@@ -57,7 +57,7 @@ class Loading(ABC):
 
 @final
 @dataclass(frozen=True)
-class ContactLoading(Loading):
+class ContactLoading(PathLoading):
     """An obstacle that moves.
 
     Attributes
@@ -117,7 +117,7 @@ class ContactLoading(Loading):
 
 @final
 @dataclass(frozen=True)
-class LoadLoading(Loading):
+class DeadLoading(PathLoading):
     """Dead loads that grow in proportion.
 
     Attributes

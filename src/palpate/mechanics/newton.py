@@ -25,7 +25,7 @@ _FIRST_SHIFT, _SHIFTS = 1e-3, 8
 """First shift of an indefinite tangent, over mu/T² and the nodal volume, and how often it may grow."""
 
 
-class Outcome(StrEnum):
+class SolveOutcome(StrEnum):
     """How an increment ended."""
 
     CONVERGED = "converged"
@@ -75,7 +75,7 @@ class Equilibrium:
         Residual of every iteration, N.
     """
 
-    outcome: Outcome
+    outcome: SolveOutcome
     state: State
     loads: Loads
     residual: float
@@ -86,7 +86,7 @@ class Equilibrium:
     @property
     def converged(self) -> bool:
         """Whether the state is an equilibrium."""
-        return self.outcome is Outcome.CONVERGED
+        return self.outcome is SolveOutcome.CONVERGED
 
 
 class Problem:
@@ -157,21 +157,21 @@ class Problem:
         loads = self.assemble(state, terms)
         for iteration in range(iterations + 1):
             if not np.isfinite(loads.elastic):
-                return self._end(Outcome.INVERTED_CELL, state, loads, history, pivots)
+                return self._end(SolveOutcome.INVERTED_CELL, state, loads, history, pivots)
             residual = self._system.residual[self.body.free]
             history.append(float(np.abs(residual).max(initial=0.0)))
             if not np.isfinite(history[-1]):
-                return self._end(Outcome.DIVERGED, state, loads, history, pivots)
+                return self._end(SolveOutcome.DIVERGED, state, loads, history, pivots)
             if history[-1] <= slack * self.tolerance and iteration > 0:
-                return self._end(Outcome.CONVERGED, state, loads, history, pivots)
+                return self._end(SolveOutcome.CONVERGED, state, loads, history, pivots)
             if iteration == iterations:
                 break
             try:
                 pivots, step = self._direction(residual, descend=descend)
             except SingularMatrixError:
-                return self._end(Outcome.SINGULAR, state, loads, history, pivots)
+                return self._end(SolveOutcome.SINGULAR, state, loads, history, pivots)
             state, loads = self._search(state, step, float(residual @ step), terms)
-        return self._end(Outcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
+        return self._end(SolveOutcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
 
     def step(self, start: State, terms: Sequence[Term]) -> State:
         """One linear step from `start`, no longer than the body is thick; `start` itself where there is none."""
@@ -229,7 +229,7 @@ class Problem:
         return moved, loads
 
     @staticmethod
-    def _end(outcome: Outcome, state: State, loads: Loads, history: list[float], pivots: int) -> Equilibrium:
+    def _end(outcome: SolveOutcome, state: State, loads: Loads, history: list[float], pivots: int) -> Equilibrium:
         return Equilibrium(
             outcome=outcome,
             state=state,

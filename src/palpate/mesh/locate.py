@@ -65,15 +65,15 @@ def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
 
 
 def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
-    off = np.abs(mesh.dome.distance(points))
+    off = np.abs(mesh.skin.distance(points))
     if off.max(initial=0.0) > _OFF_SURFACE_MM:
         worst = int(np.argmax(off))
         raise PalpateError(
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the inner "
-            f"surface of {mesh.dome.name}.",
+            f"surface of {mesh.skin.name}.",
             f"Give points within {_OFF_SURFACE_MM} mm of it.",
         )
-    place = mesh.dome.disc(points)
+    place = mesh.skin.disc(points)
     beyond = np.maximum(np.hypot(place[:, 0], place[:, 1]), 1.0)
     if beyond.max(initial=0.0) > 1 + 1e-6:
         worst = int(np.argmax(beyond))

@@ -15,7 +15,7 @@ class Mesh:
 
     Attributes
     ----------
-    dome, spec
+    skin, spec
         What was meshed, and how.
     nodes
         (n, 3) mm, dome's frame.
@@ -33,7 +33,7 @@ class Mesh:
         Node at the apex of each surface.
     """
 
-    dome: Skin
+    skin: Skin
     spec: MeshSpec
     nodes: FloatArray
     cells: IntArray

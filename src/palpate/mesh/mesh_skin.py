@@ -1,4 +1,4 @@
-"""Mesh a dome: the O-grid of the disc carried to the sphere and swept through the thickness."""
+"""Mesh a skin: the O-grid of the disc carried to the sphere and swept through the thickness."""
 
 from __future__ import annotations
 
@@ -16,38 +16,38 @@ _CORE_SHARE = 0.25
 
 
 _GRADING_HIGH, _GRADING_LOW = 0.35, -0.3
-"""Share by which cells at the pole are smaller than the mean, those at the rim larger: of a dome at least as high as
+"""Share by which cells at the pole are smaller than the mean, those at the rim larger: of a skin at least as high as
 its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
 _CELLS, _MORE_CELLS, _THICK = 10.0, 20.0, 0.1
 """Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
 (docs/decisions/0016)."""
 
 
-def mesh_skin(dome: Skin, spec: MeshSpec | None = None) -> Mesh:
-    """Mesh a dome with 27-node hexahedra.
+def mesh_skin(skin: Skin, spec: MeshSpec | None = None) -> Mesh:
+    """Mesh a skin with 27-node hexahedra.
 
     Parameters
     ----------
-    dome
-        The dome.
+    skin
+        The skin.
     spec
         Density, rim, half or whole.
 
     Returns
     -------
     Mesh
-        Half (x >= 0, mirror plane x = 0) or whole dome; built in milliseconds.
+        Half (x >= 0, mirror plane x = 0) or whole skin; built in milliseconds.
     """
     spec = spec or MeshSpec()
     if spec.cells is None:
-        spec = spec.model_copy(update={"cells": default_cells(dome)})
+        spec = spec.model_copy(update={"cells": default_cells(skin)})
     cells = spec.cells or 0
     core = max(2, round(_CORE_SHARE * cells))
     grid = grid_disc(core, cells - core, whole=spec.whole)
-    place = _grade(dome, grid.points)
+    place = _grade(skin, grid.points)
     steps = 2 * spec.layers + 1
     n = len(grid.points)
-    nodes = np.concatenate([dome.point(place, layer, spec.rim) for layer in np.linspace(0.0, 1.0, steps)])
+    nodes = np.concatenate([skin.point(place, layer, spec.rim) for layer in np.linspace(0.0, 1.0, steps)])
     layer_cells = [
         np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
     ]
@@ -57,7 +57,7 @@ def mesh_skin(dome: Skin, spec: MeshSpec | None = None) -> Mesh:
     through = (np.arange(steps) * n)[:, None]
     nodes[(through + on_mirror).ravel(), 0] = 0.0
     return Mesh(
-        dome=dome,
+        skin=skin,
         spec=spec,
         nodes=nodes,
         cells=np.concatenate(layer_cells),
@@ -71,18 +71,18 @@ def mesh_skin(dome: Skin, spec: MeshSpec | None = None) -> Mesh:
     )
 
 
-def default_cells(dome: Skin) -> int:
+def default_cells(skin: Skin) -> int:
     """Cells from pole to rim that keep a press within about 1 % of a mesh twice as fine.
 
     The cell is a fixed angle, for the wall presses a patch of some tenths of a radian; thinner walls need no smaller
     ones, thicker ones do, for they shear at the edge of the patch.
     """
-    thick = max(dome.thickness / dome.radius - _THICK, 0.0)
-    return int(np.clip(round(dome.inner_slope * (_CELLS + _MORE_CELLS * thick)), 16, 48))
+    thick = max(skin.thickness / skin.radius - _THICK, 0.0)
+    return int(np.clip(round(skin.inner_slope * (_CELLS + _MORE_CELLS * thick)), 16, 48))
 
 
-def _grade(dome: Skin, disc: FloatArray) -> FloatArray:
+def _grade(skin: Skin, disc: FloatArray) -> FloatArray:
     """Draw the points (n, 2) of the unit disc to where contact is; middle and rim stay."""
-    height = dome.height / dome.base_radius
+    height = skin.height / skin.base_radius
     share = float(np.interp(height, [0.5, 1.0], [_GRADING_LOW, _GRADING_HIGH]))
     return disc * (1 - share + share * np.hypot(disc[:, 0], disc[:, 1])[:, None])

@@ -37,7 +37,7 @@ class AcceptSpec(Spec):
 
 
 @dataclass(frozen=True)
-class Check:
+class AcceptanceCheck:
     """One figure against its tolerance.
 
     Attributes
@@ -83,7 +83,7 @@ class Acceptance:
     """
 
     spec: AcceptSpec
-    checks: tuple[Check, ...]
+    checks: tuple[AcceptanceCheck, ...]
     scores: tuple[Score, ...]
     press: IntArray
     truth: FloatArray
@@ -169,14 +169,20 @@ def accept_unit(
     )
 
 
-def _check(scores: tuple[Score, ...], spec: AcceptSpec, without: float) -> list[Check]:
+def _check(scores: tuple[Score, ...], spec: AcceptSpec, without: float) -> list[AcceptanceCheck]:
     limits = (spec.rmse_deg, spec.rmse_deg, spec.depth_rmse)
     checks = []
     for score, limit, (name, unit) in zip(scores, limits, COMPONENTS, strict=False):
         judged = score.rmse_interval[1] if spec.guard else score.errors.rmse
-        checks.append(Check(f"{name} RMSE", unit, score.errors.rmse, limit, score.rmse_interval, judged <= limit))
+        checks.append(
+            AcceptanceCheck(f"{name} RMSE", unit, score.errors.rmse, limit, score.rmse_interval, judged <= limit)
+        )
         if unit == "deg":
             most = score.errors.max
-            checks.append(Check(f"{name} greatest error", unit, most, spec.max_deg, None, most <= spec.max_deg))
-    checks.append(Check("images without a pose", "1", without, spec.without_pose, None, without <= spec.without_pose))
+            checks.append(
+                AcceptanceCheck(f"{name} greatest error", unit, most, spec.max_deg, None, most <= spec.max_deg)
+            )
+    checks.append(
+        AcceptanceCheck("images without a pose", "1", without, spec.without_pose, None, without <= spec.without_pose)
+    )
     return checks

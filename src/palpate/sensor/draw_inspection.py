@@ -42,7 +42,7 @@ def draw_inspection(inspection: Inspection) -> Figure:
                 *(x[chosen], y[chosen], ENLARGED * u[chosen], ENLARGED * v[chosen]),
                 angles="xy", scale_units="xy", scale=1.0, width=0.003, color=colour,
             )  # fmt: skip
-    radius = inspection.unit.dome.base_radius
+    radius = inspection.unit.skin.base_radius
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
     axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {ENLARGED:g} times longer")

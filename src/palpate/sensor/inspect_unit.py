@@ -96,17 +96,17 @@ def inspect_unit(
     """
     registration = read_rest(images, unit, detect).registration
     camera, points = registration.camera, unit.layout.positions
-    outward = unit.dome.normal(points)
+    outward = unit.skin.normal(points)
     bias = centre_bias(camera, points, dot_edges(points, outward, unit.layout.diameter))
     nominal = camera.project(points)
-    seen = nominal + registration.print_error_px
+    seen = nominal + registration.reprojection_residual_px
     found = np.isfinite(seen).all(axis=1)
     dots = np.full_like(points, np.nan)
-    dots[found] = _on_dome(camera, unit.dome, seen[found])
-    axes = np.stack(unit.dome.tangents(points)[1:], axis=1)
+    dots[found] = _on_dome(camera, unit.skin, seen[found])
+    axes = np.stack(unit.skin.tangents(points)[1:], axis=1)
     error = np.einsum("mij,mj->mi", axes, dots - points)
     return Inspection(
-        unit, registration, error, _scale(camera, unit.dome, nominal + bias), (spec or InspectSpec()).tolerance
+        unit, registration, error, _scale(camera, unit.skin, nominal + bias), (spec or InspectSpec()).tolerance
     )
 
 

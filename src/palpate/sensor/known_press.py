@@ -65,7 +65,7 @@ class KnownPress:
             depth=depth,
             image_step=min(_IMAGE_STEP, depth),
         )
-        press = solve_press(mesh_skin(unit.dome, MeshSpec(cells=_CELLS)), material, wall)
+        press = solve_press(mesh_skin(unit.skin, MeshSpec(cells=_CELLS)), material, wall)
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(
                 f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",
@@ -101,5 +101,5 @@ def _motion(choice: Naming, positions: FloatArray, unit: Unit, nominal: CameraSp
         choice = replace(choice, positions_px=seen, mirrored=False, turn_deg=180.0 - choice.turn_deg)
         lens = build_camera(nominal).lens.mirrored().coefficients
         nominal = nominal.model_copy(update={"cx_px": width - nominal.cx_px, "distortion": lens})
-    camera = register_dome(choice, unit.layout, unit.dome, nominal).camera
+    camera = register_dome(choice, unit.layout, unit.skin, nominal).camera
     return np.asarray((camera.project(positions) - camera.project(unit.layout.positions)) * flip)

@@ -1,4 +1,4 @@
-"""Where a built dome sits over its camera, from one image at rest.
+"""Where a built dome sits over its camera: the pose of least reprojection residual of one image at rest.
 
 The six numbers of the camera's pose (offset, distance, two tilts, roll) are those for which the printed layout
 projects onto the dots, by least squares with a loss that forgives misprints; the traces' centres are corrected for
@@ -44,7 +44,7 @@ class Registration:
         The camera where it is.
     rms_px
         Root of the mean squared distance of found dots from where they should be.
-    print_error_px
+    reprojection_residual_px
         (m, 2) that distance for each marker; NaN where no dot was found.
     sd
         (6,) standard deviation of offset x, y (mm), distance (mm), tilts and roll (degrees).
@@ -57,7 +57,7 @@ class Registration:
 
     camera: Camera
     rms_px: float
-    print_error_px: FloatArray
+    reprojection_residual_px: FloatArray
     sd: FloatArray
     held_rms_px: float
     lens_sd: FloatArray
@@ -102,7 +102,8 @@ def register_dome(
     nominal = nominal or CameraSpec()
     if naming.found.sum() < _LEAST_MARKERS:
         raise PalpateError(
-            f"{naming.found.sum()} named markers do not give a pose, {_LEAST_MARKERS} are needed.", "Check the light."
+            f"{naming.found.sum()} named markers do not give a pose, {_LEAST_MARKERS} are needed.",
+            "Check the light.",
         )
     if naming.mirrored:
         raise PalpateError(

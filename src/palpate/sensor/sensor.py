@@ -124,7 +124,7 @@ class Sensor:
         camera = self.registration.camera
         reach = (self.unit.layout.positions[:, 2] - camera.origin[2]) / rays[:, 2]
         if pose is not None:
-            normal, limit = _wall(self.unit.dome, pose)
+            normal, limit = _wall(self.unit.skin, pose)
             reach = np.minimum(reach, (limit - camera.origin @ normal) / np.maximum(rays @ normal, 1e-3))
         return self._nominal.project(camera.origin + rays * reach[:, None])
 
@@ -169,7 +169,7 @@ def read_rest(
     if not images:
         raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
     detector = prepare_detector(images[0], detect)
-    mark = place_orientation_mark(unit.dome, unit.layout) if unit.marked else None
+    mark = place_orientation_mark(unit.skin, unit.layout) if unit.marked else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     naming = name_markers(detector.find(images[0]).positions_px, pattern)
     if naming.ambiguous and known is not None:
@@ -185,7 +185,7 @@ def read_rest(
             "Check that it is printed and lit, give an image of a known press, or say that the unit has no mark.",
         )
     naming = _average(naming, detector, images)
-    where = register_dome(naming, unit.layout, unit.dome, unit.lens or unit.nominal, refine_lens)
+    where = register_dome(naming, unit.layout, unit.skin, unit.lens or unit.nominal, refine_lens)
     return Rest(detector, naming, where)
 
 

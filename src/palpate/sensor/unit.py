@@ -14,7 +14,7 @@ class Unit:
 
     Attributes
     ----------
-    dome, layout
+    skin, layout
         Its design.
     marked
         Whether the orientation mark is printed.
@@ -24,7 +24,7 @@ class Unit:
         Its real lens, from a calibration, and about where it is; `None` for the nominal one.
     """
 
-    dome: Skin
+    skin: Skin
     layout: MarkerLayout
     marked: bool = True
     nominal: CameraSpec | None = None

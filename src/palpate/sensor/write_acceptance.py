@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from palpate.core import provenance, writing
-from palpate.sensor.accept import Acceptance, Check
+from palpate.sensor.accept import Acceptance, AcceptanceCheck
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
 _A4 = (8.27, 11.69)
@@ -122,7 +122,7 @@ def _scatter(axis: Axes, truth: np.ndarray, error: np.ndarray, name: str) -> Non
     axis.spines[["top", "right"]].set_visible(False)
 
 
-def _row(check: Check) -> tuple[str, str, str, str, str]:
+def _row(check: AcceptanceCheck) -> tuple[str, str, str, str, str]:
     unit = "" if check.unit == "1" else f" {check.unit}"
     interval = f"{check.interval[0]:.3f} to {check.interval[1]:.3f}" if check.interval else ""
     said = "within" if check.passed else "OUTSIDE"

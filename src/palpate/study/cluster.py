@@ -13,9 +13,9 @@ from contextlib import suppress
 from typing import Any
 
 from palpate.core import ArtefactStore, PalpateError, load_extra
-from palpate.study.crew import WORKER_DIED, Crew
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import Ended, Outcome, perform, single_threaded
+from palpate.study.worker import TaskEnd, TaskOutcome, perform, single_threaded
+from palpate.study.worker_pool import WORKER_DIED, WorkerPool
 
 MOST_WORKERS = 1024
 CONNECT_S = 30.0
@@ -25,7 +25,7 @@ GPU = "GPU"
 """The Dask resource of workers that have one: ``dask worker --resources GPU=1``."""
 
 
-class ClusterCrew(Crew):
+class ClusterCrew(WorkerPool):
     """Workers of a Dask cluster, each thread of theirs a member.
 
     Parameters
@@ -47,7 +47,7 @@ class ClusterCrew(Crew):
         self._store = ArtefactStore(store.root.resolve())
         self._client, self._cluster = _connect(where)
         self._busy: dict[Any, Task] = {}
-        self._stopped: list[tuple[Task, Outcome]] = []
+        self._stopped: list[tuple[Task, TaskOutcome]] = []
         self._given = 0
         self._size = self._count()
 
@@ -62,7 +62,7 @@ class ClusterCrew(Crew):
         future = self._client.submit(perform, task, self._store, key=key, pure=False, resources=needs)
         self._busy[future] = task
 
-    def wait(self, seconds: float) -> list[tuple[Task, Outcome]]:
+    def wait(self, seconds: float) -> list[tuple[Task, TaskOutcome]]:
         ended, self._stopped = self._stopped, []
         if not ended:
             with suppress(TimeoutError):
@@ -82,7 +82,7 @@ class ClusterCrew(Crew):
         future.cancel()
         if workers:
             self._client.restart_workers(workers, timeout=CONNECT_S, raise_for_error=False)
-        self._stopped.append((task, Outcome(WORKER_DIED, trace, 0.0, Ended.DIED)))
+        self._stopped.append((task, TaskOutcome(WORKER_DIED, trace, 0.0, TaskEnd.DIED)))
 
     def leave(self) -> None:
         for future in self._busy:
@@ -157,16 +157,16 @@ def _distributed() -> Any:
     return load_extra("distributed", "cluster")
 
 
-def _outcome(future: Any) -> Outcome:
+def _outcome(future: Any) -> TaskOutcome:
     if future.status == "finished":
-        result: Outcome = future.result()
+        result: TaskOutcome = future.result()
         return result
     error = future.exception() if future.status == "error" else None
     if error is None or isinstance(
         error, _distributed().KilledWorker
     ):  # a future that was lost has no error of its own
-        return Outcome(WORKER_DIED, "", 0.0, Ended.DIED)
-    return Outcome(f"{type(error).__name__}: {error}", "", 0.0, Ended.FAILED)
+        return TaskOutcome(WORKER_DIED, "", 0.0, TaskEnd.DIED)
+    return TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskEnd.FAILED)
 
 
 def _wants_gpu(task: Task) -> bool:

@@ -17,11 +17,11 @@ from palpate.fea import FEA_VERSION, Branch, read_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
 from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
-from palpate.study.worker import Outcome
+from palpate.study.worker import TaskOutcome
 
 
 def collect_designs(
-    tasks: Sequence[LearningTask], store: ArtefactStore, outcomes: Mapping[str, Outcome], seed: int
+    tasks: Sequence[LearningTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome], seed: int
 ) -> tuple[DesignResult, ...]:
     """Collect the records of designs from the store; a press that serves several is read once.
 
@@ -44,13 +44,13 @@ def collect_designs(
 
 
 def collect_limits(
-    tasks: Sequence[LimitTask], store: ArtefactStore, outcomes: Mapping[str, Outcome]
+    tasks: Sequence[LimitTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome]
 ) -> tuple[DesignLimits, ...]:
     """Collect the limits of designs from the store; `outcomes` is how the tasks of this run ended, by key."""
     found = []
     for task in tasks:
         path = store.find(task.recipe, task.suffix)
-        design = (task.dataset.dome, task.dataset.markers)
+        design = (task.dataset.skin, task.dataset.markers)
         if path is not None:
             found.append(DesignLimits(*design, read_limits(path)))
         else:
@@ -66,7 +66,7 @@ class _Known:
     """
 
     store: ArtefactStore
-    outcomes: Mapping[str, Outcome]
+    outcomes: Mapping[str, TaskOutcome]
     presses: Mapping[str, PressSummary]
     versions: Mapping[str, str]
     seed: int
@@ -80,9 +80,9 @@ def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
     summaries = tuple(known.presses[key] for key in keys if key in known.presses)
     parts: tuple[Task, ...] = (dataset, task.limit, task.estimator, task)
     return DesignResult(
-        dome=dataset.dome,
+        skin=dataset.skin,
         markers=dataset.markers,
-        shape=build_skin(dataset.dome).shape,
+        shape=build_skin(dataset.skin).shape,
         clean=Metrics.from_dict(tally["clean"]) if tally else None,
         jittered=Metrics.from_dict(tally["jittered"]) if tally else None,
         travel_mm=float(tally["travel_mm"]) if tally else float("nan"),
@@ -115,7 +115,7 @@ def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
     """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
     wall = press.wall.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})
-    own = dataset.dome.model_dump(mode="json", exclude=_SIZES)
+    own = dataset.skin.model_dump(mode="json", exclude=_SIZES)
     return {
         **({"skin": own} if own else {}),
         "mesh": press.mesh.model_dump(mode="json"),
@@ -129,7 +129,7 @@ def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
     }
 
 
-def _reason(tasks: Sequence[Task], outcomes: Mapping[str, Outcome]) -> str:
+def _reason(tasks: Sequence[Task], outcomes: Mapping[str, TaskOutcome]) -> str:
     """Why the first of these tasks gave nothing."""
     reasons = (outcomes[task.recipe.key].reason for task in tasks if task.recipe.key in outcomes)
     return next((reason for reason in reasons if reason), "it was not computed")

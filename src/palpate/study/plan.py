@@ -64,7 +64,7 @@ def plan_study(study: Study) -> Plan:
         for markers in study.designs.markers:
             dataset = DatasetTask(
                 presses=presses,
-                dome=dome,
+                skin=dome,
                 markers=_checked(dome, markers),
                 camera=study.camera,
                 spec=study.dataset,
@@ -77,7 +77,7 @@ def plan_study(study: Study) -> Plan:
 def _plan_presses(study: Study, dome: SkinSpec) -> Iterator[PressTask]:
     for tilt_deg in study.tilts_deg:
         yield PressTask(
-            dome=dome,
+            skin=dome,
             mesh=study.mesh,
             material=study.material.material(),
             wall=study.wall.model_copy(update={"tilt_deg": tilt_deg}),

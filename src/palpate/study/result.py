@@ -70,7 +70,7 @@ class DesignResult:
 
     Attributes
     ----------
-    dome, markers
+    skin, markers
         What was designed.
     shape
         The shape's name as in the paper.
@@ -109,7 +109,7 @@ class DesignResult:
         Why there is no result; empty where there is one.
     """
 
-    dome: SkinSpec
+    skin: SkinSpec
     markers: MarkerSpec
     shape: str
     clean: Metrics | None
@@ -136,7 +136,7 @@ class DesignLimits:
 
     Attributes
     ----------
-    dome, markers
+    skin, markers
         What was designed.
     limits
         Bounds by rising depth.
@@ -144,7 +144,7 @@ class DesignLimits:
         Why there are none; empty where there are.
     """
 
-    dome: SkinSpec
+    skin: SkinSpec
     markers: MarkerSpec
     limits: tuple[DepthLimit, ...]
     failure: str = ""

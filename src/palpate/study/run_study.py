@@ -17,14 +17,14 @@ from palpate.learn import find_device
 from palpate.study.available import fitting_workers
 from palpate.study.cluster import ClusterCrew
 from palpate.study.collect import collect_designs, collect_limits
-from palpate.study.crew import Crew, LocalCrew
 from palpate.study.observer import Observer, Silence
 from palpate.study.plan import plan_study
 from palpate.study.result import DesignLimits, StudyResult, TaskFailure
 from palpate.study.schedule import MOST_REMADE, do_tasks
 from palpate.study.study import Study
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import Ended, Outcome
+from palpate.study.worker import TaskEnd, TaskOutcome
+from palpate.study.worker_pool import LocalCrew, WorkerPool
 
 TRACES = "failures.log"
 """File in the result folder with what failed in the last run, and the tracebacks of errors that nobody foresaw."""
@@ -85,7 +85,7 @@ def run_study(
         name=study.name,
         designs=collect_designs(plan.designs, run.store, outcomes, study.seed),
         failures=tuple(TaskFailure(names[key], how.reason) for key, how in outcomes.items() if how.reason),
-        computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is Ended.MADE),
+        computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is TaskEnd.MADE),
         reused=Counter(kinds[key] for key in run.made | run.found()),
         wall_s=time.perf_counter() - started,
     )
@@ -125,7 +125,7 @@ class _Hands:
     limit_s: float | None = None
     cluster: str | None = None
 
-    def crew(self, store: ArtefactStore, tasks: int) -> Crew:
+    def crew(self, store: ArtefactStore, tasks: int) -> WorkerPool:
         if self.cluster is not None:
             return ClusterCrew(store, self.cluster)
         return LocalCrew(store, min(self.workers or fitting_workers(), tasks))
@@ -137,7 +137,7 @@ class _Run:
     def __init__(self, out: Path, tasks: tuple[Task, ...], hands: _Hands, observer: Observer) -> None:
         self.out, self.tasks = out, tasks
         self.store = ArtefactStore(out / "store")
-        self.outcomes: dict[str, Outcome] = {}
+        self.outcomes: dict[str, TaskOutcome] = {}
         self.made = {task.recipe.key for task in tasks if self.store.holds(task.recipe, task.suffix)}
         self._hands, self._observer = hands, observer
 
@@ -161,7 +161,7 @@ class _Run:
 
     def found(self) -> set[str]:
         """Keys of artefacts that another run has made in the meantime."""
-        return {key for key, how in self.outcomes.items() if how.ended is Ended.FOUND}
+        return {key for key, how in self.outcomes.items() if how.ended is TaskEnd.FOUND}
 
     def write_failures(self) -> None:
         """Leave the failures of this run in the result folder; those of an earlier one go."""

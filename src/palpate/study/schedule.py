@@ -1,4 +1,4 @@
-"""In which order tasks are done: the longest way to the end first, a failure stops only what hangs on it."""
+"""In which order tasks are done: the longest way to the end first, a failure stops only what depends on it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from collections import Counter, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from palpate.study.crew import Crew
 from palpate.study.observer import Observer
 from palpate.study.task import Task
-from palpate.study.worker import Ended, Outcome
+from palpate.study.worker import TaskEnd, TaskOutcome
+from palpate.study.worker_pool import WorkerPool
 
 MOST_REMADE = 2
 """How often in one run an artefact that breaks again and again is made again."""
@@ -46,7 +46,7 @@ class Schedule:
 
     def __init__(self, tasks: Iterable[Task], made: Iterable[str]) -> None:
         self.made = set(made)
-        self.outcomes: dict[str, Outcome] = {}
+        self.outcomes: dict[str, TaskOutcome] = {}
         self._waiting: dict[str, Task] = {}
         self._lacking: dict[str, set[str]] = {}
         self._hanging: dict[str, list[str]] = {}
@@ -66,7 +66,7 @@ class Schedule:
                 return self._waiting.pop(task.recipe.key)
         return None
 
-    def close(self, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
+    def close(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
         """Note how a task ended, and end all that hang on a failed one; yields each with its outcome."""
         key = task.recipe.key
         self.outcomes[key] = outcome
@@ -80,13 +80,13 @@ class Schedule:
         reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
         for later in self._hanging.pop(key, []):
             if (hanging := self._waiting.pop(later, None)) is not None:
-                yield from self.close(hanging, Outcome(reason, "", 0.0, Ended.FAILED))
+                yield from self.close(hanging, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
 
-    def give_up(self, reason: str) -> Iterator[tuple[Task, Outcome]]:
+    def give_up(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
         """End every waiting task for one reason; yields each with its outcome."""
         while self._waiting:
             task = self._waiting.pop(next(iter(self._waiting)))
-            yield from self.close(task, Outcome(reason, "", 0.0, Ended.FAILED))
+            yield from self.close(task, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
 
     def remake(self, task: Task, missing: str) -> bool:
         """Let an artefact that `task` needs and that broke be made again, and the task after it.
@@ -152,8 +152,8 @@ class Work:
 
 
 def do_tasks(
-    tasks: Iterable[Task], made: Iterable[str], crew: Crew, observer: Observer, limit_s: float | None = None
-) -> dict[str, Outcome]:
+    tasks: Iterable[Task], made: Iterable[str], crew: WorkerPool, observer: Observer, limit_s: float | None = None
+) -> dict[str, TaskOutcome]:
     """Do tasks, each as soon as its inputs exist.
 
     Parameters
@@ -205,38 +205,38 @@ def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
     return task
 
 
-def _settle(schedule: Schedule, work: Work, task: Task, outcome: Outcome) -> Iterator[tuple[Task, Outcome]]:
+def _settle(schedule: Schedule, work: Work, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
     """Take what a member said; yields the tasks that are over by it, each with its outcome."""
     key = task.recipe.key
-    if outcome.ended is Ended.BUSY:
+    if outcome.ended is TaskEnd.BUSY:
         work.busy.append((time.monotonic() + BUSY_S, task))
-    elif outcome.ended is Ended.MISSING and schedule.remake(task, outcome.missing):
+    elif outcome.ended is TaskEnd.MISSING and schedule.remake(task, outcome.missing):
         return
-    elif outcome.ended is Ended.DIED and key in work.stopped:
+    elif outcome.ended is TaskEnd.DIED and key in work.stopped:
         reason = f"it took longer than {work.stopped[key]:g} s and was stopped"
-        yield from schedule.close(task, Outcome(reason, outcome.trace, work.stopped[key], Ended.FAILED))
-    elif outcome.ended is Ended.DIED and not work.tried[key]:
+        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskEnd.FAILED))
+    elif outcome.ended is TaskEnd.DIED and not work.tried[key]:
         work.tried[key] += 1
         work.suspects.append(task)
-    elif outcome.ended is Ended.DIED:
+    elif outcome.ended is TaskEnd.DIED:
         reason = f"{outcome.reason}; tried once more alone, it died again"
-        yield from schedule.close(task, Outcome(reason, outcome.trace, outcome.seconds, Ended.FAILED))
+        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskEnd.FAILED))
     else:
         yield from schedule.close(task, outcome)
-        if outcome.ended is Ended.UNWRITABLE:
+        if outcome.ended is TaskEnd.UNWRITABLE:
             yield from _give_up(schedule, work, f"not tried: {outcome.reason}")
 
 
-def _give_up(schedule: Schedule, work: Work, reason: str) -> Iterator[tuple[Task, Outcome]]:
+def _give_up(schedule: Schedule, work: Work, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
     """End all that is not at work now."""
     for task in (*work.suspects, *(task for _, task in work.busy)):
-        yield from schedule.close(task, Outcome(reason, "", 0.0, Ended.FAILED))
+        yield from schedule.close(task, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
     work.suspects.clear()
     work.busy.clear()
     yield from schedule.give_up(reason)
 
 
-def _stop_hung(work: Work, crew: Crew, limit_s: float | None) -> None:
+def _stop_hung(work: Work, crew: WorkerPool, limit_s: float | None) -> None:
     now = time.monotonic()
     for key, (task, until) in work.running.items():
         if now > until and key not in work.stopped:
@@ -245,7 +245,7 @@ def _stop_hung(work: Work, crew: Crew, limit_s: float | None) -> None:
 
 
 def _ways(tasks: list[Task]) -> dict[str, float]:
-    """Cost of each task and of the longest chain that hangs on it, s, by key."""
+    """Cost of each task and of the longest chain that depends on it, s, by key."""
     ways: dict[str, float] = {}
     for task in reversed(tasks):  # each after those it needs, so backwards
         key = task.recipe.key

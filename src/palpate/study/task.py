@@ -14,7 +14,7 @@ from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.dataset import (
     DATASET_VERSION,
     DatasetSpec,
-    Relatives,
+    VariedPresses,
     build_field,
     generate_dataset,
     read_dataset,
@@ -73,7 +73,7 @@ class Task(ABC):
 class PressTask(Task):
     """Solve one dome under one tilt, on the branch that is pressed from rest or on the inverted one."""
 
-    dome: SkinSpec
+    skin: SkinSpec
     mesh: MeshSpec
     material: Material
     wall: WallSpec
@@ -84,12 +84,12 @@ class PressTask(Task):
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
         friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
-        return f"press {self.dome.build().name} tilt {self.wall.tilt_deg:g}°{friction}{state}"
+        return f"press {self.skin.build().name} tilt {self.wall.tilt_deg:g}°{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:
         spec = {
-            "dome": self.dome.model_dump(mode="json"),
+            "dome": self.skin.model_dump(mode="json"),
             "mesh": self.mesh.model_dump(mode="json"),
             "material": self.material.key_data(),
             "wall": self.wall.model_dump(mode="json"),
@@ -109,7 +109,7 @@ class PressTask(Task):
         return (100.0 if self.branch is Branch.INVERTED else 20.0) * self.wall.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
-        mesh = mesh_skin(build_skin(self.dome), self.mesh)
+        mesh = mesh_skin(build_skin(self.skin), self.mesh)
         press = solve_press(mesh, self.material, self.wall, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
 
@@ -119,7 +119,7 @@ class DatasetTask(Task):
     """Make the images of one design from the presses of its dome."""
 
     presses: tuple[PressTask, ...]
-    dome: SkinSpec
+    skin: SkinSpec
     markers: MarkerSpec
     camera: CameraSpec
     spec: DatasetSpec
@@ -128,11 +128,11 @@ class DatasetTask(Task):
 
     @property
     def name(self) -> str:
-        return f"dataset {self.dome.build().name} {self.markers.count} markers"
+        return f"dataset {self.skin.build().name} {self.markers.count} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
-        layout = place_markers(build_skin(self.dome), self.markers)
+        layout = place_markers(build_skin(self.skin), self.markers)
         spec = {
             "markers_mm": layout.positions.tolist(),
             "camera": self.camera.model_dump(mode="json"),
@@ -151,9 +151,9 @@ class DatasetTask(Task):
 
     def make(self, store: ArtefactStore) -> None:
         groups = [[read_press(find_made(store, task)) for task in group] for group in (self.presses, *self.relatives)]
-        layout = place_markers(build_skin(self.dome), self.markers)
+        layout = place_markers(build_skin(self.skin), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
-        relatives = Relatives(tuple(groups[1:frictions]), tuple(groups[frictions:]))
+        relatives = VariedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
         dataset = generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives)
         store.write(self.recipe, lambda path: write_dataset(path, dataset))
 
@@ -168,7 +168,7 @@ class LimitTask(Task):
 
     @property
     def name(self) -> str:
-        return f"limit {self.dataset.dome.build().name} {self.dataset.markers.count} markers"
+        return f"limit {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -189,7 +189,7 @@ class LimitTask(Task):
 
         dataset = self.dataset
         presses = [read_press(find_made(store, task)) for task in dataset.presses]
-        field = build_field(presses, place_markers(build_skin(dataset.dome), dataset.markers))
+        field = build_field(presses, place_markers(build_skin(dataset.skin), dataset.markers))
         limits = find_limits(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
         store.write(self.recipe, lambda path: _write_json(path, [asdict(limit) for limit in limits]), self.suffix)
 
@@ -205,7 +205,7 @@ class EstimatorTask(Task):
 
     @property
     def name(self) -> str:
-        return f"estimator {self.dataset.dome.build().name} {self.dataset.markers.count} markers"
+        return f"estimator {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
     def recipe(self) -> Recipe:
@@ -244,7 +244,7 @@ class LearningTask(Task):
 
     @property
     def name(self) -> str:
-        return f"learning {self.dataset.dome.build().name} {self.dataset.markers.count} markers"
+        return f"learning {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
     def limit(self) -> LimitTask:

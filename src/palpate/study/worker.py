@@ -38,7 +38,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 """What the system says where nothing more can be written."""
 
 
-class Ended(StrEnum):
+class TaskEnd(StrEnum):
     """How a task ended."""
 
     MADE = "made"
@@ -54,7 +54,7 @@ class Ended(StrEnum):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TaskOutcome:
     """How a task ended in its worker.
 
     Attributes
@@ -74,7 +74,7 @@ class Outcome:
     reason: str
     trace: str
     seconds: float
-    ended: Ended = Ended.MADE
+    ended: TaskEnd = TaskEnd.MADE
     missing: str = ""
 
 
@@ -108,34 +108,34 @@ def begin_worker(parent: int, traces: Path | None = None) -> None:
     threading.Thread(target=_leave_with_parent, args=(parent,), daemon=True).start()
 
 
-def perform(task: Task, store: ArtefactStore) -> Outcome:
+def perform(task: Task, store: ArtefactStore) -> TaskOutcome:
     """Do one task; whatever goes wrong is an outcome, never an exception.
 
     While a task is done, its lease is held; what another run has made in the meantime is not made again.
     """
     started = time.perf_counter()
 
-    def outcome(ended: Ended, reason: str = "", trace: str = "", missing: str = "") -> Outcome:
-        return Outcome(reason, trace, time.perf_counter() - started, ended, missing)
+    def outcome(ended: TaskEnd, reason: str = "", trace: str = "", missing: str = "") -> TaskOutcome:
+        return TaskOutcome(reason, trace, time.perf_counter() - started, ended, missing)
 
     try:
         with store.lease(task.recipe) as free:
             if not free:
-                return outcome(Ended.BUSY)
+                return outcome(TaskEnd.BUSY)
             if store.holds(task.recipe, task.suffix):
-                return outcome(Ended.FOUND)
+                return outcome(TaskEnd.FOUND)
             task.make(store)
     except MissingArtefactError as error:
-        return outcome(Ended.MISSING, str(error), missing=error.key)
+        return outcome(TaskEnd.MISSING, str(error), missing=error.key)
     except StoreError as error:
-        return outcome(Ended.UNWRITABLE, str(error))
+        return outcome(TaskEnd.UNWRITABLE, str(error))
     except PalpateError as error:
-        return outcome(Ended.FAILED, str(error))
+        return outcome(TaskEnd.FAILED, str(error))
     except Exception as error:
         full = isinstance(error, OSError) and error.errno in FULL
-        ended = Ended.UNWRITABLE if full else Ended.FAILED
+        ended = TaskEnd.UNWRITABLE if full else TaskEnd.FAILED
         return outcome(ended, f"{type(error).__name__}: {error}", traceback.format_exc())
-    return outcome(Ended.MADE)
+    return outcome(TaskEnd.MADE)
 
 
 def _leave_with_parent(parent: int) -> None:

@@ -63,18 +63,18 @@ class ObstacleSuite:
 
     def test_at_first_touch_it_touches_the_skin_and_enters_it_nowhere(self, spec: ObstacleSpec, mesh: Mesh) -> None:
         obstacle, touched = spec.at_touch(mesh)
-        length = mesh.dome.base_radius
+        length = mesh.skin.base_radius
         assert obstacle.reach(touched[None])[0] == pytest.approx(0.0, abs=1e-7 * length)
         angle, radius = np.meshgrid(np.linspace(-np.pi / 2, np.pi / 2, 91), np.linspace(0, 1, 60))
         disc = np.column_stack([(radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()])
-        outside = mesh.dome.point(disc, 1.0, mesh.spec.rim)
+        outside = mesh.skin.point(disc, 1.0, mesh.spec.rim)
         assert obstacle.reach(outside).max() < 1e-6 * length
         assert obstacle.reach(outside).max() > -0.02 * length
 
     def test_its_patch_lies_on_it_and_is_counter_clockwise_from_inside(self, spec: ObstacleSpec, mesh: Mesh) -> None:
         obstacle, touched = spec.at_touch(mesh)
-        points, quads = obstacle.patch(touched, 0.1 * mesh.dome.base_radius)
-        assert np.abs(obstacle.reach(points)).max() < 1e-6 * mesh.dome.base_radius
+        points, quads = obstacle.patch(touched, 0.1 * mesh.skin.base_radius)
+        assert np.abs(obstacle.reach(points)).max() < 1e-6 * mesh.skin.base_radius
         a, b, c, d = points[quads].transpose(1, 0, 2)
         facing = np.cross(c - a, d - b)
         assert ((facing * obstacle.gap((a + b + c + d) / 4).normal).sum(axis=1) > 0).all()

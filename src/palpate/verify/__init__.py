@@ -2,13 +2,13 @@
 
 from palpate.verify.case import Case, Row
 from palpate.verify.cases import CASES
-from palpate.verify.run_cases import Outcome, choose_cases, run_cases
+from palpate.verify.run_cases import CaseOutcome, choose_cases, run_cases
 from palpate.verify.write_page import format_deviation, format_number, write_page
 
 __all__ = [
     "CASES",
     "Case",
-    "Outcome",
+    "CaseOutcome",
     "Row",
     "choose_cases",
     "format_deviation",

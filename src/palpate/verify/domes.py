@@ -92,7 +92,7 @@ def _at(data: Reference, column: str, depth: FloatArray) -> FloatArray:
 
 def _probe(press: Press) -> FloatArray:
     """Displacement (n, 3, 3) mm of the probes in the plane x = 0 at every image."""
-    dome = press.mesh.dome
+    dome = press.mesh.skin
     assert isinstance(dome, Dome)
     polar = np.arccos((dome.radius - dome.height) / dome.radius) * np.array(_PROBES) / 100
     place = np.stack([0 * polar, dome.radius * np.sin(polar), dome.center_z + dome.radius * np.cos(polar)], axis=-1)

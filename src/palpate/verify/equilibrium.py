@@ -11,8 +11,8 @@ from palpate.material import Material
 from palpate.mechanics import (
     Continuation,
     DeadLoad,
+    DeadLoading,
     Equilibrium,
-    LoadLoading,
     Problem,
     Solid,
     SolverSpec,
@@ -90,7 +90,7 @@ def follow_load(
     tolerance = LOAD_TOLERANCE * float(factors[0]) * float(np.abs(load).max())
     problem = Problem(solid, make_linear_solver(), tolerance, float(np.ptp(grid.nodes)))
     spec = SolverSpec(first_step=1.0, largest_step=1.0, iterations=ITERATIONS)
-    path = Continuation(problem, LoadLoading(DeadLoad(load)), Unwatched(), spec, unit=float(factors[-1]), jumps=False)
+    path = Continuation(problem, DeadLoading(DeadLoad(load)), Unwatched(), spec, unit=float(factors[-1]), jumps=False)
     states = []
     for factor in factors:
         if not path.advance(float(factor)):

@@ -13,7 +13,7 @@ from palpate.verify.cases import CASES
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseOutcome:
     """What a case said.
 
     Attributes
@@ -57,7 +57,7 @@ def choose_cases(only: str | None = None, *, quick: bool = False) -> tuple[Case,
     return chosen
 
 
-def run_cases(cases: Iterable[Case]) -> Iterator[Outcome]:
+def run_cases(cases: Iterable[Case]) -> Iterator[CaseOutcome]:
     """Run cases one by one; one that cannot be solved is an outcome without rows."""
     for case in cases:
         started = time.process_time()
@@ -65,4 +65,4 @@ def run_cases(cases: Iterable[Case]) -> Iterator[Outcome]:
             rows, failure = tuple(case.run()), ""
         except PalpateError as error:
             rows, failure = (), error.what
-        yield Outcome(case, rows, time.process_time() - started, failure)
+        yield CaseOutcome(case, rows, time.process_time() - started, failure)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from datetime import date
 
 from palpate.core import provenance
-from palpate.verify.run_cases import Outcome
+from palpate.verify.run_cases import CaseOutcome
 
 _HEAD = """# Verification
 
@@ -43,7 +43,7 @@ def format_deviation(value: float) -> str:
     return f"{100 * value:.2f} %" if value >= 1e-4 else "0" if value == 0 else f"{value:.0e}"
 
 
-def write_page(outcomes: Sequence[Outcome], command: str) -> str:
+def write_page(outcomes: Sequence[CaseOutcome], command: str) -> str:
     """Write the page.
 
     Parameters
@@ -78,7 +78,7 @@ def write_page(outcomes: Sequence[Outcome], command: str) -> str:
     return "\n".join(lines) + "\n" + _NOTES
 
 
-def _lines(outcome: Outcome) -> list[str]:
+def _lines(outcome: CaseOutcome) -> list[str]:
     start = f"| {outcome.case.name} | {outcome.case.reference} |"
     if outcome.failure:
         return [f"{start} {outcome.failure} | | | | | | **no** |"]

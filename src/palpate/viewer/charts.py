@@ -56,7 +56,7 @@ class Chosen:
 
 
 @dataclass(frozen=True)
-class Curve:
+class ChartCurve:
     """One line of a chart: a name, its points, its colour and whether it is dashed."""
 
     name: str
@@ -241,7 +241,9 @@ def _scatter_dot(
     }
 
 
-def line_chart(curves: Sequence[Curve], axes: tuple[str, str], ink: Ink, marks: Sequence[Curve] = ()) -> Chart:
+def line_chart(
+    curves: Sequence[ChartCurve], axes: tuple[str, str], ink: Ink, marks: Sequence[ChartCurve] = ()
+) -> Chart:
     """Curves over one pair of axes; of each mark the first point becomes an upright line with its name."""
     uprights = [
         {
@@ -274,7 +276,7 @@ def line_chart(curves: Sequence[Curve], axes: tuple[str, str], ink: Ink, marks: 
     }
 
 
-def _line(curve: Curve) -> Chart:
+def _line(curve: ChartCurve) -> Chart:
     return {
         "type": "line",
         "name": curve.name,

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from palpate.grid import Row, SpecificationGrid, rows_of
-from palpate.viewer.charts import FIRST, LIMIT, SECOND, Curve
-from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.charts import FIRST, LIMIT, SECOND, ChartCurve
+from palpate.viewer.pressed_dome import SurfaceMotion
 from palpate.viewer.results import Design
 
 
-def force_curves(shown: list[tuple[Design, Motion]]) -> tuple[list[Curve], list[Curve]]:
+def force_curves(shown: list[tuple[Design, SurfaceMotion]]) -> tuple[list[ChartCurve], list[ChartCurve]]:
     """Force (N) over depth (mm) of one or two designs, a curve a branch, and where a second state begins."""
     curves, marks = [], []
     for (design, motion), colour in zip(shown, (FIRST, SECOND), strict=False):
@@ -21,14 +21,14 @@ def force_curves(shown: list[tuple[Design, Motion]]) -> tuple[list[Curve], list[
                 if label == branch
             ]
             name = branch if len(shown) == 1 else f"{_short(design)} {branch}"
-            curves.append(Curve(name, points, colour, dashed=branch != "flat"))
+            curves.append(ChartCurve(name, points, colour, dashed=branch != "flat"))
         start = design.row.get("bistable_from_mm")
         if isinstance(start, int | float):
-            marks.append(Curve(f"two states from {start:.2g} mm", [(float(start), 0.0)], colour, dashed=True))
+            marks.append(ChartCurve(f"two states from {start:.2g} mm", [(float(start), 0.0)], colour, dashed=True))
     return curves, marks
 
 
-def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[Curve]:
+def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurve]:
     """Jittered RMSE (degrees) by depth (mm) of one or two designs, each against the limit of any network."""
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
@@ -36,9 +36,9 @@ def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[Curve]:
         errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "limit_deg")
         name = "" if len(shown) == 1 else f"{_short(design)} "
         if errors:
-            curves.append(Curve(f"{name}network", errors, colour))
+            curves.append(ChartCurve(f"{name}network", errors, colour))
         if limits:
-            curves.append(Curve(f"{name}limit", limits, colour if len(shown) > 1 else LIMIT, dashed=True))
+            curves.append(ChartCurve(f"{name}limit", limits, colour if len(shown) > 1 else LIMIT, dashed=True))
     return curves
 
 

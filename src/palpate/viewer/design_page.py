@@ -15,18 +15,18 @@ from palpate.core import PalpateError
 from palpate.design import DomeSpec, Finding, MarkerSpec, markers_in_rings
 from palpate.fea import Press, WallSpec
 from palpate.material import list_materials
-from palpate.viewer.charts import FIRST, Curve, line_chart
+from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
-from palpate.viewer.errand import Errand
 from palpate.viewer.explore_page import set_chart
+from palpate.viewer.job import Job
 from palpate.viewer.library import Specimen
 from palpate.viewer.number_field import NumberField
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.pressed_dome import gather_presses
-from palpate.viewer.shelf import Shelf
 from palpate.viewer.shell import build_shell
 from palpate.viewer.sketch import Sketch, draw_sketch
+from palpate.viewer.specimen_cache import SpecimenCache
 from palpate.viewer.work import pack_sketch, press_sketch
 
 _LOOK_S = 0.2
@@ -48,18 +48,18 @@ class DesignPage:
         Of the page.
     """
 
-    def __init__(self, shelf: Shelf, request: Request) -> None:
+    def __init__(self, shelf: SpecimenCache, request: Request) -> None:
         self._shelf = shelf
         self._chosen: dict[str, dict[str, Any]] = {part: {} for part in Sketch.model_fields}
         self._sketch = Sketch()
         self._rings = 7
         self._drawn = draw_sketch(self._sketch)
         self._ordered = (self._sketch, self._drawn)
-        self._errand: Errand | None = None
+        self._errand: Job | None = None
         self._finish: Callable[[Any], None] = self._show_press
         self._head = Head(request, "/design", "a design of your own")
         self._head.watch(self._draw_force)
-        self._curves: list[Curve] = []
+        self._curves: list[ChartCurve] = []
 
     def build(self) -> None:
         """Place every element and draw the first sketch."""
@@ -212,7 +212,7 @@ class DesignPage:
                     ui.label("Nothing speaks against this design.")
 
     def _draw_force(self) -> None:
-        curves = self._curves or [Curve("force", [], FIRST)]
+        curves = self._curves or [ChartCurve("force", [], FIRST)]
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), self._head.ink))
 
     def _busy(self, busy: bool, what: str = "") -> None:
@@ -235,7 +235,7 @@ class DesignPage:
             return
         complain(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
-        self._errand = Errand(work, self._sketch)
+        self._errand = Job(work, self._sketch)
         self._busy(True, what)
         self._timer.activate()
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from palpate.sensor import Reading
-from palpate.viewer.live import Verdict
+from palpate.viewer.live import LiveVerdict
 
 COLOURS = {
-    Verdict.GO: "#009e73",
-    Verdict.NO_GO: "#d55e00",
-    Verdict.UNSURE: "#b8860b",
-    Verdict.NO_TOUCH: "#7a8793",
+    LiveVerdict.GO: "#009e73",
+    LiveVerdict.NO_GO: "#d55e00",
+    LiveVerdict.UNSURE: "#b8860b",
+    LiveVerdict.NO_TOUCH: "#7a8793",
 }
 """Safe for people who do not see all colours; the verdict is written beside it as well."""
 _SIZE = 100.0
@@ -20,7 +20,7 @@ _SIZE = 100.0
 def draw_dial(
     reading: Reading | None,
     tolerance_deg: float,
-    verdict: Verdict,
+    verdict: LiveVerdict,
     truth: tuple[float, float, float] | None = None,
     reach_deg: float = 12.0,
 ) -> str:
@@ -52,7 +52,7 @@ def draw_dial(
     if truth is not None:
         x, y = scale * truth[0], -scale * truth[1]
         parts.append(f'<path d="M{x - 5:.1f} {y:.1f}h10M{x:.1f} {y - 5:.1f}v10" class="truth"/>')
-    if reading is not None and verdict is not Verdict.NO_TOUCH:
+    if reading is not None and verdict is not LiveVerdict.NO_TOUCH:
         parts.append(_point(reading, scale, COLOURS[verdict]))
     return "".join([*parts, '<text x="88" y="-4">rx</text><text x="4" y="-102">ry</text></svg>'])
 

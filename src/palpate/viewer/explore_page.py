@@ -11,14 +11,14 @@ from nicegui import events, ui
 
 from palpate.core import PalpateError
 from palpate.grid import name_row
-from palpate.viewer.charts import Chosen, Curve, heat_chart, line_chart, scatter_chart
+from palpate.viewer.charts import ChartCurve, Chosen, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.library import Library
 from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns, read_link, write_link
 from palpate.viewer.page_head import Head, complain, complaint, heading
-from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.pressed_dome import SurfaceMotion
 from palpate.viewer.results import Design
 from palpate.viewer.words import column_label, jitter_words
 
@@ -202,7 +202,7 @@ class ExplorePage:
 
     def _draw_curves(self) -> None:
         designs: list[Design] = []
-        shown: list[tuple[Design, Motion]] = []
+        shown: list[tuple[Design, SurfaceMotion]] = []
         faults = []
         for number in self._numbers():
             try:
@@ -214,7 +214,7 @@ class ExplorePage:
                 faults.append(str(error))
         complain(self._fault, " ".join(faults))
         self._panel.show(designs)
-        ink, here = self._head.ink, Curve("", [(self._view.depth, 0.0)], self._head.ink.text)
+        ink, here = self._head.ink, ChartCurve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
         errors = error_curves(self._grid, designs)
@@ -314,7 +314,7 @@ def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | N
     return int(value[place]) if isinstance(value, list) and len(value) > place else None
 
 
-def _say_end(design: Design, motion: Motion) -> str:
+def _say_end(design: Design, motion: SurfaceMotion) -> str:
     start = design.row.get("bistable_from_mm")
     second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
     return f"At {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"

@@ -17,7 +17,7 @@ from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import follow_markers
-from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.pressed_dome import SurfaceMotion
 from palpate.viewer.results import Design
 
 
@@ -76,7 +76,7 @@ def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, flo
     ]
 
 
-def _between(motion: Motion, field: NDArray[Any], depth: float) -> FloatArray:
+def _between(motion: SurfaceMotion, field: NDArray[Any], depth: float) -> FloatArray:
     """A field (k, …) at a depth between its images, on straight lines."""
     place = float(np.interp(depth, motion.depths_mm, np.arange(len(motion.depths_mm))))
     low = min(int(place), len(motion.depths_mm) - 1)
@@ -85,7 +85,7 @@ def _between(motion: Motion, field: NDArray[Any], depth: float) -> FloatArray:
     return mixed
 
 
-def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[float, float, float]) -> Part:
+def _markers(design: Design, specimen: Specimen, motion: SurfaceMotion, pose: tuple[float, float, float]) -> Part:
     """Each marker as an octahedron as wide as its dot."""
     seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, pose[2])
     centres = _between(motion, seen.positions, pose[0])
@@ -97,7 +97,7 @@ def _markers(design: Design, specimen: Specimen, motion: Motion, pose: tuple[flo
 
 
 def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: FloatArray) -> Part:
-    dome, normal = specimen.pressed.mesh.dome, wall_normal(np.radians(pose[1]), 0.0)
+    dome, normal = specimen.pressed.mesh.skin, wall_normal(np.radians(pose[1]), 0.0)
     at = dome.touch(normal) - np.array([0.0, 0.0, pose[0]])
     points, _ = Plane(normal, at).patch(at, 1.2 * dome.outer_widest[0])
     return Part("wall", points @ turn.T, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))

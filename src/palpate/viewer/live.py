@@ -21,7 +21,7 @@ LONGEST = 100_000
 """Readings of the longest record."""
 
 
-class Verdict(StrEnum):
+class LiveVerdict(StrEnum):
     """Whether the wall stands upright to within a tolerance."""
 
     GO = "go"
@@ -106,17 +106,17 @@ class Live:
             self._source.close()
 
 
-def judge(reading: Reading, tolerance_deg: float) -> Verdict:
+def judge(reading: Reading, tolerance_deg: float) -> LiveVerdict:
     """Hold the tilt of a reading, with its interval, against a tolerance in degrees.
 
     The interval of the tilt is that of its components, |rx ± a| and |ry ± b|, at their nearest and farthest.
     """
     if not reading.touching or math.isnan(reading.rx_deg):
-        return Verdict.NO_TOUCH
+        return LiveVerdict.NO_TOUCH
     least, most = tilt_interval(reading)
     if most <= tolerance_deg:
-        return Verdict.GO
-    return Verdict.NO_GO if least > tolerance_deg else Verdict.UNSURE
+        return LiveVerdict.GO
+    return LiveVerdict.NO_GO if least > tolerance_deg else LiveVerdict.UNSURE
 
 
 def tilt_interval(reading: Reading) -> tuple[float, float]:

@@ -20,7 +20,7 @@ from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.export import write_table
 from palpate.viewer.library import Library
-from palpate.viewer.live import Live, Step, Verdict, judge, tilt_interval
+from palpate.viewer.live import Live, LiveVerdict, Step, judge, tilt_interval
 from palpate.viewer.page_head import Head, complain, complaint, heading
 from palpate.viewer.png import write_png
 from palpate.viewer.recordings import find_recordings, inside
@@ -194,12 +194,12 @@ class LivePage:
 
     def _show_pose(self, step: Step | None) -> None:
         reading = step.reading if step else None
-        verdict = judge(reading, self._tolerance) if reading else Verdict.NO_TOUCH
+        verdict = judge(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
         self._verdict.text = verdict.upper()
         self._verdict.style(f"background: {COLOURS[verdict]}")
         self._dial.set_content(draw_dial(reading, self._tolerance, verdict, step.truth if step else None))
         self._figures.clear()
-        if step is None or verdict is Verdict.NO_TOUCH:
+        if step is None or verdict is LiveVerdict.NO_TOUCH:
             return
         with self._figures:
             for name, value, half, unit, truth in _rows(step):

@@ -9,7 +9,7 @@ import numpy as np
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray
 from palpate.design import MarkerLayout
-from palpate.viewer.pressed_dome import Motion, PressedDome
+from palpate.viewer.pressed_dome import PressedDome, SurfaceMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class MarkersSeen:
 
 
 def follow_markers(
-    pressed: PressedDome, motion: Motion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
+    pressed: PressedDome, motion: SurfaceMotion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
 ) -> MarkersSeen:
     """Follow markers through a press whose wall is turned to an azimuth.
 
@@ -56,7 +56,7 @@ def follow_markers(
         If the azimuth is not finite, or a marker is not on the dome.
     """
     positions = pressed.markers(layout, motion, azimuth_deg)
-    seen = camera.visible(positions, pressed.mesh.dome)
+    seen = camera.visible(positions, pressed.mesh.skin)
     reach = np.linalg.norm(positions - camera.origin, axis=-1)
     radius = camera.spec.fx_px * layout.diameter / 2.0 / np.maximum(reach, 1e-3)
     return MarkersSeen(positions, camera.project(positions), radius, seen)

@@ -15,17 +15,17 @@ from palpate.viewer.live_page import LivePage
 from palpate.viewer.page_head import Head
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
-from palpate.viewer.shelf import Shelf
+from palpate.viewer.specimen_cache import SpecimenCache
 
 TITLE = "palpate"
 
 
 def build_app(folder: Path | None) -> FastAPI:
     """The application for a result folder; without one, or with one that cannot be read, its page says so."""
-    shelf, reason = Shelf(), "No result folder was given."
+    shelf, reason = SpecimenCache(), "No result folder was given."
     if folder is not None:
         try:
-            shelf, reason = Shelf(Library(read_results(folder))), ""
+            shelf, reason = SpecimenCache(Library(read_results(folder))), ""
         except PalpateError as error:
             reason = str(error)
     app = FastAPI(title=TITLE, docs_url=None, redoc_url=None, openapi_url=None)

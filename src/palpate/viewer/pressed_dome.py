@@ -39,7 +39,7 @@ SAME_MM, SAME_DEG = 1e-6, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SurfaceMotion:
     """One press at one tilt of the wall, from first touch as deep as it is known.
 
     Attributes
@@ -121,7 +121,7 @@ class PressedDome:
         stress = [np.nan_to_num(nodal_von_mises(press))[..., None] for press in self.presses]
         return self._gather(stress, len(self.mesh.nodes), 1).astype(np.float32)
 
-    def at(self, tilt_deg: float) -> Motion:
+    def at(self, tilt_deg: float) -> SurfaceMotion:
         """The press at a tilt (degrees) between the least and the greatest that were solved.
 
         Raises
@@ -136,7 +136,7 @@ class PressedDome:
         found = [next(self.runs.read(tilt, image), None) for image in range(len(self.depths_mm))]
         deep = next((k for k, item in enumerate(found) if item is None), len(found))
         weights = np.concatenate([item[1] for item in found[:deep] if item is not None]).astype(np.float32)
-        return Motion(
+        return SurfaceMotion(
             tilt_deg=float(tilt_deg),
             depths_mm=self.depths_mm[:deep],
             displacement=self.blend(self.displacement, weights),
@@ -146,7 +146,7 @@ class PressedDome:
             weights=weights,
         )
 
-    def markers(self, layout: MarkerLayout, motion: Motion, azimuth_deg: float) -> FloatArray:
+    def markers(self, layout: MarkerLayout, motion: SurfaceMotion, azimuth_deg: float) -> FloatArray:
         """Deformed positions (k, m, 3) mm of a layout's markers, dome's frame, at every depth of a motion.
 
         Parameters
@@ -173,7 +173,7 @@ class PressedDome:
         rx, ry = rotation_vector(motion.tilt_deg, np.radians([azimuth_deg])).T
         return np.concatenate([self._fields[name].positions(rx, ry, k) for k in range(len(motion.depths_mm))])
 
-    def stress(self, motion: Motion) -> Array32:
+    def stress(self, motion: SurfaceMotion) -> Array32:
         """Von Mises stress (k, n) in MPa for a motion, interpolated like the displacement."""
         return self.blend(self.stress_mpa, motion.weights)[..., 0].clip(min=0.0)
 
@@ -236,7 +236,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         raise PalpateError("There is no press to show.", "Run the study first.")
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
-    if any(press.mesh.spec != mesh.spec or press.mesh.dome != mesh.dome for press in presses):
+    if any(press.mesh.spec != mesh.spec or press.mesh.skin != mesh.skin for press in presses):
         raise PalpateError("The presses are not of one dome and mesh.", "Give presses that differ by the tilt alone.")
     if mesh.spec.whole:
         raise PalpateError("Presses of a whole dome are not drawn.", "Press half of it: mesh: {whole: false}.")

@@ -13,12 +13,12 @@ from palpate.viewer.gltf import write_gltf
 from palpate.viewer.link import kept_rows
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
-from palpate.viewer.shelf import Shelf
+from palpate.viewer.specimen_cache import SpecimenCache
 
 BINARY = "application/octet-stream"
 
 
-def make_routes(shelf: Shelf) -> APIRouter:
+def make_routes(shelf: SpecimenCache) -> APIRouter:
     """The addresses below ``/data``; ``name`` is that of a design on the shelf, tilt and azimuth are in degrees."""
     router = APIRouter(prefix="/data")
 

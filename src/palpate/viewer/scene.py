@@ -12,7 +12,7 @@ from palpate.design import MarkerLayout, wall_normal
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import MarkersSeen
 from palpate.viewer.message import write_message
-from palpate.viewer.pressed_dome import Motion
+from palpate.viewer.pressed_dome import SurfaceMotion
 
 
 def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> bytes:
@@ -21,7 +21,7 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
     The triangles lie part after part, see `palpate.viewer.shell.PARTS`.
     """
     pressed, shell = specimen.pressed, specimen.shell
-    dome = pressed.mesh.dome
+    dome = pressed.mesh.skin
     meta = {
         "parts": {name: list(place) for name, place in shell.parts.items()},
         "height_mm": dome.height,
@@ -44,7 +44,7 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
     return write_message(meta, {**arrays, "rest_px": np.nan_to_num(arrays["rest_px"], nan=-1e4)})
 
 
-def describe_motion(specimen: Specimen, motion: Motion, *, stress: bool = False) -> bytes:
+def describe_motion(specimen: Specimen, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
     """The press at one tilt: displacement (k, v, 3) mm in the tilt frame and, if asked for, stress (k, v) MPa."""
     nodes = specimen.shell.nodes
     arrays = {"displacement": motion.displacement[:, nodes]}
@@ -66,9 +66,9 @@ def describe_markers(seen: MarkersSeen) -> bytes:
     )
 
 
-def _say_motion(specimen: Specimen, motion: Motion) -> dict[str, Any]:
+def _say_motion(specimen: Specimen, motion: SurfaceMotion) -> dict[str, Any]:
     normal = wall_normal(math.radians(motion.tilt_deg), 0.0)
-    touch = specimen.pressed.mesh.dome.touch(normal)
+    touch = specimen.pressed.mesh.skin.touch(normal)
     return {
         "tilt_deg": motion.tilt_deg,
         "depths_mm": motion.depths_mm.tolist(),

@@ -65,7 +65,7 @@ def build_shell(mesh: Mesh) -> Shell:
 def _turn_outward(mesh: Mesh, nodes: IntArray, triangles: IntArray, part: str) -> IntArray:
     """The same triangles (k, 3), numbers of `nodes`, each counter-clockwise for whoever looks at the silicone."""
     a, b, c = mesh.nodes[nodes][triangles].transpose(1, 0, 2)
-    arm = mesh.dome.normal((a + b + c) / 3.0)
+    arm = mesh.skin.normal((a + b + c) / 3.0)
     away = {"outer": arm, "inner": -arm, "base": [0.0, 0.0, -1.0], "cut": [-1.0, 0.0, 0.0]}[part]
     wrong = (np.cross(b - a, c - a) * away).sum(axis=1) < 0
     turned: IntArray = np.where(wrong[:, None], triangles[:, ::-1], triangles)

@@ -10,7 +10,7 @@ from palpate.design import MountSpec, build_skin
 from palpate.fabricate import PackSpec, ProcessSpec, write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.viewer.errand import Report
+from palpate.viewer.job import Report
 from palpate.viewer.sketch import Sketch
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from needs import needs
-from palpate.cad import Solid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
+from palpate.cad import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MountSpec, build_module, build_skin, build_solid
 
@@ -68,7 +68,7 @@ def test_extrude_and_revolve_follow_straight_outlines() -> None:
 
 
 def test_step_keeps_names_and_volumes(tmp_path) -> None:
-    parts: dict[str, Solid] = {"pin": cylinder(1.0, 0.0, 3.0), "plate": box((0, 0, -1), (4, 4, 0))}
+    parts: dict[str, CadSolid] = {"pin": cylinder(1.0, 0.0, 3.0), "plate": box((0, 0, -1), (4, 4, 0))}
     write_step(tmp_path / "parts.step", "assembly", parts)
     again = read_step(tmp_path / "parts.step")
     assert {name: part.volume for name, part in again.items()} == pytest.approx(

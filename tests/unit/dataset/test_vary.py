@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.dataset import DatasetSpec, RandomiseSpec, Relatives, generate_dataset, read_dataset, write_dataset
+from palpate.dataset import DatasetSpec, RandomiseSpec, VariedPresses, generate_dataset, read_dataset, write_dataset
 from palpate.design import Dome, MarkerLayout
 
 LAYOUT, CAMERA = rings(), PinholeCamera()
@@ -60,7 +60,7 @@ def test_nothing_varied_gives_the_same_images():
 
 def test_every_slip_between_the_pressed_ones_is_seen():
     chosen = spec(frictions=(1.2, 0.6))
-    relatives = Relatives(frictions=(group(slip=SLIP), group(slip=2 * SLIP)))
+    relatives = VariedPresses(frictions=(group(slip=SLIP), group(slip=2 * SLIP)))
     dataset = generate_dataset(solved(), LAYOUT, CAMERA, chosen, relatives)
     slips = []
     for image, (rx, ry, depth) in zip(dataset.images_px[::8], dataset.poses[::8], strict=True):
@@ -78,7 +78,7 @@ def test_every_slip_between_the_pressed_ones_is_seen():
 def test_walls_thinner_and_thicker_are_seen():
     chosen = spec(thickness=0.05)
     dataset = generate_dataset(
-        solved(), LAYOUT, CAMERA, chosen, Relatives(thicknesses=(group(thick=-THICK), group(thick=THICK)))
+        solved(), LAYOUT, CAMERA, chosen, VariedPresses(thicknesses=(group(thick=-THICK), group(thick=THICK)))
     )
     deep = dataset.poses[:, 2] > 7.9
     plain = generate_dataset(solved(), LAYOUT, CAMERA, DatasetSpec(n_presses=60))
@@ -90,13 +90,13 @@ def test_walls_thinner_and_thicker_are_seen():
 def test_presses_that_are_asked_for_must_be_there():
     with pytest.raises(PalpateError, match="varies the friction by 1 more sets of presses, but 0"):
         generate_dataset(solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)))
-    shallow = Relatives(frictions=(group(reached=4.0),))
+    shallow = VariedPresses(frictions=(group(reached=4.0),))
     with pytest.raises(PalpateError, match="end at 4 mm"):
         generate_dataset(solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), shallow)
 
 
 def test_units_on_different_branches_are_left_out_with_the_reason():
-    snapped = Relatives(frictions=(group(inverted_from=5.0),))
+    snapped = VariedPresses(frictions=(group(inverted_from=5.0),))
     dataset = generate_dataset(solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), snapped)
     assert dataset.dropped == {"units on different branches": 60 * 4}
 
@@ -116,7 +116,7 @@ def test_a_misprinted_dot_moves_as_the_surface_beneath_it_and_looks_as_designed_
     # the displacement itself: that of the surface a little aside, against the closed form
     from palpate.dataset.vary import vary_field
 
-    field = vary_field(presses, layout, Relatives(), spec(dot=0.2), 1)
+    field = vary_field(presses, layout, VariedPresses(), spec(dot=0.2), 1)
     step = np.full((1, len(layout.positions), 2), 0.1)
     there = replace(field, off=step)
     rest = there.rest_of(np.array([0]))[0]
@@ -141,7 +141,7 @@ def test_another_camera_under_every_unit_is_seen_after_rest_was_taken_off():
 
 def test_a_varied_dataset_survives_its_file(tmp_path):
     made = generate_dataset(
-        solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), Relatives(frictions=(group(slip=SLIP),))
+        solved(), LAYOUT, CAMERA, spec(frictions=(1.0,)), VariedPresses(frictions=(group(slip=SLIP),))
     )
     write_dataset(tmp_path / "d.h5", made)
     assert read_dataset(tmp_path / "d.h5").spec == made.spec

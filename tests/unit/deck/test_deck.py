@@ -120,7 +120,7 @@ def test_a_deck_ends_where_the_wall_reaches_the_clamp() -> None:
     mesh = mesh_skin(build_skin(DomeSpec(height=10, thickness=1)), MeshSpec(cells=6))
     text = deck_text(mesh, SILICONE, WallSpec(tilt_deg=10), DeckSpec())
     times = next(card for card in cards(text) if card.keyword == "TIME POINTS")
-    assert float(times.data[-1][0]) == pytest.approx(mesh.dome.clamp_depth(np.radians(10), Rim.FLAT))
+    assert float(times.data[-1][0]) == pytest.approx(mesh.skin.clamp_depth(np.radians(10), Rim.FLAT))
 
 
 def test_a_law_no_dialect_has_is_refused_with_those_that_it_has() -> None:

@@ -94,7 +94,7 @@ def test_no_slip_holds_points_where_they_touched() -> None:
 
 def test_a_press_ends_where_the_wall_reaches_the_clamp() -> None:
     low = press(height=8, thickness=4, tilt_deg=25, depth=8, cells=8)
-    expected = low.mesh.dome.clamp_depth(np.radians(25), Rim.FLAT)
+    expected = low.mesh.skin.clamp_depth(np.radians(25), Rim.FLAT)
     assert 3 < expected < 4
     assert low.ended is Ended.WALL_AT_CLAMP
     assert low.ended_depth == pytest.approx(expected)

@@ -8,8 +8,8 @@ from palpate.mechanics import (
     Body,
     Continuation,
     DeadLoad,
+    DeadLoading,
     Ended,
-    LoadLoading,
     Problem,
     SolverSpec,
     State,
@@ -57,7 +57,7 @@ def follow(jumps: bool) -> Continuation:
     problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
     spec = SolverSpec(first_step=0.05, largest_step=0.1, smallest_step=1e-3)
     down = DeadLoad(np.array([[0.0, 0.0, -1.0]]))
-    return Continuation(problem, LoadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=jumps)
+    return Continuation(problem, DeadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=jumps)
 
 
 def height(path: Continuation) -> float:
@@ -97,7 +97,7 @@ def test_an_increment_that_leads_elsewhere_is_cut_back() -> None:
     problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
     spec = SolverSpec(first_step=10.0, largest_step=10.0, smallest_step=1e-3)
     down = DeadLoad(np.array([[0.0, 0.0, -1.0]]))
-    path = Continuation(problem, LoadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=False)
+    path = Continuation(problem, DeadLoading(down), Unwatched(), spec, unit=LIMIT, jumps=False)
     for share in (0.2, 0.4, 0.6):
         assert path.advance(share * LIMIT)
     assert not path.advance(2 * LIMIT)

@@ -16,15 +16,15 @@ def printed(unit, error):
     """Places of the dots that are off by (meridian, ring) mm, the mark after them."""
     points = unit.layout.positions
     rho = np.hypot(points[:, 0], points[:, 1])
-    polar = np.arctan2(rho, points[:, 2] - unit.dome.center_z) + error[:, 0] / unit.dome.radius
+    polar = np.arctan2(rho, points[:, 2] - unit.skin.center_z) + error[:, 0] / unit.skin.radius
     azimuth = np.arctan2(points[:, 1], points[:, 0]) + np.where(rho > 0, error[:, 1] / np.maximum(rho, 1e-9), 0)
     around = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
-    moved = unit.dome.radius * around + [0, 0, unit.dome.center_z]
-    return np.vstack([moved, place_orientation_mark(unit.dome, unit.layout)])
+    moved = unit.skin.radius * around + [0, 0, unit.skin.center_z]
+    return np.vstack([moved, place_orientation_mark(unit.skin, unit.layout)])
 
 
 def photograph(unit, places, camera=SEATED, light=SPOILED):
-    normals = (places - [0, 0, unit.dome.center_z]) / unit.dome.radius
+    normals = (places - [0, 0, unit.skin.center_z]) / unit.skin.radius
     return render(build_camera(camera), dot_edges(places, normals, unit.layout.diameter), light)
 
 

@@ -132,7 +132,7 @@ def test_the_cameras_pose_is_found(predictor):
     }.items():
         assert getattr(found.camera.spec, name) == pytest.approx(getattr(MOVED, name), abs=near), name
     assert found.rms_px < 0.1
-    assert np.isfinite(found.print_error_px).all()
+    assert np.isfinite(found.reprojection_residual_px).all()
     assert (found.sd < 0.05).all()
 
 
@@ -141,7 +141,7 @@ def test_register_dome_shows_a_misprinted_dot():
     pixels = camera.project(np.vstack([LAYOUT.positions, MARK]))
     pixels[40] += [1.5, -1.0]
     naming = name_markers(pixels, build_pattern(LAYOUT.positions, build_camera().project, MARK))
-    errors = np.linalg.norm(register_dome(naming, LAYOUT, DOME).print_error_px, axis=1)
+    errors = np.linalg.norm(register_dome(naming, LAYOUT, DOME).reprojection_residual_px, axis=1)
     assert errors.argmax() == 40
     assert errors[40] == pytest.approx(1.8, abs=0.2)
     assert np.median(errors) < 0.1

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.study import Observer, Silence
-from palpate.study.crew import LocalCrew
 from palpate.study.schedule import do_tasks
 from palpate.study.task import Task, find_made
-from palpate.study.worker import Outcome
+from palpate.study.worker import TaskOutcome
+from palpate.study.worker_pool import LocalCrew
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def do(
     workers: int,
     observer: Observer | None = None,
     limit_s: float | None = None,
-) -> dict[str, Outcome]:
+) -> dict[str, TaskOutcome]:
     """Do tasks on processes of this machine."""
     with LocalCrew(store, workers) as crew:
         return do_tasks(tasks, made, crew, observer or Silence(), limit_s)

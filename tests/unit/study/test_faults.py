@@ -15,9 +15,9 @@ from small_task import Sum, do, read, starts
 
 from palpate.core import ArtefactStore, Recipe
 from palpate.study import Silence
-from palpate.study.crew import WORKER_DIED, LocalCrew
 from palpate.study.schedule import do_tasks
-from palpate.study.worker import Ended, Outcome, perform
+from palpate.study.worker import Ended, TaskOutcome, perform
+from palpate.study.worker_pool import WORKER_DIED, LocalCrew
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def store(tmp_path: Path) -> ArtefactStore:
     return ArtefactStore(tmp_path)
 
 
-def reasons(outcomes: dict[str, Outcome], *tasks: Sum) -> list[str]:
+def reasons(outcomes: dict[str, TaskOutcome], *tasks: Sum) -> list[str]:
     return [outcomes[task.recipe.key].reason for task in tasks]
 
 

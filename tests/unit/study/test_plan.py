@@ -6,7 +6,7 @@ from palpate.core import PalpateError
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
-from palpate.study.worker import Outcome
+from palpate.study.worker import TaskOutcome
 
 AFTER_PRESS = {"dataset", "limit", "estimator", "learning"}
 
@@ -105,5 +105,5 @@ def test_inverted_states_do_not_wait_for_the_trainings(preset: str) -> None:
     schedule, kinds = Schedule(plan_study(study).tasks(), []), []
     while (task := schedule.take()) is not None:
         kinds.append(task.recipe.kind)
-        list(schedule.close(task, Outcome("", "", 0.0)))
+        list(schedule.close(task, TaskOutcome("", "", 0.0)))
     assert kinds.index("estimator") > max(at for at, kind in enumerate(kinds) if kind == "inverted")

@@ -7,7 +7,7 @@ from palpate.core import ArtefactStore
 from palpate.study import Silence
 from palpate.study.schedule import Schedule, time_limit
 from palpate.study.task import Task
-from palpate.study.worker import Outcome
+from palpate.study.worker import TaskOutcome
 
 
 class Diary(Silence):
@@ -82,7 +82,7 @@ def test_of_many_tasks_each_is_taken_once_and_the_longest_ways_first() -> None:
     taken = []
     while (task := schedule.take()) is not None:
         taken.append(task.name)
-        assert [how.reason for _, how in schedule.close(task, Outcome("", "", 0.0))] == [""]
+        assert [how.reason for _, how in schedule.close(task, TaskOutcome("", "", 0.0))] == [""]
     assert len(taken) == 4000
     assert taken[0] == "opener 999"
     assert taken[1:4] == ["opener 998", "opener 997", "opener 996"]

@@ -1,7 +1,7 @@
 import pytest
 
 from palpate.core import PalpateError
-from palpate.verify import CASES, Case, Outcome, choose_cases, run_cases, write_page
+from palpate.verify import CASES, Case, CaseOutcome, choose_cases, run_cases, write_page
 from palpate.verify.case import compare
 from palpate.verify.read_reference import read_reference
 
@@ -54,5 +54,5 @@ def test_references_are_part_of_the_package() -> None:
 
 
 def test_an_outcome_without_rows_has_failed_only_with_a_reason() -> None:
-    assert Outcome(GOOD, (), 0.0).passed
-    assert not Outcome(GOOD, (), 0.0, "lost").passed
+    assert CaseOutcome(GOOD, (), 0.0).passed
+    assert not CaseOutcome(GOOD, (), 0.0, "lost").passed

@@ -8,10 +8,10 @@ import pytest
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec
-from palpate.viewer.errand import Errand
+from palpate.viewer.job import Job
 from palpate.viewer.scene import describe_motion
-from palpate.viewer.shelf import KEPT, Shelf
 from palpate.viewer.sketch import Sketch, bounds_of, draw_sketch
+from palpate.viewer.specimen_cache import KEPT, SpecimenCache
 
 
 def work_in_steps(count, report):
@@ -47,21 +47,21 @@ def wait_for(errand, seconds=60):
 
 
 def test_work_gives_its_result_and_says_how_far_it_is():
-    errand = Errand(work_in_steps, 4)
+    errand = Job(work_in_steps, 4)
     wait_for(errand)
     assert (errand.result, errand.share, errand.fault) == (4, 1.0, "")
 
 
 @pytest.mark.parametrize(("work", "said"), [(refuse, "thicker"), (stumble, "ZeroDivisionError"), (die, "died")])
 def test_work_that_fails_says_why(work, said):
-    errand = Errand(work)
+    errand = Job(work)
     wait_for(errand)
     assert errand.result is None
     assert said in errand.fault
 
 
 def test_work_can_be_called_off():
-    errand = Errand(work_for_ever)
+    errand = Job(work_for_ever)
     while errand.share < 0.5:
         errand.look()
         time.sleep(0.02)
@@ -95,7 +95,7 @@ def test_bounds_are_those_of_the_spec():
 
 
 def test_the_shelf_keeps_the_last_designs():
-    shelf = Shelf()
+    shelf = SpecimenCache()
     drawn = draw_sketch(Sketch())
     names = [shelf.put(drawn.design, drawn.specimen) for _ in range(KEPT + 1)]
     assert shelf.find(names[-1])[0] is drawn.design

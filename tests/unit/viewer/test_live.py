@@ -20,7 +20,7 @@ from palpate.design import MarkerSpec, place_markers
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
-from palpate.viewer.live import Live, Verdict, judge, tilt_interval, to_grey
+from palpate.viewer.live import Live, LiveVerdict, judge, tilt_interval, to_grey
 from palpate.viewer.png import write_png
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
@@ -70,12 +70,12 @@ def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
 @pytest.mark.parametrize(
     ("given", "verdict"),
     [
-        (reading(0.5, 0.5), Verdict.GO),
-        (reading(3.0, 0.0), Verdict.NO_GO),
-        (reading(1.9, 0.0), Verdict.UNSURE),
-        (reading(0.0, 0.0, half=math.inf), Verdict.UNSURE),
-        (reading(touching=False), Verdict.NO_TOUCH),
-        (reading(math.nan, math.nan), Verdict.NO_TOUCH),
+        (reading(0.5, 0.5), LiveVerdict.GO),
+        (reading(3.0, 0.0), LiveVerdict.NO_GO),
+        (reading(1.9, 0.0), LiveVerdict.UNSURE),
+        (reading(0.0, 0.0, half=math.inf), LiveVerdict.UNSURE),
+        (reading(touching=False), LiveVerdict.NO_TOUCH),
+        (reading(math.nan, math.nan), LiveVerdict.NO_TOUCH),
     ],
 )
 def test_a_verdict_counts_the_interval(given, verdict):

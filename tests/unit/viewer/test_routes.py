@@ -17,7 +17,7 @@ from palpate.viewer.library import Library
 from palpate.viewer.message import read_message
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
-from palpate.viewer.shelf import Shelf
+from palpate.viewer.specimen_cache import SpecimenCache
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def browser(tmp_path_factory):
     app = FastAPI()
     answer_errors(app)
     folder = write_results(tmp_path_factory.mktemp("results"))
-    app.include_router(make_routes(Shelf(Library(read_results(folder)))))
+    app.include_router(make_routes(SpecimenCache(Library(read_results(folder)))))
     return TestClient(app)
 
 

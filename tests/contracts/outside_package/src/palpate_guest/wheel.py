@@ -64,5 +64,5 @@ class WheelSpec(ObstacleSpec):
         return 0.0
 
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
-        above = mesh.dome.outer_height + self.radius + self.tyre
+        above = mesh.skin.outer_height + self.radius + self.tyre
         return touch_first(mesh, Wheel(self.radius, self.tyre, np.array([0.0, 0.0, above])))

@@ -15,7 +15,7 @@ KEPT = 24
 
 
 @dataclass(eq=False)
-class Shelf:
+class SpecimenCache:
     """Designs by name: the number of a row, or the name that `put` gave.
 
     Attributes

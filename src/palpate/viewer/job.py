@@ -15,7 +15,7 @@ Work = Callable[..., Any]
 _PATIENCE_S = 3.0
 
 
-class Errand:
+class Job:
     """Runs `work(*arguments, report)` in a fresh process; `report` takes the share done, from 0 to 1.
 
     Parameters

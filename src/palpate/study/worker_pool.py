@@ -19,7 +19,7 @@ from typing import Self
 
 from palpate.core import ArtefactStore
 from palpate.study.task import Task
-from palpate.study.worker import ASK_WHERE, Ended, Outcome, begin_worker, perform, single_threaded
+from palpate.study.worker import ASK_WHERE, TaskEnd, TaskOutcome, begin_worker, perform, single_threaded
 
 WORKER_DIED = "its worker process died, perhaps for want of memory"
 
@@ -31,7 +31,7 @@ _STARTING = threading.Lock()
 """Held while a process is started, so that two crews in one program do not take each other's for their own."""
 
 
-class Crew(ABC):
+class WorkerPool(ABC):
     """Does tasks, one a member, and tells how they ended; leaving its block ends all members at once."""
 
     @property
@@ -44,7 +44,7 @@ class Crew(ABC):
         """Give a task to a free member; at most `size` are given and not yet returned."""
 
     @abstractmethod
-    def wait(self, seconds: float) -> list[tuple[Task, Outcome]]:
+    def wait(self, seconds: float) -> list[tuple[Task, TaskOutcome]]:
         """Tasks that have ended, after `seconds` at most; a member that died is replaced."""
 
     @abstractmethod
@@ -62,7 +62,7 @@ class Crew(ABC):
         self.leave()
 
 
-class LocalCrew(Crew):
+class LocalCrew(WorkerPool):
     """Processes on this machine, each with one thread and an executor of its own: one that dies takes nobody along.
 
     Parameters
@@ -78,7 +78,7 @@ class LocalCrew(Crew):
         self._folder = Path(tempfile.mkdtemp(prefix="palpate-"))
         self._free = [_Member(self._folder / f"{number}") for number in range(workers)]
         self._size = workers
-        self._busy: dict[Future[Outcome], tuple[_Member, Task]] = {}
+        self._busy: dict[Future[TaskOutcome], tuple[_Member, Task]] = {}
 
     @property
     def size(self) -> int:
@@ -88,7 +88,7 @@ class LocalCrew(Crew):
         member = self._free.pop()
         self._busy[member.submit(task, self._store)] = (member, task)
 
-    def wait(self, seconds: float) -> list[tuple[Task, Outcome]]:
+    def wait(self, seconds: float) -> list[tuple[Task, TaskOutcome]]:
         if not self._busy:
             time.sleep(seconds)
         ended = []
@@ -97,10 +97,10 @@ class LocalCrew(Crew):
             try:
                 outcome = future.result()
             except BrokenProcessPool:
-                outcome = Outcome(f"{WORKER_DIED}{member.how()}", member.trace(), 0.0, Ended.DIED)
+                outcome = TaskOutcome(f"{WORKER_DIED}{member.how()}", member.trace(), 0.0, TaskEnd.DIED)
                 member.leave()
             except Exception as error:  # what came back could not be read
-                outcome = Outcome(f"{type(error).__name__}: {error}", "", 0.0, Ended.FAILED)
+                outcome = TaskOutcome(f"{type(error).__name__}: {error}", "", 0.0, TaskEnd.FAILED)
             self._free.append(member)
             ended.append((task, outcome))
         return ended
@@ -126,7 +126,7 @@ class _Member:
         self._executor: ProcessPoolExecutor | None = None
         self._process: BaseProcess | None = None
 
-    def submit(self, task: Task, store: ArtefactStore) -> Future[Outcome]:
+    def submit(self, task: Task, store: ArtefactStore) -> Future[TaskOutcome]:
         """Let the process do a task; one that has died is replaced first."""
         if self._executor is not None:
             with suppress(BrokenProcessPool):  # it may have died while it had nothing to do

@@ -1,0 +1,38 @@
+"""One word, one thing: no two public classes share a name, and the words of the field stand where they are looked for."""
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[2] / "src" / "palpate"
+
+TERMS = {
+    "contact history": "mechanics/friction.py",
+    "return mapping": "mechanics/friction.py",
+    "contact stabilisation": "fea/monitor.py",
+    "predictor": "mechanics/continuation.py",
+    "limit point": "mechanics/continuation.py",
+    "snap-through": "mechanics/continuation.py",
+    "domain randomisation": "dataset/vary.py",
+    "conformal": "learn/interval.py",
+    "assignment": "markers/name_markers.py",
+    "out of distribution": "learn/interval.py",
+    "reprojection residual": "sensor/register.py",
+}
+
+
+def test_no_two_public_classes_share_a_name() -> None:
+    homes = defaultdict(list)
+    for path in SOURCE.rglob("*.py"):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                homes[node.name].append(str(path.relative_to(SOURCE)))
+    assert {name: places for name, places in homes.items() if len(places) > 1} == {}
+
+
+@pytest.mark.parametrize(("term", "place"), TERMS.items())
+def test_the_fields_term_stands_in_the_head_of_what_does_it(term: str, place: str) -> None:
+    head = ast.get_docstring(ast.parse((SOURCE / place).read_text())) or ""
+    assert term in " ".join(head.lower().split())
