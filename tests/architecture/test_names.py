@@ -1,4 +1,4 @@
-"""One word, one thing: no two public classes share a name, and the words of the field stand where they are looked for."""
+"""One word, one thing: no two public classes share a name; the words of the field stand where they are looked for."""
 
 import ast
 from collections import defaultdict
