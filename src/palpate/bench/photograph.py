@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.bench.deviation import Deviation
-from palpate.camera import Camera, RenderSpec, build_camera, edge_offsets, render
+from palpate.camera import Camera, RenderSpec, build_camera, dot_edges, render, tangent_pair
 from palpate.core import FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark
 
@@ -92,24 +92,13 @@ def wrap_dots(dome: Skin, centres: FloatArray, diameter: float) -> FloatArray:
     ndarray
         (m, k, 3) mm.
     """
-    first, second = _tangents(dome, centres)
-    flat = edge_offsets(diameter / 2.0)
-    return dome.nearest(centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None])
+    return dome.nearest(dot_edges(centres, dome.normal(centres), diameter))
 
 
 def _misprint(dome: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
     """Centres (m, 3) mm as printed: the pad is off as a whole, every dot by itself."""
     x, y = points[:, 0] + deviation.pad_x, points[:, 1] + deviation.pad_y
     printed = dome.inner_point(np.hypot(x, y), np.arctan2(y, x))
-    first, second = _tangents(dome, printed)
+    first, second = tangent_pair(dome.normal(printed))
     off = deviation.dot * rng.uniform(-1.0, 1.0, (len(points), 2))
     return dome.nearest(printed + off[:, :1] * first + off[:, 1:] * second)
-
-
-def _tangents(dome: Skin, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two tangents (m, 3) of the inner surface."""
-    normals = dome.normal(points)
-    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = np.cross(normals, aside)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return first, np.cross(normals, first)

@@ -11,7 +11,7 @@ from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import list_images, read_image
-from palpate.camera.render import RenderSpec, centre_bias, dot_edges, edge_offsets, render
+from palpate.camera.render import RenderSpec, centre_bias, dot_edges, render, tangent_pair
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
 
@@ -32,7 +32,6 @@ __all__ = [
     "calibrate_camera",
     "centre_bias",
     "dot_edges",
-    "edge_offsets",
     "list_images",
     "list_presets",
     "open_source",
@@ -43,6 +42,7 @@ __all__ = [
     "recording_suffixes",
     "render",
     "stream_events",
+    "tangent_pair",
     "write_board",
     "write_calibration",
 ]

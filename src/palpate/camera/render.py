@@ -64,13 +64,18 @@ def dot_edges(centres: Array, normals: Array, diameter: float) -> Array:
     ndarray
         (m, k, 3) mm.
     """
-    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = np.cross(normals, aside)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(normals, first)
+    first, second = tangent_pair(normals)
     flat = edge_offsets(diameter / 2.0)
     edges: Array = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
     return edges
+
+
+def tangent_pair(normals: Array) -> tuple[Array, Array]:
+    """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another."""
+    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = np.cross(normals, aside)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(normals, first)
 
 
 def centre_bias(camera: Camera, centres: Array, edges: Array) -> Array:

@@ -37,7 +37,7 @@ MANIFEST, BROKEN, REASON, LOCK = ".manifest.json", ".broken", ".broken.reason", 
 _HEAD_BYTES = 512
 """The first bytes of a manifest hold the artefact's size, so that planning need not read its whole spec."""
 _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
-_KEY = re.compile(rf"[0-9a-f]{{{KEY_LENGTH}}}")
+_KEY = re.compile(rf"[0-9a-f]{{2,{KEY_LENGTH}}}")
 _SIZE = re.compile(rb'"sha256": "[0-9a-f]{64}",\s*"bytes": (\d+)')
 
 

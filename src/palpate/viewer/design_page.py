@@ -270,10 +270,7 @@ class DesignPage:
         self._status.text = f"Pressed in {press.cpu_s:.1f} s."
         self._draw_force()
         self._bar.show(self._shelf.put(drawn.design, specimen))
-        self._bar.run_method(
-            "pose", {"tilt": sketch.wall.tilt_deg, "azimuth": sketch.wall.azimuth_deg % 360, "depth": 0}
-        )
-        self._bar.run_method("playWhenReady")
+        self._bar.play(sketch.wall.tilt_deg, sketch.wall.azimuth_deg % 360)
 
     def _hand_out_pack(self, pack: bytes) -> None:
         self._status.text = f"The pack has {len(pack) / 1e6:.1f} MB."

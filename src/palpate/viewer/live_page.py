@@ -7,12 +7,14 @@ import base64
 import math
 from typing import Any
 
+import numpy as np
 from fastapi import Request
 from nicegui import events, ui
+from numpy.typing import NDArray
 
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, open_source
-from palpate.core import PalpateError
+from palpate.core import PalpateError, load_opencv
 from palpate.grid import name_row
 from palpate.learn import open_predictor
 from palpate.sensor import Unit
@@ -22,7 +24,6 @@ from palpate.viewer.export import write_table
 from palpate.viewer.library import Library
 from palpate.viewer.live import Live, LiveVerdict, Step, judge, tilt_interval
 from palpate.viewer.page_head import Head, complain, complaint, heading
-from palpate.viewer.png import write_png
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design, model_path
 
@@ -179,7 +180,7 @@ class LivePage:
         self._show(step)
 
     def _show(self, step: Step) -> None:
-        picture = "" if step.image is None else _as_link(write_png(step.image))
+        picture = "" if step.image is None else _as_link(step.image)
         stretch = min(max(float(self._stretch.value or 1.0), 0.5), 20.0)
         self._view.show(picture, step.positions_px.round(2).tolist(), step.found.tolist(), stretch)
         reading = step.reading
@@ -242,5 +243,7 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
     return [*rows, ("tilt", reading.tilt_deg, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
 
 
-def _as_link(png: bytes) -> str:
+def _as_link(image: NDArray[np.uint8]) -> str:
+    """An image (h, w) as a link that holds it whole, as PNG."""
+    png = load_opencv().imencode(".png", image)[1]
     return "data:image/png;base64," + base64.b64encode(png).decode()

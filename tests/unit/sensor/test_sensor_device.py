@@ -30,6 +30,7 @@ def test_a_simulated_sensor_stands_behind_the_device(simulated):
     assert len(detector.find(images[0])) == 38
     moved = [np.abs(image.astype(float) - images[0]).mean() for image in images]
     assert moved[45] > 2 * moved[5]
+    assert simulated.truth == pytest.approx((5 * np.cos(np.radians(30)), 5 * np.sin(np.radians(30)), 7.8))
 
 
 def test_a_device_is_connected_before_it_is_asked_and_says_when_it_ends(simulated):

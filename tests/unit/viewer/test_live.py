@@ -1,8 +1,6 @@
 """The live page's sensor: from a source to a verdict."""
 
 import math
-import struct
-import zlib
 from itertools import islice
 from types import SimpleNamespace
 
@@ -13,6 +11,7 @@ from made_up_presses import MESH, made_up_press, rows
 
 pytest.importorskip("PIL")
 
+
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
@@ -21,7 +20,6 @@ from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
 from palpate.viewer.live import Live, LiveVerdict, judge, tilt_interval, to_grey
-from palpate.viewer.png import write_png
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
 
@@ -201,13 +199,6 @@ def test_recordings_are_found_but_not_in_the_store(tmp_path):
         (tmp_path / place / "0.png").write_bytes(b"")
     assert find_recordings(tmp_path) == ("one", "runs/two")
     assert inside(tmp_path, "runs/two") == (tmp_path / "runs" / "two").resolve()
-
-
-def test_a_png_holds_the_grey_levels():
-    image = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
-    found = cv2.imdecode(np.frombuffer(write_png(image), np.uint8), cv2.IMREAD_GRAYSCALE)
-    assert (found == image).all()
-    assert zlib.crc32(b"IEND") == struct.unpack(">I", write_png(image)[-4:])[0]
 
 
 def test_every_kind_of_image_becomes_grey():

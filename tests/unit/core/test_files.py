@@ -1,0 +1,74 @@
+"""What is written appears whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from palpate.core import PalpateError, new_folder, writing, written_into, written_whole
+
+
+class InterruptedWorkError(Exception):
+    pass
+
+
+def break_off(path: Path) -> None:
+    path.write_text("half")
+    raise InterruptedWorkError
+
+
+def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    with written_whole(path) as draft:
+        draft.write_text("new")
+        assert (draft.name, draft.parent.parent, path.read_text()) == ("a.txt", tmp_path, "old")
+    assert path.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_file_that_is_broken_off_leaves_the_old_one(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    with pytest.raises(InterruptedWorkError), written_whole(path) as draft:
+        break_off(draft)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_files_of_a_folder_appear_together(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "folder"
+    with written_into(folder) as drafts:
+        for name in ("a.csv", "b.csv"):
+            (drafts / name).write_text(name)
+        assert [path for path in folder.iterdir() if path != drafts] == []
+    assert sorted(path.name for path in folder.iterdir()) == ["a.csv", "b.csv"]
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_new_folder_appears_whole_or_not_at_all(tmp_path: Path, there: bool) -> None:
+    folder = tmp_path / "pack"
+    if there:
+        folder.mkdir()
+    with pytest.raises(InterruptedWorkError), new_folder(folder) as draft:
+        break_off(draft / "half")
+    assert [*tmp_path.rglob("*")] == ([folder] if there else [])
+    with new_folder(folder) as draft:
+        (draft / "whole").write_text("")
+    assert [path.name for path in folder.iterdir()] == ["whole"]
+    with pytest.raises(PalpateError, match="not an empty folder"), new_folder(folder):
+        pass
+
+
+@pytest.mark.parametrize("opened", [written_whole, written_into, new_folder])
+def test_what_cannot_be_written_is_said_with_its_reason_and_remedy(tmp_path: Path, opened) -> None:
+    (tmp_path / "file").write_text("")
+    path = tmp_path / "file" / "a.txt"
+    said = r"a\.txt cannot be written: .* Name another\."
+    with pytest.raises(PalpateError, match=said), opened(path, "Name another."):
+        pass
+
+
+def test_an_error_without_a_reason_of_the_system_is_said_as_it_is() -> None:
+    said = r"The grid cannot be written: disk full\. Choose another file\."
+    with pytest.raises(PalpateError, match=said), writing("The grid"):
+        raise OSError("disk full")
