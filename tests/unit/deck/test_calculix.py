@@ -202,6 +202,6 @@ def test_a_round_obstacle_presses_in_calculix_as_here(obstacle: ObstacleSpec) ->
     assert ours.depth == pytest.approx(theirs.depth, abs=1e-3)
     assert theirs.force[1:, 2] == pytest.approx(ours.force[1:, 2], rel=0.03)
     ring = np.array([[8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [-8.0, 0.0, 0.0], [0.0, -8.0, 0.0]])
-    points = DOME.nearest(ring + [0.0, 0.0, 18.0])
+    points = DOME.nearest(ring + np.array([0.0, 0.0, 18.0]))
     apart = np.linalg.norm(theirs.positions(points)[1:] - ours.positions(points)[1:], axis=-1)
     assert (apart.max(axis=1) < 0.05 * ours.depth[1:]).all()
