@@ -17,6 +17,7 @@ import numpy as np
 from palpate.core import ComplexArray, FloatArray, PalpateError, TextArray
 from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
 from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
+from palpate.design import Symmetry
 
 if TYPE_CHECKING:
     from palpate.design import MarkerLayout
@@ -100,6 +101,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
     PalpateError
         If there is no press, a tilt appears twice, the image steps differ, or a marker is not on the dome.
     """
+    _refuse_without_symmetry(presses)
     outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
     if outside:
         raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
@@ -135,3 +137,14 @@ def _sum_series(series: ComplexArray, azimuth: FloatArray, circles: MarkerCircle
         wave = np.exp(1j * order[:, None] * circles.azimuth[members])
         moved[:, :, members] = (turned[:, number].real @ wave.real) - (turned[:, number].imag @ wave.imag)
     return moved
+
+
+def _refuse_without_symmetry(presses: Sequence[Press]) -> None:
+    """One press serves every azimuth of a body of revolution alone."""
+    for press in presses:
+        skin = press.mesh.skin
+        if skin.symmetry is not Symmetry.REVOLVED:
+            raise PalpateError(
+                f"{skin.name} is no body of revolution: one press does not serve every azimuth.",
+                "Press every azimuth and read single presses; images of such a skin are not interpolated.",
+            )

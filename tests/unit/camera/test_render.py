@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from palpate.camera import CameraSpec, RenderSpec, build_camera, centre_bias, dot_edges, edge_offsets, render
+from palpate.camera import CameraSpec, RenderSpec, build_camera, centre_bias, dot_edges, render
 from palpate.camera.render import edge_offsets
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 

@@ -9,6 +9,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from palpate.design import Symmetry
+
 RADIUS = 20.0
 STEP = 0.8
 E_Z = np.array([0.0, 0.0, 1.0])
@@ -47,7 +49,7 @@ class KinematicPress:
             depth = np.append(depth, self.reached)
         self.depth = depth
         self.branch = np.where(depth >= self.inverted_from, "inverted", "flat")
-        self.mesh = SimpleNamespace(dome=None)
+        self.mesh = SimpleNamespace(skin=SimpleNamespace(symmetry=Symmetry.REVOLVED))
         self.ended_depth = self.reached
         self.wall = SimpleNamespace(radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0)
 

@@ -105,7 +105,7 @@ def test_a_misprinted_dot_moves_as_the_surface_beneath_it_and_looks_as_designed_
     layout = MarkerLayout(positions=LAYOUT.positions, diameter=1.5)
     presses = solved()
     for press in presses:
-        press.mesh = SimpleNamespace(dome=Dome(RADIUS, RADIUS, 2.0))
+        press.mesh = SimpleNamespace(skin=Dome(RADIUS, RADIUS, 2.0))
     camera = build_camera()
     dataset = generate_dataset(presses, layout, camera, spec(dot=0.2))
     plain = generate_dataset(presses, layout, camera, DatasetSpec(n_presses=60))
@@ -130,7 +130,7 @@ def test_another_camera_under_every_unit_is_seen_after_rest_was_taken_off():
     layout = MarkerLayout(positions=LAYOUT.positions, diameter=1.5)
     presses = solved()
     for press in presses:
-        press.mesh = SimpleNamespace(dome=Dome(RADIUS, RADIUS, 2.0))
+        press.mesh = SimpleNamespace(skin=Dome(RADIUS, RADIUS, 2.0))
     chosen = spec(camera_offset=0.5, camera_distance=0.5, camera_tilt_deg=1.0, focal=0.003)
     varied = generate_dataset(presses, layout, build_camera(CameraSpec()), chosen)
     plain = generate_dataset(presses, layout, build_camera(CameraSpec()), DatasetSpec(n_presses=60))
