@@ -24,7 +24,7 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
     dome = DomeSpec(height=height, thickness=thickness)
     size = 3.0 / np.sqrt(markers) + 0.1 * thickness + abs(height - 20) / 20
     return DesignResult(
-        dome=dome,
+        skin=dome,
         markers=MarkerSpec(count=markers),
         shape=build_skin(dome).shape,
         clean=None if failure else make_metrics(size),

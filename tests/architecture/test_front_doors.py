@@ -24,7 +24,6 @@ FRONT_DOORS = {
         "Dome",
         "Ellipsoid",
         "Skin",
-        "DomeShape",
         "DomeSpec",
         "Finding",
         "MarkerLayout",
@@ -40,7 +39,7 @@ FRONT_DOORS = {
         "ring_diameters",
     },
     "material": {"Material", "get_material", "list_materials"},
-    "cad": {"Solid", "read_step", "revolve", "write_step"},
+    "cad": {"CadSolid", "read_step", "revolve", "write_step"},
     "mechanics": {"Continuation", "Obstacle", "Problem", "SolverSpec", "Term"},
     "mesh": {"Mesh", "MeshSpec", "mesh_skin"},
     "camera": {

@@ -25,7 +25,7 @@ GPU = "GPU"
 """The Dask resource of workers that have one: ``dask worker --resources GPU=1``."""
 
 
-class ClusterCrew(WorkerPool):
+class ClusterWorkers(WorkerPool):
     """Workers of a Dask cluster, each thread of theirs a member.
 
     Parameters

@@ -15,7 +15,7 @@ from pathlib import Path
 from palpate.core import ArtefactStore, MissingExtraError, writing
 from palpate.learn import find_device
 from palpate.study.available import fitting_workers
-from palpate.study.cluster import ClusterCrew
+from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_designs, collect_limits
 from palpate.study.observer import Observer, Silence
 from palpate.study.plan import plan_study
@@ -24,7 +24,7 @@ from palpate.study.schedule import MOST_REMADE, do_tasks
 from palpate.study.study import Study
 from palpate.study.task import EstimatorTask, Task
 from palpate.study.worker import TaskEnd, TaskOutcome
-from palpate.study.worker_pool import LocalCrew, WorkerPool
+from palpate.study.worker_pool import LocalWorkers, WorkerPool
 
 TRACES = "failures.log"
 """File in the result folder with what failed in the last run, and the tracebacks of errors that nobody foresaw."""
@@ -127,8 +127,8 @@ class _Hands:
 
     def crew(self, store: ArtefactStore, tasks: int) -> WorkerPool:
         if self.cluster is not None:
-            return ClusterCrew(store, self.cluster)
-        return LocalCrew(store, min(self.workers or fitting_workers(), tasks))
+            return ClusterWorkers(store, self.cluster)
+        return LocalWorkers(store, min(self.workers or fitting_workers(), tasks))
 
 
 class _Run:

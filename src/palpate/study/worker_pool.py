@@ -62,7 +62,7 @@ class WorkerPool(ABC):
         self.leave()
 
 
-class LocalCrew(WorkerPool):
+class LocalWorkers(WorkerPool):
     """Processes on this machine, each with one thread and an executor of its own: one that dies takes nobody along.
 
     Parameters

@@ -12,7 +12,7 @@ from palpate.study import Observer, Silence
 from palpate.study.schedule import do_tasks
 from palpate.study.task import Task, find_made
 from palpate.study.worker import TaskOutcome
-from palpate.study.worker_pool import LocalCrew
+from palpate.study.worker_pool import LocalWorkers
 
 
 @dataclass(frozen=True)
@@ -96,5 +96,5 @@ def do(
     limit_s: float | None = None,
 ) -> dict[str, TaskOutcome]:
     """Do tasks on processes of this machine."""
-    with LocalCrew(store, workers) as crew:
+    with LocalWorkers(store, workers) as crew:
         return do_tasks(tasks, made, crew, observer or Silence(), limit_s)

@@ -13,7 +13,7 @@ from small_task import Sum, do, read, starts
 from needs import needs
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError
 from palpate.study import Silence, check_place
-from palpate.study.cluster import ClusterCrew
+from palpate.study.cluster import ClusterWorkers
 from palpate.study.schedule import do_tasks
 
 
@@ -46,14 +46,14 @@ def test_without_the_library_it_is_said_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MissingExtraError, match=r"palpate\[cluster\]"):
-        ClusterCrew(store, "local:1")
+        ClusterWorkers(store, "local:1")
 
 
 def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, tmp_path: Path) -> None:
     needs("distributed")
     tasks = tree(lasts=0.5)
     bad = Sum("bad", 1.0, fault="unforeseen")
-    with ClusterCrew(store, "local:2") as crew:
+    with ClusterWorkers(store, "local:2") as crew:
         assert crew.size == 2
         killer = threading.Thread(target=_kill_one, args=(crew, store))
         killer.start()
@@ -70,7 +70,7 @@ def test_a_killed_worker_costs_a_cluster_nothing_but_time(store: ArtefactStore, 
         assert store.path(task.recipe).read_bytes() == other.path(task.recipe).read_bytes()
 
 
-def _kill_one(crew: ClusterCrew, store: ArtefactStore) -> None:
+def _kill_one(crew: ClusterWorkers, store: ArtefactStore) -> None:
     """Kill a worker process while its second task is at work."""
     while not (store.root / "starts.log").exists() or len((store.root / "starts.log").read_text().splitlines()) < 3:
         time.sleep(0.05)
@@ -83,7 +83,7 @@ def _kill_one(crew: ClusterCrew, store: ArtefactStore) -> None:
 def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
     needs("distributed")
     hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
-    with ClusterCrew(store, "local:1") as crew:
+    with ClusterWorkers(store, "local:1") as crew:
         outcomes = do_tasks([hung, good], [], crew, Silence(), limit_s=20.0)
     assert outcomes[hung.recipe.key].reason == "it took longer than 20 s and was stopped"
     assert "hang_here" in outcomes[hung.recipe.key].trace
@@ -96,4 +96,4 @@ def test_a_scheduler_that_does_not_answer_is_an_error_with_a_remedy(
     needs("distributed")
     monkeypatch.setattr("palpate.study.cluster.CONNECT_S", 1.0)
     with pytest.raises(PalpateError, match="dask scheduler"):
-        ClusterCrew(store, "tcp://127.0.0.1:9")
+        ClusterWorkers(store, "tcp://127.0.0.1:9")

@@ -16,8 +16,8 @@ from small_task import Sum, do, read, starts
 from palpate.core import ArtefactStore, Recipe
 from palpate.study import Silence
 from palpate.study.schedule import do_tasks
-from palpate.study.worker import Ended, TaskOutcome, perform
-from palpate.study.worker_pool import WORKER_DIED, LocalCrew
+from palpate.study.worker import TaskEnd, TaskOutcome, perform
+from palpate.study.worker_pool import WORKER_DIED, LocalWorkers
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_a_task_whose_worker_died_once_is_tried_again_and_succeeds(store: Artefa
 def test_a_hung_task_is_stopped_with_the_place_where_it_stood(store: ArtefactStore) -> None:
     hung = Sum("hung", 1.0, fault="hung", seconds=9)
     good = [Sum(f"good {i}", 1.0) for i in range(2)]
-    with LocalCrew(store, 2) as crew:
+    with LocalWorkers(store, 2) as crew:
         do_tasks([Sum(f"first {i}", 1.0, lasts=1.0) for i in range(2)], [], crew, Silence())  # both are awake now
         started = time.monotonic()
         outcomes = do_tasks([hung, *good], [], crew, Silence(), limit_s=4.0)
@@ -109,7 +109,7 @@ def test_two_runs_at_once_make_nothing_twice(store: ArtefactStore) -> None:
     assert [starts(store, task.label) for task in [*tasks, last]] == [1] * 7
     assert all(reasons(outcomes, *tasks, last) == [""] * 7 for outcomes in both)
     made = [how.ended for outcomes in both for how in outcomes.values()]
-    assert (made.count(Ended.MADE), made.count(Ended.FOUND)) == (7, 7)
+    assert (made.count(TaskEnd.MADE), made.count(TaskEnd.FOUND)) == (7, 7)
     assert read(store, last) == 115.0
     assert not list(store.root.rglob("*.lock"))
 
@@ -118,7 +118,7 @@ def test_the_lease_of_a_killed_process_is_free_again(store: ArtefactStore) -> No
     task = Sum("killed", 1.0, fault="killed", seconds=9)
     do([task], [], store, 1)
     assert list(store.root.rglob("*.lock")), "a killed process cannot clear its lock away"
-    assert perform(Sum("killed", 1.0), store).ended is Ended.MADE
+    assert perform(Sum("killed", 1.0), store).ended is TaskEnd.MADE
     assert not list(store.root.rglob("*.lock"))
 
 
@@ -204,7 +204,7 @@ def test_a_broken_artefact_in_a_read_only_store_is_not_read(small_disk: Path) ->
 
 def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
     started = time.monotonic()
-    with LocalCrew(store, 1) as crew:
+    with LocalWorkers(store, 1) as crew:
         crew.give(Sum("hung", 1.0, fault="hung"))
         while not (store.root / "starts.log").exists():
             crew.wait(0.1)
@@ -214,7 +214,7 @@ def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
 
 
 def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: ArtefactStore) -> None:
-    with LocalCrew(store, 1) as crew:
+    with LocalWorkers(store, 1) as crew:
         do_tasks([Sum("first", 1.0)], [], crew, Silence())
         (worker,) = multiprocessing.active_children()
         worker.kill()
@@ -226,6 +226,6 @@ def test_a_worker_that_dies_while_it_has_nothing_to_do_is_replaced(store: Artefa
 def test_a_resumed_run_does_only_what_is_missing(store: ArtefactStore) -> None:
     tasks = [Sum(f"task {i}", float(i)) for i in range(3)]
     do(tasks[:2], [], store, 1)
-    with LocalCrew(store, 1) as crew:
+    with LocalWorkers(store, 1) as crew:
         outcomes = do_tasks(tasks, [], crew, Silence())
-    assert [outcomes[task.recipe.key].ended for task in tasks] == [Ended.FOUND, Ended.FOUND, Ended.MADE]
+    assert [outcomes[task.recipe.key].ended for task in tasks] == [TaskEnd.FOUND, TaskEnd.FOUND, TaskEnd.MADE]
