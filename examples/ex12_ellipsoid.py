@@ -16,13 +16,14 @@ learning: {preset: quick}
 """
 
 
-def main() -> None:
+def main() -> float:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "ellipsoid.yaml"
         path.write_text(STUDY)
         grid = pp.evaluate_grid(pp.run_study(pp.read_study(path), Path(folder) / "results").designs)
         row = grid.designs[0]
         print(f"{row['shape']}: RMSE {row['rmse_deg']:.2f}°, force {row['force_n']:.3f} N")
+        return float(row["rmse_deg"])
 
 
 if __name__ == "__main__":

@@ -19,8 +19,10 @@ EXPECTED = {
     "ex08_dots": pytest.approx(0.076, abs=0.05),
     "ex09_friction": pytest.approx(3.0, rel=0.05),
     "ex10_train": pytest.approx(0.82, rel=0.1),
+    "ex11_ball": pytest.approx(0.0670, rel=0.01),
+    "ex12_ellipsoid": pytest.approx(0.18, rel=0.2),
 }
-NEEDS = {"ex05_mold": ["build123d"], "ex08_dots": ["cv2"], "ex10_train": ["torch"]}
+NEEDS = {"ex05_mold": ["build123d"], "ex08_dots": ["cv2"], "ex10_train": ["torch"], "ex12_ellipsoid": ["torch"]}
 
 
 def test_every_example_is_expected() -> None:
