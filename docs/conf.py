@@ -28,9 +28,27 @@ napoleon_google_docstring = False
 nitpicky = False
 suppress_warnings = ["ref.python", "myst.header"]
 
-STAGES = (
-    "design material mesh fea camera markers dataset learn fabricate sensor study grid verify".split()  # noqa: SIM905
-)
+STAGES = [
+    "cad",
+    "design",
+    "material",
+    "mesh",
+    "mechanics",
+    "fea",
+    "deck",
+    "camera",
+    "markers",
+    "dataset",
+    "learn",
+    "fabricate",
+    "sensor",
+    "bench",
+    "study",
+    "grid",
+    "claims",
+    "verify",
+    "testing",
+]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims fit make specimens "  # noqa: SIM905
     "calibrate find inspect live bench accept verify doctor".split()

@@ -145,7 +145,7 @@ def test_one_dome_refutes_what_is_said_of_every_dome():
 def test_a_design_that_failed_is_missing_with_its_reason():
     failed = [
         replace(design, clean=None, jittered=None, failure="the lamp went out")
-        if (design.dome.height, design.dome.thickness, design.markers.count) == (20, 2, 169)
+        if (design.skin.height, design.skin.thickness, design.markers.count) == (20, 2, 169)
         else design
         for design in PAPER
     ]

@@ -23,8 +23,8 @@ from palpate.viewer.live import Live, LiveVerdict, judge, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
 
-LAYOUT = place_markers(MESH.dome, MarkerSpec(count=19))
-DESIGN = Design(0, rows()[1], MESH.dome, LAYOUT, build_camera(), ())
+LAYOUT = place_markers(MESH.skin, MarkerSpec(count=19))
+DESIGN = Design(0, rows()[1], MESH.skin, LAYOUT, build_camera(), ())
 
 
 class MadeUpPredictor:
@@ -58,7 +58,7 @@ class MadeUpSource(Source):
 @pytest.fixture
 def touches():
     presses = [made_up_press(tilt) for tilt in (0.0, 3.0, 6.0)]
-    return SimulatedSource(Unit(MESH.dome, LAYOUT), draw_touches(presses, seed=1))
+    return SimulatedSource(Unit(MESH.skin, LAYOUT), draw_touches(presses, seed=1))
 
 
 def reading(rx=0.0, ry=0.0, half=0.2, touching=True):

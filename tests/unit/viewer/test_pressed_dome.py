@@ -33,7 +33,7 @@ def test_between_solved_tilts_the_dome_is_that_of_the_closed_form(pressed, tilt)
 
 
 def test_markers_turn_with_the_wall(pressed):
-    layout, camera = place_markers(MESH.dome, MarkerSpec(count=37)), build_camera()
+    layout, camera = place_markers(MESH.skin, MarkerSpec(count=37)), build_camera()
     motion = pressed.at(4.0)
     straight = follow_markers(pressed, motion, layout, camera, 0.0)
     turned = follow_markers(pressed, motion, layout, camera, 60.0)  # the rings look the same after a sixth of a turn
@@ -47,7 +47,7 @@ def test_markers_turn_with_the_wall(pressed):
 
 
 def test_markers_of_both_halves_are_followed_in_the_domes_frame(pressed):
-    layout = place_markers(MESH.dome, MarkerSpec(count=19))
+    layout = place_markers(MESH.skin, MarkerSpec(count=19))
     found = pressed.markers(layout, pressed.at(6.0), 0.0)[-1]
     expected = layout.positions + moved(layout.positions, 6.0, 4.0)
     assert found == pytest.approx(expected, abs=0.02)  # a coarse mesh
@@ -55,7 +55,7 @@ def test_markers_of_both_halves_are_followed_in_the_domes_frame(pressed):
 
 @pytest.mark.parametrize("pose", [(0.0, 0.0), (1.7, 0.0), (-1.2, 2.1), (0.4, -5.1)])
 def test_markers_are_those_of_the_dataset(pressed, pose):
-    layout = place_markers(MESH.dome, MarkerSpec(count=37))
+    layout = place_markers(MESH.skin, MarkerSpec(count=37))
     field = build_field(pressed.presses, layout)
     rx, ry = pose
     shown = pressed.markers(layout, pressed.at(np.hypot(rx, ry)), np.degrees(np.arctan2(ry, rx)))
@@ -67,7 +67,7 @@ def test_markers_are_those_of_the_dataset(pressed, pose):
 
 
 def test_the_surface_that_is_drawn_carries_its_markers(pressed):
-    layout = place_markers(MESH.dome, MarkerSpec(count=37))
+    layout = place_markers(MESH.skin, MarkerSpec(count=37))
     motion, turn = pressed.at(4.3), turn_about_axis(np.radians(75.0))
     half = (layout.positions @ turn)[:, 0] > 0
     points = locate_inner(MESH, (layout.positions @ turn)[half])
@@ -112,8 +112,8 @@ def test_presses_that_do_not_belong_together_are_refused():
 def test_the_shell_is_closed_and_lies_on_the_two_spheres():
     shell = build_shell(MESH)
     rest = MESH.nodes[shell.nodes]
-    centre = [0, 0, MESH.dome.center_z]
-    for name, radius in (("outer", MESH.dome.outer_radius), ("inner", MESH.dome.radius)):
+    centre = [0, 0, MESH.skin.center_z]
+    for name, radius in (("outer", MESH.skin.outer_radius), ("inner", MESH.skin.radius)):
         first, count = shell.parts[name]
         used = np.unique(shell.triangles[first : first + count])
         assert np.linalg.norm(rest[used] - centre, axis=1) == pytest.approx(radius, abs=1e-6)

@@ -101,8 +101,8 @@ def test_designs_without_a_figure_are_not_in_the_scatter():
 
 def test_curves_change_their_dash_with_the_branch():
     presses = [made_up_press(0.0, inverted_from=2.0)]
-    layout = place_markers(MESH.dome, MarkerSpec(count=7))
-    design = Design(0, rows()[0], MESH.dome, layout, build_camera(), ())
+    layout = place_markers(MESH.skin, MarkerSpec(count=7))
+    design = Design(0, rows()[0], MESH.skin, layout, build_camera(), ())
     curves, marks = force_curves([(design, gather_presses(presses).at(0.0))])
     assert [(curve.name, curve.dashed) for curve in curves] == [("flat", False), ("inverted", True)]
     assert marks[0].points[0][0] == pytest.approx(3.2)
