@@ -14,7 +14,6 @@ from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec, export_press, solve_press
 from palpate.fea.export import nodal_stress
 from palpate.material import get_material
-from palpate.mechanics import SolverSpec
 from palpate.mechanics.solid import Solid
 from palpate.mechanics.stress import von_mises
 from palpate.mesh import MeshSpec, gauss_points, measure_quality, mesh_skin
@@ -110,7 +109,7 @@ def test_the_table_has_the_force_of_every_image(press: Press, folder: Path) -> N
 
 
 def test_a_press_by_calculix_has_no_stress_field(press: Press, tmp_path: Path) -> None:
-    export_press(tmp_path / "press", replace(press, solver=SolverSpec(backend="calculix")))
+    export_press(tmp_path / "press", replace(press, solved_by="calculix"))
     assert set(meshio.read(tmp_path / "press" / "press_0001.vtu").point_data) == {"displacement_mm", "wall_gap_mm"}
 
 
