@@ -9,9 +9,9 @@ from palpate.design.dome import DomeShape
 @pytest.mark.parametrize(
     ("height", "radius", "center_z", "shape"),
     [
-        (10.0, 25.0, -(15.0).SEGMENT),
-        (20.0, 20.0, (0.0).HEMISPHERE),
-        (30.0, 65.0 / 3.0, 25.0 / (3.0).CAP),
+        (10.0, 25.0, -15.0, DomeShape.SEGMENT),
+        (20.0, 20.0, 0.0, DomeShape.HEMISPHERE),
+        (30.0, 65.0 / 3.0, 25.0 / 3.0, DomeShape.CAP),
     ],
 )
 def test_the_papers_domes_follow_equation_1(height: float, radius: float, center_z: float, shape: DomeShape) -> None:
