@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate.bench.deviation import Deviation
 from palpate.bench.photograph import set_scene
 from palpate.camera import CameraSpec, RenderSpec, Source, render
-from palpate.core import child_seed, generator
+from palpate.core import FloatArray, child_seed, generator
 from palpate.design import rotation_vector
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material
@@ -61,7 +61,7 @@ class SimulatedSource(Source):
             noise = child_seed(scene.render.seed, "noise", number)
             yield render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
 
-    def _poses(self) -> Iterator[tuple[float, float, float, NDArray[np.float64]]]:
+    def _poses(self) -> Iterator[tuple[float, float, float, FloatArray]]:
         """Pose of the wall and edges (m, k, 3) of the dots in every image."""
         rest = self._scene.edges
         for _ in range(_REST_IMAGES):

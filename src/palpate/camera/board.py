@@ -10,11 +10,10 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.core import PalpateError, Spec, load_opencv, parameter
+from palpate.core import BoolArray, FloatArray, PalpateError, Spec, load_opencv, parameter
 
 GROUP = "calibration code published by the group of Zaid et al. 2024"
 
@@ -84,7 +83,7 @@ def read_board(text: str) -> BoardSpec:
     return BoardSpec(**chosen)
 
 
-def board_points(board: BoardSpec) -> NDArray[np.float64]:
+def board_points(board: BoardSpec) -> FloatArray:
     """(n, 3) points of the board that are looked for, mm, z = 0: inner corners or centres of circles, row by row."""
     if board.kind == "circles":
         row, column = np.mgrid[: board.rows, : board.columns].reshape(2, -1)
@@ -119,7 +118,7 @@ def charuco_board(board: BoardSpec) -> Any:
     return aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
 
 
-def charuco_bits(board: BoardSpec) -> list[tuple[int, int, NDArray[np.bool_]]]:
+def charuco_bits(board: BoardSpec) -> list[tuple[int, int, BoolArray]]:
     """Column, row and (k, k) black cells, border included, of every marker of a ChArUco board."""
     aruco = load_opencv().aruco
     made = charuco_board(board)

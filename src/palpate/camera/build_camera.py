@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.camera.camera import Camera
 from palpate.camera.lens import make_lens
 from palpate.camera.spec import CameraSpec
+from palpate.core import FloatArray
 
 
 def build_camera(spec: CameraSpec | None = None) -> Camera:
@@ -33,7 +33,7 @@ def build_camera(spec: CameraSpec | None = None) -> Camera:
     )
 
 
-def _turn(axis: int, angle_deg: float) -> NDArray[np.float64]:
+def _turn(axis: int, angle_deg: float) -> FloatArray:
     """Rotation matrix about one axis of the frame, right-handed."""
     angle = np.radians(angle_deg)
     a, b = (axis + 1) % 3, (axis + 2) % 3

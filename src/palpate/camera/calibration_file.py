@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from palpate.camera.calibration import Calibration
 from palpate.camera.lens import LENSES, lens_of_model, make_lens
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:
@@ -93,7 +92,7 @@ def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     )
 
 
-def _matrix(name: str, values: NDArray[np.float64]) -> str:
+def _matrix(name: str, values: FloatArray) -> str:
     data = ", ".join(f"{float(value)!r}" for value in np.ravel(values))
     return (
         f"{name}: !!opencv-matrix\n   rows: {values.shape[0]}\n   cols: {values.shape[1]}\n"
@@ -101,7 +100,7 @@ def _matrix(name: str, values: NDArray[np.float64]) -> str:
     )
 
 
-def _numbers(block: dict[str, Any], count: int | None) -> NDArray[np.float64]:
+def _numbers(block: dict[str, Any], count: int | None) -> FloatArray:
     values = np.array([float(value) for value in block["data"]])
     if (count is not None and len(values) != count) or not np.isfinite(values).all():
         raise ValueError(f"a matrix of {len(values)} numbers, or one that is not finite")

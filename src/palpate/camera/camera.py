@@ -11,10 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
+from palpate.core import BoolArray, FloatArray
 from palpate.design import Skin
 
 
@@ -36,8 +37,8 @@ class Camera:
 
     spec: CameraSpec
     lens: Lens
-    camera_from_dome: NDArray[np.float64]
-    origin: NDArray[np.float64]
+    camera_from_dome: FloatArray
+    origin: FloatArray
 
     @property
     def width_px(self) -> int:
@@ -49,7 +50,7 @@ class Camera:
         """Height of the image, px."""
         return self.spec.height_px
 
-    def project(self, points: ArrayLike) -> NDArray[np.float64]:
+    def project(self, points: ArrayLike) -> FloatArray:
         """Pixels of points.
 
         Parameters
@@ -64,10 +65,10 @@ class Camera:
         """
         plane = self._on_unit_plane(points)
         scale, middle = self._intrinsics()
-        pixels: NDArray[np.float64] = self.lens.distort(plane) * scale + middle
+        pixels: FloatArray = self.lens.distort(plane) * scale + middle
         return pixels
 
-    def visible(self, points: ArrayLike, dome: Skin | None = None) -> NDArray[np.bool_]:
+    def visible(self, points: ArrayLike, dome: Skin | None = None) -> BoolArray:
         """Whether points can be seen.
 
         A point is seen if it is in front of the camera, where the lens does not fold, and inside the image.
@@ -96,7 +97,7 @@ class Camera:
             seen &= self._passes_opening(points, dome.base_radius)
         return np.asarray(seen)
 
-    def back_project(self, pixels: ArrayLike) -> NDArray[np.float64]:
+    def back_project(self, pixels: ArrayLike) -> FloatArray:
         """Directions in which pixels look.
 
         Parameters
@@ -120,17 +121,17 @@ class Camera:
         directions = rays @ self.camera_from_dome
         return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
 
-    def _intrinsics(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _intrinsics(self) -> tuple[FloatArray, FloatArray]:
         spec = self.spec
         return np.array([spec.fx_px, spec.fy_px]), np.array([spec.cx_px, spec.cy_px])
 
-    def _on_unit_plane(self, points: ArrayLike) -> NDArray[np.float64]:
+    def _on_unit_plane(self, points: ArrayLike) -> FloatArray:
         camera = (np.asarray(points, float) - self.origin) @ self.camera_from_dome.T
         depth = camera[..., 2:]
-        plane: NDArray[np.float64] = camera[..., :2] / np.where(depth > 0.0, depth, np.nan)
+        plane: FloatArray = camera[..., :2] / np.where(depth > 0.0, depth, np.nan)
         return plane
 
-    def _passes_opening(self, points: NDArray[np.float64], radius: float) -> NDArray[np.bool_]:
+    def _passes_opening(self, points: FloatArray, radius: float) -> BoolArray:
         ray = points - self.origin
         rise = np.where(ray[..., 2] > 0.0, ray[..., 2], np.nan)
         crossing = self.origin[:2] - (self.origin[2] / rise)[..., None] * ray[..., :2]

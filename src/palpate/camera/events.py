@@ -18,9 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError, Spec, generator, parameter
-
-Array = NDArray[np.float64]
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, Spec, generator, parameter
 
 
 class EventSpec(Spec):
@@ -49,10 +47,10 @@ class Events:
         (n,) whether it got brighter.
     """
 
-    time: Array
-    column: NDArray[np.int64]
-    row: NDArray[np.int64]
-    brighter: NDArray[np.bool_]
+    time: FloatArray
+    column: IntArray
+    row: IntArray
+    brighter: BoolArray
 
     def __len__(self) -> int:
         return len(self.time)
@@ -78,7 +76,7 @@ def stream_events(
         If an image has another size, or the time does not rise.
     """
     spec = spec or EventSpec()
-    nothing: Array = np.empty((0, 0))
+    nothing: FloatArray = np.empty((0, 0))
     remembered, threshold, last, light, before = nothing, nothing, nothing, nothing, 0.0
     for image, time in zip(images, times, strict=True):
         now = np.log(np.asarray(image, float) + spec.dark)
@@ -99,8 +97,8 @@ def stream_events(
 
 
 def _between(
-    light: tuple[Array, Array], times: tuple[float, float], remembered: Array, step: Array
-) -> tuple[Events, Array]:
+    light: tuple[FloatArray, FloatArray], times: tuple[float, float], remembered: FloatArray, step: FloatArray
+) -> tuple[Events, FloatArray]:
     """Events while log light goes evenly from one image to the next, and what every pixel remembers then."""
     start, end = light
     gathered = end - remembered
@@ -119,7 +117,7 @@ def _between(
     return events, remembered + np.sign(gathered) * counts * step
 
 
-def _without_blind(events: Events, last: Array, dead_time: float) -> Events:
+def _without_blind(events: Events, last: FloatArray, dead_time: float) -> Events:
     """Leave out events within the dead time of their pixel; `last` is brought up to date."""
     if not dead_time:
         return events

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.camera.board import BoardSpec, board_points, charuco_board
-from palpate.core import load_opencv
+from palpate.core import FloatArray, load_opencv
 
-Array = NDArray[np.float64]
 LEAST_POINTS = 8
 """Points of one image below which it says little; the homography alone takes four."""
 _LARGEST_WINDOW_PX = 11
@@ -19,7 +18,7 @@ _LARGEST_WINDOW_PX = 11
 
 def find_board(
     image: NDArray[Any], board: BoardSpec, window_px: int | None = None
-) -> tuple[NDArray[np.intp], Array] | str:
+) -> tuple[NDArray[np.intp], FloatArray] | str:
     """Find the board's points in an image.
 
     Parameters
@@ -49,7 +48,7 @@ def find_board(
 
 def _find_chessboard(
     grey: NDArray[np.uint8], board: BoardSpec, window_px: int | None
-) -> tuple[NDArray[np.intp], Array] | str:
+) -> tuple[NDArray[np.intp], FloatArray] | str:
     cv2 = load_opencv()
     found, corners = cv2.findChessboardCorners(grey, (board.columns, board.rows), None)
     if not found:
@@ -63,7 +62,9 @@ def _find_chessboard(
     return np.arange(len(pixels)), np.asarray(fine, float).reshape(-1, 2)
 
 
-def _find_circles(grey: NDArray[np.uint8], board: BoardSpec, _: int | None) -> tuple[NDArray[np.intp], Array] | str:
+def _find_circles(
+    grey: NDArray[np.uint8], board: BoardSpec, _: int | None
+) -> tuple[NDArray[np.intp], FloatArray] | str:
     cv2 = load_opencv()
     size = (board.columns, board.rows)
     spec = cv2.SimpleBlobDetector_Params()
@@ -77,7 +78,9 @@ def _find_circles(grey: NDArray[np.uint8], board: BoardSpec, _: int | None) -> t
     return f"no grid of {board.rows} rows of {board.columns} circles was found"
 
 
-def _find_charuco(grey: NDArray[np.uint8], board: BoardSpec, _: int | None) -> tuple[NDArray[np.intp], Array] | str:
+def _find_charuco(
+    grey: NDArray[np.uint8], board: BoardSpec, _: int | None
+) -> tuple[NDArray[np.intp], FloatArray] | str:
     cv2 = load_opencv()
     spec = cv2.aruco.DetectorParameters()
     spec.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera.camera import Camera
-from palpate.core import Spec, load_opencv, parameter
+from palpate.core import FloatArray, Spec, load_opencv, parameter
 
-Array = NDArray[np.float64]
 SUPERSAMPLING = 8
 _EDGE_POINTS = 32
 
@@ -42,14 +41,14 @@ class RenderSpec(Spec):
     )
 
 
-def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> Array:
+def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:
     """(k, 2) corners of a polygon with the area of a disc of `radius` mm, in its plane."""
     angle = 2.0 * np.pi * np.arange(count) / count
     grown = radius * np.sqrt(np.pi / (count / 2.0 * np.sin(2.0 * np.pi / count)))
     return grown * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def dot_edges(centres: Array, normals: Array, diameter: float) -> Array:
+def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float) -> FloatArray:
     """Edges of flat discs tangent to a surface.
 
     Parameters
@@ -66,11 +65,11 @@ def dot_edges(centres: Array, normals: Array, diameter: float) -> Array:
     """
     first, second = tangent_pair(normals)
     flat = edge_offsets(diameter / 2.0)
-    edges: Array = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
+    edges: FloatArray = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
     return edges
 
 
-def tangent_pair(normals: Array) -> tuple[Array, Array]:
+def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another."""
     aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     first = np.cross(normals, aside)
@@ -78,7 +77,7 @@ def tangent_pair(normals: Array) -> tuple[Array, Array]:
     return first, np.cross(normals, first)
 
 
-def centre_bias(camera: Camera, centres: Array, edges: Array) -> Array:
+def centre_bias(camera: Camera, centres: FloatArray, edges: FloatArray) -> FloatArray:
     """How far the centroid of each dot's trace lies from the projection of its centre.
 
     Parameters
@@ -100,11 +99,11 @@ def centre_bias(camera: Camera, centres: Array, edges: Array) -> Array:
     centroid = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1) / (
         3.0 * area[:, None]
     )
-    bias: Array = centroid - camera.project(centres)
+    bias: FloatArray = centroid - camera.project(centres)
     return bias
 
 
-def render(camera: Camera, edges: Array, spec: RenderSpec | None = None) -> NDArray[np.uint8]:
+def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) -> NDArray[np.uint8]:
     """Render the dots as the camera sees them.
 
     Parameters
@@ -146,7 +145,7 @@ def render(camera: Camera, edges: Array, spec: RenderSpec | None = None) -> NDAr
     return np.clip(np.rint(image), 0, 255).astype(np.uint8)
 
 
-def _cover(camera: Camera, edges: Array) -> Array:
+def _cover(camera: Camera, edges: FloatArray) -> FloatArray:
     """(h, w) share of each pixel that dots cover, from a grid 8 times finer."""
     cv2 = load_opencv()
     pixels = camera.project(edges)
@@ -159,7 +158,7 @@ def _cover(camera: Camera, edges: Array) -> Array:
     return np.asarray(cv2.resize(fine, size, interpolation=cv2.INTER_AREA), float) / 255.0
 
 
-def _fill(fine: NDArray[np.uint8], points: Array) -> None:
+def _fill(fine: NDArray[np.uint8], points: FloatArray) -> None:
     """Fill fine pixels whose centre lies in a polygon; OpenCV's own filling also takes those that the edge cuts."""
     low = np.maximum(np.floor(points.min(axis=0)).astype(int), 0)
     high = np.minimum(np.ceil(points.max(axis=0)).astype(int) + 1, np.array(fine.shape)[::-1])
@@ -175,7 +174,7 @@ def _fill(fine: NDArray[np.uint8], points: Array) -> None:
     fine[low[1] : high[1], low[0] : high[0]][inside] = 255
 
 
-def _add_speck(cover: Array, rng: np.random.Generator) -> None:
+def _add_speck(cover: FloatArray, rng: np.random.Generator) -> None:
     height, width = cover.shape
     column, row, size = rng.integers(width), rng.integers(height), rng.uniform(0.4, 1.0)
     y, x = np.mgrid[max(row - 3, 0) : row + 4, max(column - 3, 0) : column + 4]
@@ -183,7 +182,7 @@ def _add_speck(cover: Array, rng: np.random.Generator) -> None:
     cover[y, x] = np.maximum(cover[y, x], 0.5 * np.exp(-((x - column) ** 2 + (y - row) ** 2) / (2 * size**2)))
 
 
-def _add_rim(image: Array, camera: Camera, edges: Array, rng: np.random.Generator) -> Array:
+def _add_rim(image: FloatArray, camera: Camera, edges: FloatArray, rng: np.random.Generator) -> FloatArray:
     """A bright ring about the dots and dark shapes beyond it."""
     pixels = camera.project(edges).reshape(-1, 2)
     middle = np.nanmean(pixels, axis=0)

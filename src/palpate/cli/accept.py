@@ -14,11 +14,10 @@ from palpate.camera import read_image
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import UnitFlags
-from palpate.core import PalpateError
+from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.sensor import AcceptSpec
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from palpate.learn import Predictor
@@ -77,9 +76,7 @@ def accept(
     return 0 if found.passed else OUTSIDE
 
 
-def _read(
-    folder: Path, known: Truth, predictor: Predictor, unit: Unit
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _read(folder: Path, known: Truth, predictor: Predictor, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import open_sensor, run_sensor

@@ -8,13 +8,12 @@ from typing import Annotated, Any
 
 import numpy as np
 from cyclopts import Parameter
-from numpy.typing import NDArray
 
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
 from palpate.cli.unit import DomeFlags, SkinFlag
-from palpate.core import PalpateError, flag_of
+from palpate.core import FloatArray, PalpateError, flag_of
 from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
 from palpate.fea import (
     PRESS_SOLVERS,
@@ -126,7 +125,7 @@ def press(
         _print_press(solved)
 
 
-def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> dict[str, Any]:
+def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, Any]:
     """A press as JSON data.
 
     Parameters
@@ -165,7 +164,7 @@ def describe_press(press: Press, points: NDArray[np.float64] | None = None) -> d
     }
 
 
-def _read_inner_points(path: Path, dome: Skin) -> NDArray[np.float64]:
+def _read_inner_points(path: Path, dome: Skin) -> FloatArray:
     points = read_points(path, dome)
     outside = np.flatnonzero(~np.isfinite(points[:, 2]))
     if len(outside):

@@ -50,7 +50,7 @@ def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
         where = ".".join(str(part) for part in first["loc"])
         raise PalpateError(
             f"The skin's {where or 'numbers'}: {first['msg']}.",
-            f"A {data.get('kind', 'dome')} has {', '.join(kind.model_fields)}.",
+            f"Its numbers are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
         ) from None
 
 

@@ -62,5 +62,5 @@ def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
         where = ".".join(str(part) for part in first["loc"])
         raise PalpateError(
             f"The obstacle's {where or 'numbers'}: {first['msg']}.",
-            f"A {kind} has {', '.join(OBSTACLES.get(kind).model_fields)}.",
+            f"Its numbers are {', '.join(name for name in OBSTACLES.get(kind).model_fields if name != 'kind')}.",
         ) from None

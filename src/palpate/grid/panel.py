@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from palpate.core import FloatArray, IntArray
 from palpate.grid.grid import Row, SpecificationGrid
 
 
@@ -31,8 +31,8 @@ class Panel:
     title: str
     heights_mm: tuple[float, ...]
     thicknesses_mm: tuple[float, ...]
-    values: NDArray[np.float64]
-    designs: NDArray[np.int64]
+    values: FloatArray
+    designs: IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class CurvePanel:
     title: str
     domes_mm: tuple[tuple[float, float], ...]
     places: tuple[float, ...]
-    values: NDArray[np.float64]
+    values: FloatArray
 
 
 def cut_panels(grid: SpecificationGrid, column: str) -> tuple[Panel, ...]:

@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-import numpy as np
-from numpy.typing import NDArray
-
-from palpate.core import FloatArray
+from palpate.core import BoolArray, FloatArray
 from palpate.material.curve import Mode, stretches
 
 
@@ -64,6 +61,6 @@ class Sample:
         """Principal stretches (n, 3) of the incompressible specimen."""
         return stretches(self.mode, self.stretch)
 
-    def where(self, kept: NDArray[np.bool_]) -> Sample:
+    def where(self, kept: BoolArray) -> Sample:
         """The sample with the rows (n,) that are kept."""
         return replace(self, stretch=self.stretch[kept], nominal=self.nominal[kept])

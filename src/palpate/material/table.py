@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from palpate.core import FloatArray, PalpateError
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.material.spec import DECIMALS, DELIMITERS, BenchSpec
 
 MOST_ROWS = 50_000
@@ -54,7 +53,7 @@ class Table:
     units: tuple[str, ...]
     preamble: tuple[str, ...]
     values: FloatArray
-    lines: NDArray[np.int64]
+    lines: IntArray
     skipped: int
 
 

@@ -18,9 +18,9 @@ from functools import cached_property
 from typing import ClassVar, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.camera.lens import Lens, folded
+from palpate.core import FloatArray
 
 _ITERATIONS = 50
 _TOLERANCE = 1e-10
@@ -54,7 +54,7 @@ class Brown(Lens):
         inverse = max((root.real for root in roots if abs(root.imag) < 1e-12), default=0.0)
         return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
 
-    def distort(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def distort(self, points: FloatArray) -> FloatArray:
         x, y = points[..., 0], points[..., 1]
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
@@ -66,7 +66,7 @@ class Brown(Lens):
             axis=-1,
         )
 
-    def undistort(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def undistort(self, points: FloatArray) -> FloatArray:
         """By Newton's iteration."""
         ideal = np.array(points, dtype=float)
         for _ in range(_ITERATIONS):
@@ -83,7 +83,7 @@ class Brown(Lens):
     def mirrored(self) -> Brown:
         return replace(self, p2=-self.p2)
 
-    def _slope(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _slope(self, points: FloatArray) -> FloatArray:
         """(..., 2, 2) derivative of `distort`; where it is singular, the identity."""
         x, y = points[..., 0], points[..., 1]
         square = x * x + y * y
