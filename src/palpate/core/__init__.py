@@ -5,6 +5,7 @@ from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
 from palpate.core.files import new_folder, writing, written_into, written_whole
 from palpate.core.kernel import kernel
+from palpate.core.kinds import spec_of_kind, words_of_kind
 from palpate.core.outside_links import refuse_outside_links
 from palpate.core.paper import PAPER
 from palpate.core.parameter import ParameterNote, Spec, flag_of, parameter, parameters
@@ -49,6 +50,8 @@ __all__ = [
     "parameters",
     "provenance",
     "refuse_outside_links",
+    "spec_of_kind",
+    "words_of_kind",
     "writing",
     "written_into",
     "written_whole",

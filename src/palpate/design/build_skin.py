@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
-from palpate.core import PalpateError, Registry
+from palpate.core import Registry, spec_of_kind, words_of_kind
 from palpate.design.skin import Skin
 from palpate.design.spec import SkinSpec
 
@@ -41,17 +39,7 @@ def skin_from_data(data: Mapping[str, Any]) -> SkinSpec:
     PalpateError
         If there is no skin of that kind, or a number is missing, unknown or out of bounds.
     """
-    kind = SKINS.get(str(data.get("kind", "dome")))
-    own = data if "kind" in kind.model_fields else {name: value for name, value in data.items() if name != "kind"}
-    try:
-        return kind.model_validate(dict(own))
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise PalpateError(
-            f"The skin's {where or 'numbers'}: {first['msg']}.",
-            f"Its numbers are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
-        ) from None
+    return spec_of_kind(SKINS, data, "dome")
 
 
 def read_skin(text: str, sizes: SkinSpec) -> SkinSpec:
@@ -68,9 +56,5 @@ def read_skin(text: str, sizes: SkinSpec) -> SkinSpec:
     >>> read_skin("ellipsoid:aspect=0.8", DomeSpec(height=15)).build().name
     'ellipsoid 0.8 H15 T2'
     """
-    kind, _, rest = text.partition(":")
-    pairs = [item.partition("=") for item in rest.split(",") if item]
-    if any(not mark or not name for name, mark, _ in pairs):
-        raise PalpateError(f"The skin '{text}' is not written as KIND:NAME=VALUE.", "Write ellipsoid:aspect=0.8.")
-    own = {name: getattr(sizes, name) for name in ("height", "base_radius", "thickness")}
-    return skin_from_data({"kind": kind, **own, **{name.strip(): value for name, _, value in pairs}})
+    own = {name: getattr(sizes, name) for name in SkinSpec.model_fields}
+    return skin_from_data(own | words_of_kind("skin", text))

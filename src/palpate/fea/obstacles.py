@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
-from palpate.core import PalpateError, Registry
+from palpate.core import Registry, spec_of_kind, words_of_kind
 from palpate.fea.spec import ObstacleSpec
 
 OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
@@ -29,9 +27,9 @@ def obstacle_from_data(data: Mapping[str, Any]) -> ObstacleSpec:
     Raises
     ------
     PalpateError
-        If there is no obstacle of that kind, or its package cannot be loaded.
+        If there is no obstacle of that kind, or a number is missing, unknown or out of bounds.
     """
-    return OBSTACLES.get(str(data.get("kind", "wall"))).model_validate(dict(data))
+    return spec_of_kind(OBSTACLES, data, "wall")
 
 
 def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
@@ -48,19 +46,7 @@ def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
     >>> read_obstacle("ball:radius=8,offset=2", WallSpec(depth=3)).words
     'ball 8 mm, 2 mm off the axis'
     """
-    kind, _, rest = text.partition(":")
-    pairs = [item.partition("=") for item in rest.split(",") if item]
-    if any(not mark or not name for name, mark, _ in pairs):
-        raise PalpateError(f"The obstacle '{text}' is not written as KIND:NAME=VALUE.", "Write ball:radius=8.")
-    own = {name: getattr(travel, name) for name in ObstacleSpec.model_fields}
-    if kind == "wall":
-        return type(travel).model_validate(travel.model_dump() | {name.strip(): value for name, _, value in pairs})
-    try:
-        return obstacle_from_data({"kind": kind, **own, **{name.strip(): value for name, _, value in pairs}})
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise PalpateError(
-            f"The obstacle's {where or 'numbers'}: {first['msg']}.",
-            f"Its numbers are {', '.join(name for name in OBSTACLES.get(kind).model_fields if name != 'kind')}.",
-        ) from None
+    words = words_of_kind("obstacle", text)
+    shared = type(travel) if words["kind"] == "wall" else ObstacleSpec
+    own = {name: getattr(travel, name) for name in shared.model_fields}
+    return obstacle_from_data(own | words)

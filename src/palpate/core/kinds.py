@@ -1,0 +1,64 @@
+"""Specs that are chosen by a kind: from plain values, or from words, of any registry of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from palpate.core.errors import PalpateError
+from palpate.core.parameter import Spec
+from palpate.core.registry import Registry
+
+S = TypeVar("S", bound=Spec)
+
+
+def spec_of_kind(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: str) -> S:
+    """Read a spec from plain values.
+
+    Parameters
+    ----------
+    kinds
+        Specs by kind.
+    data
+        Values of its fields, and its ``kind``.
+    oldest
+        The kind of values that name none, and whose spec has no field for it.
+
+    Raises
+    ------
+    PalpateError
+        If there is no such kind, or a number is missing, unknown or out of bounds.
+    """
+    kind = kinds.get(str(data.get("kind", oldest)))
+    own = {name: value for name, value in data.items() if name != "kind" or "kind" in kind.model_fields}
+    try:
+        return kind.model_validate(own)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise PalpateError(
+            f"The {kinds.noun}'s {where or 'numbers'}: {first['msg']}.",
+            f"Its numbers are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
+        ) from None
+
+
+def words_of_kind(noun: str, text: str) -> dict[str, Any]:
+    """Plain values of words ``KIND`` or ``KIND:NAME=VALUE,…``.
+
+    Raises
+    ------
+    PalpateError
+        If they are not written so.
+
+    Examples
+    --------
+    >>> words_of_kind("obstacle", "ball:radius=8,offset=2")
+    {'kind': 'ball', 'radius': '8', 'offset': '2'}
+    """
+    kind, _, rest = text.partition(":")
+    pairs = [item.partition("=") for item in rest.split(",") if item]
+    if any(not mark or not name for name, mark, _ in pairs):
+        raise PalpateError(f"The {noun} '{text}' is not written as KIND:NAME=VALUE.", f"Write {kind}:NAME=VALUE.")
+    return {"kind": kind, **{name.strip(): value for name, _, value in pairs}}
