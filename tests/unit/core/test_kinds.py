@@ -1,4 +1,4 @@
-"""Specs by kind: what is written wrongly is one sentence with the names that there are, for skins and obstacles alike."""
+"""Specs by kind: what is written wrongly is one sentence that names it, for skins and obstacles alike."""
 
 import pytest
 
