@@ -76,7 +76,7 @@ def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
             "BASE": np.intersect1d(mesh.base, used),
             "INNER": np.intersect1d(mesh.inner_faces, used),
             "OUTER": np.intersect1d(mesh.outer_faces, used),
-            "APEX": np.array([mesh.apex_inner, mesh.apex_outer]),
+            "APEX": np.array([mesh.pole_inner, mesh.pole_outer]),
             "MIRROR": np.intersect1d(mesh.mirror, used),
         },
         element_sets={
@@ -103,7 +103,7 @@ def _shell(mesh: Mesh) -> DeckMesh:
             "BASE": np.intersect1d(mesh.base, used),
             "INNER": used,
             "OUTER": used,
-            "APEX": np.array([mesh.apex_inner + level]),
+            "APEX": np.array([mesh.pole_inner + level]),
             "MIRROR": np.intersect1d(mesh.mirror, used),
         },
         element_sets={"DOME": np.arange(len(elements))},

@@ -41,6 +41,8 @@ def write_press(path: Path, press: Press) -> None:
         file.attrs["version"] = FEA_VERSION
         file.attrs["dome"] = json.dumps(press.mesh.skin.spec_data)
         file.attrs["mesh"] = press.mesh.spec.model_dump_json()
+        if press.mesh.pole is not None:
+            file.attrs["pole"] = press.mesh.pole
         file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
         file.attrs["wall"] = press.wall.model_dump_json()
         file.attrs["solver"] = press.solver.model_dump_json()
@@ -72,7 +74,7 @@ def read_press(path: Path) -> Press:
             dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}
             return Press(
-                mesh=mesh_skin(dome, MeshSpec.model_validate_json(file.attrs["mesh"])),
+                mesh=mesh_skin(dome, MeshSpec.model_validate_json(file.attrs["mesh"]), file.attrs.get("pole")),
                 material=material_from_data(json.loads(file.attrs["material"])),
                 wall=obstacle_from_data(json.loads(file.attrs["wall"])),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -11,9 +11,9 @@ from palpate.core import FloatArray, IntArray, TextArray
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mechanics import Ended, SolverSpec
-from palpate.mesh import Mesh, locate_inner
+from palpate.mesh import Mesh, locate_inner, locate_nodes
 
-FEA_VERSION = "7"
+FEA_VERSION = "8"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
 
 
@@ -90,6 +90,11 @@ class Press:
     newton_iterations: int
     message: str = ""
     solved_by: str = "palpate"
+
+    def on(self, mesh: Mesh) -> Press:
+        """The press with its displacement interpolated to another mesh of the skin, of as many layers."""
+        moved = locate_nodes(self.mesh, mesh).interpolate(self.displacement)
+        return replace(self, mesh=mesh, displacement=moved)
 
     def positions(self, points: FloatArray) -> FloatArray:
         """Follow points of the undeformed inner surface through every increment.

@@ -18,6 +18,7 @@ from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import WallSpec
 from palpate.material import Material
 from palpate.mechanics import (
+    BASE_RADIUS,
     ContactLaw,
     ContactLoading,
     Continuation,
@@ -32,10 +33,8 @@ from palpate.mechanics import (
     make_linear_solver,
     von_mises,
 )
-from palpate.mesh import Mesh
+from palpate.mesh import Mesh, centre_mesh
 
-_BASE_RADIUS = 20.0
-"""Base radius in mm for which the lengths of a `SolverSpec` are given: that of the paper's domes."""
 _PUSHES = (1.0, 2.0, 3.0)
 """Pushes of the apex over the thickness that are tried to find the inverted state."""
 
@@ -54,7 +53,8 @@ def solve_press(
     ----------
     mesh
         Half or whole dome. A half model is solved in the tilt plane and turned to the azimuth of the wall; a whole
-        one is solved with the wall where it is.
+        one is solved with the wall where it is. Unless its spec forbids it, its pole is moved to where the obstacle
+        touches first.
     material
         The elastomer.
     wall
@@ -79,6 +79,7 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
+    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
     path = start_press(mesh, material, wall, solver)
     reachable = wall.clamp_depth(mesh)
     goals = increment_depths(wall, min(wall.depth, reachable))
@@ -183,7 +184,7 @@ def start_press(mesh: Mesh, material: Material, wall: ObstacleSpec, solver: Solv
 
     loading = ContactLoading(mesh.nodes, surface, law, at)
     probe = int(np.argmin(np.linalg.norm(surface.points - touched, axis=1)))
-    unit = mesh.skin.base_radius / _BASE_RADIUS
+    unit = mesh.skin.base_radius / BASE_RADIUS
     monitor = SkinMonitor(solid, loading, probe, obstacle.gap(touched[None]).normal[0], thickness, unit)
     tolerance = solver.tolerance * material.law.shear_modulus * thickness**2
     problem = Problem(solid, make_linear_solver(solver.backend), tolerance, thickness)

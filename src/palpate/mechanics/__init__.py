@@ -11,12 +11,13 @@ from palpate.mechanics.newton import Equilibrium, Loads, Problem
 from palpate.mechanics.obstacle import Gap, Obstacle, grid_quads, tangents
 from palpate.mechanics.serendipity import BRICK, fill_nodes
 from palpate.mechanics.solid import GAUSS, Body, Solid, State
-from palpate.mechanics.spec import SolverSpec
+from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.stress import cauchy_stress, smallest_stretch, von_mises
 from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import Assembly, Damping, DeadLoad, Share, Term
 
 __all__ = [
+    "BASE_RADIUS",
     "BRICK",
     "GAUSS",
     "Assembly",

@@ -24,7 +24,7 @@ from palpate.mechanics.loading import PathLoading
 from palpate.mechanics.monitor import Ended, Monitor
 from palpate.mechanics.newton import Equilibrium, Loads, Problem
 from palpate.mechanics.solid import State
-from palpate.mechanics.spec import SolverSpec
+from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.term import Damping
 
 _JUMP_STEP = 0.02
@@ -35,10 +35,14 @@ _IMBALANCE = 0.06
 """Greatest share by which the energy gained may miss the work (trapezoid) of a continuous increment."""
 _NOTHING = 1e-9
 """Distance (mm) and energy (mJ), times the unit and its cube, that count as none."""
+_ROUNDING = 1e-6
+"""Share of an increment by which what is left may exceed it and still count as it."""
 _ORDER = 2
 """Order of the predictor."""
 _GROWTH = ((10, 2.0), (15, 1.4))
 """Factor on the next increment after one of at most so many iterations (docs/decisions/0016)."""
+_FRICTIONLESS = 1.5
+"""Factor on the share by which the edge of the patch may advance, where contact remembers nothing."""
 _SHRINK = 0.8
 """Factor on the next increment after one of more iterations."""
 _JUMPS = 4
@@ -47,7 +51,7 @@ _RELAXATIONS, _FADED = 40, 1e-3
 """Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
 _FIRST_VISCOSITY = 10.0
 """First viscosity over mu/area."""
-_SLACK = 1e2
+_SLACK = 1e3
 """Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
 _PASSES = 4
 """Most passes in which friction limits are corrected."""
@@ -154,7 +158,7 @@ class Continuation:
         """Follow the branch to a depth in mm, deeper or back; False where it could not be reached (see `ended`)."""
         while abs(left := depth - self.last.depth) > _NOTHING * self.unit:
             step = min(self._step, abs(left))
-            if step < abs(left) < 1.5 * step:
+            if (1.0 + _ROUNDING) * step < abs(left) < 1.5 * step:
                 step = abs(left) / 2
             way = 1.0 if left > 0 else -1.0
             if way != self._way:
@@ -204,9 +208,9 @@ class Continuation:
     def _next_step(self, step: float, iterations: int) -> float:
         factor = next((factor for most, factor in _GROWTH if iterations <= most), _SHRINK)
         largest = self.spec.largest_step * self.unit
-        if self.loading.remembers:
-            share = self.spec.friction_share * self.last.depth
-            largest = min(largest, max(share, self.spec.first_step * self.unit))
+        edge = self.spec.edge_share * self.problem.length * (1.0 if self.loading.remembers else _FRICTIONLESS)
+        advance = edge * np.sqrt(2 * self.last.depth / (BASE_RADIUS * self.unit))  # of a sphere's patch
+        largest = min(largest, max(advance, self.spec.first_step * self.unit))
         return min(max(step, self._step) * factor, largest)
 
     def _solve(

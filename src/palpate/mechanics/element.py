@@ -195,9 +195,11 @@ def _add_material_stiffness(w: float, g: FloatArray, c: FloatArray, DB: FloatArr
             DB[k, 3 * b + 2] = d2 * z + d4 * y + d5 * x
     for a in range(NODES):
         x, y, z = g[a, 0], g[a, 1], g[a, 2]
-        for j in range(3 * a, DOFS):
+        for j in range(3 * a, DOFS):  # one row a loop: three at once are not vectorised
             K[3 * a, j] += x * DB[0, j] + y * DB[3, j] + z * DB[5, j]
+        for j in range(3 * a, DOFS):
             K[3 * a + 1, j] += y * DB[1, j] + x * DB[3, j] + z * DB[4, j]
+        for j in range(3 * a, DOFS):
             K[3 * a + 2, j] += z * DB[2, j] + y * DB[4, j] + x * DB[5, j]
 
 
@@ -305,12 +307,12 @@ def _condense(bulk: float, inverse_mass: FloatArray, cell: _Cell) -> None:
             factor = bulk * inverse_mass[k, m]
             for j in range(DOFS):
                 MC[k, j] += factor * cell.C[m, j]
-    for k in range(PRESSURES):
-        for i in range(DOFS):
-            cki = cell.C[k, i]
+    for i in range(DOFS):
+        c0, c1, c2, c3 = cell.C[0, i], cell.C[1, i], cell.C[2, i], cell.C[3, i]
+        for k in range(PRESSURES):
             cell.r[i] += MC[k, i] * cell.rp[k]
-            for j in range(i, DOFS):
-                cell.K[i, j] += cki * MC[k, j]
+        for j in range(i, DOFS):
+            cell.K[i, j] += c0 * MC[0, j] + c1 * MC[1, j] + c2 * MC[2, j] + c3 * MC[3, j]
 
 
 @kernel

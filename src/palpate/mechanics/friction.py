@@ -11,8 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import BoolArray, FloatArray
 from palpate.mechanics.obstacle import Obstacle
+
+_SWEPT = 2.0 / 3.0
+"""Share of its free slide that a point makes before the edge of what sticks reaches it."""
 
 
 class ContactLaw(NamedTuple):
@@ -84,24 +87,38 @@ def untouched(points: int) -> ContactHistory:
     return ContactHistory(np.zeros((points, 3)), np.zeros((points, 3)), np.zeros(points), np.zeros(points))
 
 
-def correct_history(law: ContactLaw, history: ContactHistory, before: Met, after: Met) -> ContactHistory:
+def correct_history(
+    law: ContactLaw, history: ContactHistory, before: Met, after: Met, area: FloatArray
+) -> ContactHistory:
     """Correct sticking places and limits by a solution in which points that touch anew slid freely.
 
-    `before` is the last equilibrium, `after` the solution. A point that came to touch sticks where it crossed the
-    surface; one that left sticks no more. Up to its crossing, at the share a of the increment, a point ahead of a
-    front that sweeps on evenly and sticks slides half as far as one ahead of a front that stays: with the strain
-    rate e of the free part and the front at L t, it moves ``∫ e (x - L t) dt = e x a / 2`` up to ``a = x / L``, where
-    the free solution gives ``e x a``.
+    `before` is the last equilibrium, `after` the solution, `area` (n_points,) mm² what each point stands for. A point
+    that came to touch sticks where it touched; one that left sticks no more. When a point is reached is read from the
+    area: the nearer ones of `before` come first, and the patch grows evenly. Its path up to then is read from that of
+    the solution, in which the patch sticks only up to its old edge. Beside the edge of what sticks a free surface
+    moves as the root of the distance from it. So while the edge sweeps on at the rate L, a point at x, reached at the
+    share a = x / L of the increment, moves ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, where the solution gives
+    ``sqrt(x)`` (docs/decisions/0063). In the first increment nothing sticks yet, and a point slides up to its time.
     """
     reach0, place0 = before.obstacle.foot(before.points)
     reach1, place1 = after.obstacle.foot(after.points)
     fresh = (history.limit == 0) & (reach1 > 0)
-    share = np.clip(np.divide(-reach0, reach1 - reach0, out=np.zeros_like(reach0), where=fresh), 0.0, 1.0)
-    swept = 0.5 * share if (history.limit > 0).any() else share
-    crossing = place0 + swept[:, None] * (place1 - place0)
-    anchor = np.where(fresh[:, None], crossing, history.anchor)
+    swept = _arrival(-reach0, fresh, area)
+    if (history.limit > 0).any():
+        swept *= _SWEPT
+    touched = place0 + swept[:, None] * (place1 - place0)
+    anchor = np.where(fresh[:, None], touched, history.anchor)
     normal = np.where(fresh[:, None], _normal_at(after.obstacle, anchor), history.normal)
     return ContactHistory(anchor, normal, law.friction_limit(reach1), history.stabilisation)
+
+
+def _arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatArray:
+    """Share of the increment (n_points,) at which a patch that grows evenly reaches its fresh points; 0 of others."""
+    share, order = np.zeros(len(distance)), np.flatnonzero(fresh)
+    order = order[np.argsort(distance[order], kind="stable")]
+    share[order] = np.cumsum(area[order]) - 0.5 * area[order]
+    share /= max(float(area[order].sum()), np.finfo(float).tiny)
+    return share
 
 
 def return_to_limit(law: ContactLaw, history: ContactHistory, at: Met) -> ContactHistory:

@@ -94,7 +94,8 @@ class ContactLoading(PathLoading):
     def correct(
         self, history: ContactHistory, before: tuple[float, State], after: tuple[float, State]
     ) -> ContactHistory:
-        return correct_history(self.law, history, self.meet(*before), self.meet(*after))
+        area = self.surface.faces.weight.ravel()
+        return correct_history(self.law, history, self.meet(*before), self.meet(*after), area)
 
     def keep(self, history: ContactHistory, at: float, state: State) -> tuple[ContactHistory, float]:
         met = self.meet(at, state)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from palpate.core import Spec, parameter
 
+BASE_RADIUS = 20.0
+"""Base radius in mm of the skin for which the lengths of a `SolverSpec` are given: that of the paper's domes."""
+
 
 class SolverSpec(Spec):
     """How a press is solved. The defaults hold 1 % in force and marker displacement over the paper's grid."""
@@ -34,12 +37,14 @@ class SolverSpec(Spec):
     largest_step: float = parameter(
         0.8, unit="mm", meaning="largest increment, for a base radius of 20 mm; it grows with the skin", gt=0, le=10
     )
-    friction_share: float = parameter(
-        1 / 12,
+    edge_share: float = parameter(
+        0.4,
         unit="1",
-        meaning="largest increment over the depth where there is friction: points that slide within it lose energy",
+        meaning="advance of the patch's edge in an increment over the wall's thickness, at most; half more without "
+        "friction",
+        source="docs/decisions/0063",
         gt=0.01,
-        le=1,
+        le=10,
     )
     smallest_step: float = parameter(
         1e-3,

@@ -1,9 +1,9 @@
 """Mesh: from a dome to quadratic hexahedra with named sets, and from any surface point to its cell."""
 
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
-from palpate.mesh.locate import SurfacePoints, locate_inner
+from palpate.mesh.locate import SurfacePoints, locate_inner, locate_nodes
 from palpate.mesh.mesh import Mesh
-from palpate.mesh.mesh_skin import mesh_skin
+from palpate.mesh.mesh_skin import centre_mesh, mesh_skin
 from palpate.mesh.quality import MeshQuality, measure_quality
 from palpate.mesh.spec import MeshSpec
 
@@ -12,8 +12,10 @@ __all__ = [
     "MeshQuality",
     "MeshSpec",
     "SurfacePoints",
+    "centre_mesh",
     "gauss_points",
     "locate_inner",
+    "locate_nodes",
     "measure_quality",
     "mesh_skin",
     "shape_hexahedron",

@@ -12,7 +12,8 @@ from palpate.mesh.hexahedron import shape_quadrilateral
 from palpate.mesh.mesh import Mesh
 
 _OFF_SURFACE_MM = 0.05
-_CANDIDATES = 6
+_CANDIDATES = 24
+"""Faces that may hold a point: those nearest by their middles; faces are up to ten times as long as broad."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,19 @@ def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
     PalpateError
         If a point lies off the inner surface or beyond its rim.
     """
-    place = _on_disc(mesh, np.asarray(points, float))
+    return _locate(mesh, _on_disc(mesh, np.asarray(points, float)))
+
+
+def locate_nodes(mesh: Mesh, other: Mesh) -> SurfacePoints:
+    """Locate the nodes of another mesh of the same skin, of as many layers, half or whole alike."""
+    layers = 2 * mesh.spec.layers + 1
+    first = _locate(mesh, other.inner_disc[: len(other.inner_disc) // layers])
+    above = np.repeat(np.arange(layers) * (len(mesh.nodes) // layers), len(first.nodes))[:, None]
+    return SurfacePoints(np.tile(first.nodes, (layers, 1)) + above, np.tile(first.weights, (layers, 1)))
+
+
+def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
+    """Places (m, 2) of the unit disc as weights on the nodes of the inner surface."""
     faces = mesh.inner_faces
     corners = mesh.inner_disc[faces]
     _, near = cKDTree(corners[:, 4]).query(place, k=min(_CANDIDATES, len(faces)))

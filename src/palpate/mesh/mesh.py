@@ -29,8 +29,11 @@ class Mesh:
         Nodes of the base annulus, fixed in x, y and z.
     mirror
         Nodes of the mirror plane x = 0 (empty for a whole dome).
-    apex_inner, apex_outer
-        Node at the apex of each surface.
+    pole
+        (2,) place on that disc to which a press has moved the pole of the mesh: under the point of first touch; None
+        where it is the apex as yet.
+    pole_inner, pole_outer
+        Node at the pole of each surface.
     """
 
     skin: Skin
@@ -42,5 +45,6 @@ class Mesh:
     inner_disc: FloatArray
     base: IntArray
     mirror: IntArray
-    apex_inner: int
-    apex_outer: int
+    pole: FloatArray | None
+    pole_inner: int
+    pole_outer: int

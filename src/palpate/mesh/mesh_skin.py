@@ -11,19 +11,19 @@ from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec
 
-_CORE_SHARE = 0.25
-"""Share of the cells of a meridian that lies in the square core of the O-grid."""
-
-
+_CELLS_OF_ONE_RING = 24
+"""Most cells of a meridian for which four cells are enough along half a turn (docs/decisions/0063)."""
+_FARTHEST_POLE = 0.35
+"""Most that the pole moves, over the radius of the disc: at a half the grid folds."""
 _GRADING_HIGH, _GRADING_LOW = 0.35, -0.3
 """Share by which cells at the pole are smaller than the mean, those at the rim larger: of a skin at least as high as
 its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
-_CELLS, _MORE_CELLS, _THICK = 10.0, 20.0, 0.1
+_CELLS, _MORE_CELLS, _THICK = 12.0, 20.0, 0.1
 """Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
-(docs/decisions/0016)."""
+(docs/decisions/0063)."""
 
 
-def mesh_skin(skin: Skin, spec: MeshSpec | None = None) -> Mesh:
+def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None = None) -> Mesh:
     """Mesh a skin with 27-node hexahedra.
 
     Parameters
@@ -32,6 +32,9 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None) -> Mesh:
         The skin.
     spec
         Density, rim, half or whole.
+    pole
+        (2,) place on the unit disc of the inner surface where the grid has its middle, on the mirror plane of a half
+        skin; without one it is the apex, and twice as many cells lie around.
 
     Returns
     -------
@@ -42,9 +45,11 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None) -> Mesh:
     if spec.cells is None:
         spec = spec.model_copy(update={"cells": default_cells(skin)})
     cells = spec.cells or 0
-    core = max(2, round(_CORE_SHARE * cells))
-    grid = grid_disc(core, cells - core, whole=spec.whole)
+    core = spec.core or default_core(cells, centred=pole is not None)
+    grid = grid_disc(core, max(cells - core, 1), whole=spec.whole)
     place = _grade(skin, grid.points)
+    if pole is not None:
+        place = _move_pole(place, pole)
     steps = 2 * spec.layers + 1
     n = len(grid.points)
     nodes = np.concatenate([skin.point(place, layer, spec.rim) for layer in np.linspace(0.0, 1.0, steps)])
@@ -53,7 +58,7 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None) -> Mesh:
     ]
     on_rim = np.flatnonzero(np.hypot(*grid.points.T) > 1 - 1e-9)
     on_mirror = np.empty(0, np.int64) if spec.whole else np.flatnonzero(np.abs(grid.points[:, 0]) < 1e-9)
-    apex = int(np.argmin(np.hypot(*grid.points.T)))
+    middle = int(np.argmin(np.hypot(*grid.points.T)))
     through = (np.arange(steps) * n)[:, None]
     nodes[(through + on_mirror).ravel(), 0] = 0.0
     return Mesh(
@@ -66,9 +71,29 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None) -> Mesh:
         inner_disc=np.tile(place, (steps, 1)),
         base=(through + on_rim).ravel(),
         mirror=(through + on_mirror).ravel(),
-        apex_inner=apex,
-        apex_outer=apex + (steps - 1) * n,
+        pole=pole,
+        pole_inner=middle,
+        pole_outer=middle + (steps - 1) * n,
     )
+
+
+def centre_mesh(mesh: Mesh, touched: FloatArray) -> Mesh:
+    """The same skin meshed with its pole under a point (3,) mm of the outer surface, unless the spec forbids it.
+
+    About the point of first touch a press is nearly a body of revolution: few cells are needed around.
+    """
+    if not mesh.spec.centred:
+        return mesh
+    pole = mesh.skin.disc(touched[None])[0]
+    if not mesh.spec.whole:
+        pole[0] = 0.0
+    pole *= min(1.0, _FARTHEST_POLE / max(float(np.hypot(*pole)), _FARTHEST_POLE))
+    return mesh_skin(mesh.skin, mesh.spec, pole)
+
+
+def default_core(cells: int, *, centred: bool) -> int:
+    """Size of the core for as many cells from pole to rim; twice that where the pole is not at the contact."""
+    return (1 + (cells - 1) // _CELLS_OF_ONE_RING) * (1 if centred else 2)
 
 
 def default_cells(skin: Skin) -> int:
@@ -79,6 +104,11 @@ def default_cells(skin: Skin) -> int:
     """
     thick = max(skin.thickness / skin.radius - _THICK, 0.0)
     return int(np.clip(round(skin.inner_slope * (_CELLS + _MORE_CELLS * thick)), 16, 48))
+
+
+def _move_pole(disc: FloatArray, pole: FloatArray) -> FloatArray:
+    """Draw the points (n, 2) of the unit disc so that its middle comes to `pole` (2,); the circle stays."""
+    return disc + (1 - (disc**2).sum(axis=1))[:, None] * pole
 
 
 def _grade(skin: Skin, disc: FloatArray) -> FloatArray:

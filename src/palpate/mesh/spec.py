@@ -17,6 +17,15 @@ class MeshSpec(Spec):
         ge=4,
         le=200,
     )
+    core: int | None = parameter(
+        None,
+        unit="1",
+        meaning="half the cells along a side of the square in the middle; four times as many lie along half a turn",
+        source="docs/decisions/0063",
+        ge=1,
+        le=40,
+    )
+    centred: bool = parameter(True, unit="", meaning="a press moves the pole of the mesh to where it touches first")
     layers: int = parameter(1, unit="1", meaning="cells through the thickness", ge=1, le=8)
     rim: Rim = parameter(Rim.FLAT, unit="", meaning="base cut flat at z = 0, or radially from the sphere's centre")
     whole: bool = parameter(False, unit="", meaning="solve the whole dome, not its half")

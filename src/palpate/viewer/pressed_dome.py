@@ -31,7 +31,7 @@ from palpate.dataset import (
 )
 from palpate.design import MarkerLayout, rotation_vector
 from palpate.fea import Press, nodal_von_mises
-from palpate.mesh import Mesh
+from palpate.mesh import Mesh, mesh_skin
 
 Array32 = NDArray[np.float32]
 
@@ -236,6 +236,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         raise PalpateError("There is no press to show.", "Run the study first.")
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
+    mesh = mesh_skin(mesh.skin, mesh.spec)  # each press has its pole elsewhere
     if any(press.mesh.spec != mesh.spec or press.mesh.skin != mesh.skin for press in presses):
         raise PalpateError("The presses are not of one dome and mesh.", "Give presses that differ by the tilt alone.")
     if mesh.spec.whole:
@@ -243,7 +244,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     depths = _depths(presses)
     tilts = np.array([press.wall.radial for press in presses], float)
     runs = _weigh(tilts, label_presses(presses, depths), [str(press.ended) for press in presses])
-    return PressedDome(mesh, presses, depths, runs)
+    return PressedDome(mesh, tuple(press.on(mesh) for press in presses), depths, runs)
 
 
 def rest_dome(mesh: Mesh, tilt_deg: float = 0.0) -> PressedDome:

@@ -58,7 +58,7 @@ SETS = ("BASE", "INNER", "OUTER", "APEX", "MIRROR")
 
 
 def test_bricks_fill_the_dome() -> None:
-    mesh = mesh_skin(DOME, MeshSpec(cells=16))
+    mesh = mesh_skin(DOME, MeshSpec(cells=16, core=4))
     deck = read(text_of("calculix", "solid", mesh=mesh.spec))
     volume = sum(
         hexahedron_volume(np.array([deck.nodes[number] for number in nodes]))

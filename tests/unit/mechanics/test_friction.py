@@ -23,14 +23,37 @@ def point(reach: float, along: float = 0.0) -> np.ndarray:
 def touched(law: ContactLaw = LAW) -> tuple[Met, object]:
     """A point that came to touch straight on, and its history."""
     before, after = Met(point(-DEEP), wall(0.0)), Met(point(DEEP), wall(0.0))
-    return after, return_to_limit(law, correct_history(law, untouched(1), before, after), after)
+    return after, return_to_limit(law, correct_history(law, untouched(1), before, after, np.ones(1)), after)
 
 
-def test_a_point_that_touches_anew_sticks_where_it_crossed_the_surface() -> None:
-    before, after = Met(point(-1.0, 0.0), wall(0.0)), Met(point(3.0, 4.0), wall(0.0))
-    history = correct_history(LAW, untouched(1), before, after)
-    assert history.anchor[0] == pytest.approx([1.0, 0.0, 0.0])
-    assert history.limit[0] == pytest.approx(LAW.friction * LAW.stiffness * 3.0, rel=1e-5)
+def test_points_that_touch_anew_stick_in_the_order_in_which_they_were_near() -> None:
+    before = Met(np.concatenate([point(-1.0), point(-2.0)]), wall(0.0))
+    after = Met(np.concatenate([point(3.0, 4.0), point(3.0, 4.0)]), wall(0.0))
+    history = correct_history(LAW, untouched(2), before, after, np.array([1.0, 3.0]))
+    assert history.anchor == pytest.approx(np.array([[0.5, 0, 0], [2.5, 0, 0]]))  # in the middle of their areas
+    assert history.limit == pytest.approx(LAW.friction * LAW.stiffness * 3.0, rel=1e-5)
+
+
+def test_beside_what_sticks_a_point_slides_two_thirds_as_far() -> None:
+    sticking = untouched(2)._replace(limit=np.array([np.inf, 0.0]), anchor=np.array([[7.0, 0, 0], [0, 0, 0]]))
+    before = Met(np.concatenate([point(0.1, 7.0), point(-2.0)]), wall(0.0))
+    after = Met(np.concatenate([point(0.1, 7.0), point(3.0, 4.0)]), wall(0.0))
+    history = correct_history(LAW, sticking, before, after, np.ones(2))
+    assert history.anchor == pytest.approx(np.array([[7.0, 0, 0], [4.0 * 0.5 * 2 / 3, 0, 0]]))
+
+
+def test_sticking_places_converge_to_the_path_of_a_crack_front() -> None:
+    """Points at x move as the root of the distance from a front that sweeps on: they stick where it reaches them."""
+    x, area = (np.arange(200) + 0.5) / 200, np.full(200, 1 / 200)
+    times = np.linspace(0, 1, 20001)
+    exact = np.trapezoid(np.sqrt(np.maximum(x[:, None] - times, 0.0)), times, axis=1)
+    before = Met(np.column_stack([x, 0 * x, -x]), wall(0.0))
+    after = Met(np.column_stack([x + np.sqrt(x), 0 * x, 0 * x + 0.1]), wall(0.0))
+    stuck = untouched(201)._replace(limit=np.r_[np.zeros(200), np.inf])
+    far = np.array([[-1.0, 0.0, 0.1]])
+    before, after = (Met(np.concatenate([met.points, far]), met.obstacle) for met in (before, after))
+    history = correct_history(LAW, stuck, before, after, np.r_[area, 1.0])
+    assert history.anchor[:200, 0] - x == pytest.approx(exact, abs=1e-4)
 
 
 def test_a_dragged_point_sticks_up_to_the_limit_and_then_slips() -> None:
@@ -66,6 +89,6 @@ def test_no_friction_and_no_slip_are_the_ends_of_the_law(friction: float, limit:
 def test_on_a_ball_the_sticking_place_goes_with_the_ball() -> None:
     ball = Ball(5.0, np.array([0.0, 0.0, 5.0]))
     before, after = Met(point(-DEEP), ball), Met(point(DEEP), ball)
-    history = return_to_limit(LAW, correct_history(LAW, untouched(1), before, after), after)
+    history = return_to_limit(LAW, correct_history(LAW, untouched(1), before, after, np.ones(1)), after)
     assert history.anchor[0] == pytest.approx([0.0, 0.0, -5.0], abs=1e-12)
     assert history.normal[0] == pytest.approx(UP)

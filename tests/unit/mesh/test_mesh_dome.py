@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from palpate.core import PalpateError
-from palpate.design import Dome, DomeSpec, Rim, build_skin
-from palpate.mesh import MeshSpec, locate_inner, measure_quality, mesh_skin
+from palpate.design import Dome, DomeSpec, Rim, build_skin, rotation_vector, wall_normal
+from palpate.mesh import MeshSpec, centre_mesh, locate_inner, locate_nodes, measure_quality, mesh_skin
 
 domes = st.builds(
     lambda height, base, thickness: build_skin(DomeSpec(height=height, base_radius=base, thickness=thickness)),
@@ -39,14 +39,15 @@ def random_surface_points(dome: Dome, count: int, seed: int = 0) -> np.ndarray:
 @given(domes)
 def test_half_mesh_has_half_the_volume_of_the_dome(dome: Dome) -> None:
     quality = measure_quality(mesh_skin(dome))
-    assert quality.volume == pytest.approx(shell_volume(dome) / 2, rel=2e-4)
-    assert quality.least_scaled_jacobian > 0.3
+    assert quality.volume == pytest.approx(shell_volume(dome) / 2, rel=1e-3)
+    assert quality.least_scaled_jacobian > 0.25
 
 
 def test_volume_converges_at_fourth_order() -> None:
     dome = build_skin(DomeSpec(height=20, thickness=2))
     exact = shell_volume(dome) / 2
-    errors = [abs(measure_quality(mesh_skin(dome, MeshSpec(cells=n))).volume - exact) for n in (8, 16)]
+    specs = [MeshSpec(cells=8 * k, core=k) for k in (1, 2)]
+    errors = [abs(measure_quality(mesh_skin(dome, spec)).volume - exact) for spec in specs]
     assert np.log2(errors[0] / errors[1]) > 3.5
 
 
@@ -58,8 +59,8 @@ def test_sets_lie_on_base_mirror_and_apex(height: float, whole: bool) -> None:
     assert np.abs(mesh.nodes[mesh.base, 2]).max() < 1e-9
     assert (len(mesh.mirror) == 0) == whole
     assert np.abs(mesh.nodes[mesh.mirror, 0]).max(initial=0) == 0
-    assert mesh.nodes[mesh.apex_inner] == pytest.approx([0, 0, dome.height])
-    assert mesh.nodes[mesh.apex_outer] == pytest.approx([0, 0, dome.height + dome.thickness])
+    assert mesh.nodes[mesh.pole_inner] == pytest.approx([0, 0, dome.height])
+    assert mesh.nodes[mesh.pole_outer] == pytest.approx([0, 0, dome.height + dome.thickness])
     reach = np.linalg.norm(mesh.nodes[mesh.outer_faces] - [0, 0, dome.center_z], axis=-1)
     assert reach == pytest.approx(dome.outer_radius)
 
@@ -90,8 +91,8 @@ def test_interpolation_of_a_quadratic_field_is_nearly_exact() -> None:
         return np.stack([x[..., 0] * x[..., 1], x[..., 2] ** 2, x[..., 0] - x[..., 2]], -1)
 
     errors = []
-    for cells in (10, 20):
-        mesh = mesh_skin(dome, MeshSpec(cells=cells))
+    for fineness in (1, 2):
+        mesh = mesh_skin(dome, MeshSpec(cells=10 * fineness, core=fineness))
         errors.append(np.abs(locate_inner(mesh, points).interpolate(field(mesh.nodes)) - field(points)).max())
     assert np.log2(errors[0] / errors[1]) > 2.5
 
@@ -101,3 +102,13 @@ def test_a_point_off_the_inner_surface_is_refused(point: list[float]) -> None:
     mesh = mesh_skin(build_skin(DomeSpec()))
     with pytest.raises(PalpateError, match="mm"):
         locate_inner(mesh, np.array([point], float))
+
+
+def test_a_field_moved_to_a_mesh_with_another_pole_keeps_its_values() -> None:
+    dome = build_skin(DomeSpec())
+    here = mesh_skin(dome, MeshSpec(cells=24, core=2))
+    touched = dome.touch(wall_normal(*rotation_vector(np.radians(10), 0.0)))
+    there = centre_mesh(here, touched)
+    assert there.nodes[there.pole_outer] == pytest.approx(touched, abs=0.01)
+    moved = locate_nodes(there, here).interpolate(there.nodes)
+    assert np.abs(moved - here.nodes).max() < 0.02
