@@ -11,6 +11,7 @@ import numpy as np
 
 from palpate.core import PalpateError, refuse_outside_links
 from palpate.design import build_skin, skin_from_data
+from palpate.fea.derivative import Derivative
 from palpate.fea.obstacles import obstacle_from_data
 from palpate.fea.press import FEA_VERSION, Press
 from palpate.material import material_from_data
@@ -55,6 +56,11 @@ def write_press(path: Path, press: Press) -> None:
             values = getattr(press, name)
             data = file.create_dataset(name, data=values.astype(np.float32) if name == "displacement" else values)
             data.attrs["units"] = unit
+        for name, derivative in press.derivatives.items():
+            group = file.create_group(f"derivatives/{name}")
+            group.attrs["across"] = derivative.across
+            group["displacement"] = derivative.displacement.astype(np.float32)
+            group["force"] = derivative.force
         file.create_dataset("branch", data=[str(branch) for branch in press.branch], dtype=h5py.string_dtype())
 
 
@@ -85,10 +91,23 @@ def read_press(path: Path) -> Press:
                 solved_by=str(
                     file.attrs.get("solved_by", "calculix" if '"calculix"' in file.attrs["solver"] else "palpate")
                 ),
+                derivatives=_read_derivatives(file),
                 **numbers,
             )
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
         raise PalpateError(f"{path} cannot be read as a press: {error}.", "Solve it again.") from None
+
+
+def _read_derivatives(file: h5py.File) -> dict[str, Derivative]:
+    return {
+        name: Derivative(
+            name=name,
+            displacement=group["displacement"][()].astype(float),
+            force=group["force"][()],
+            across=bool(group.attrs["across"]),
+        )
+        for name, group in file.get("derivatives", {}).items()
+    }
 
 
 def _read_arrays(file: h5py.File) -> dict[str, Any]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
 
-from palpate.core import FloatArray, IntArray, TextArray
+from palpate.core import FloatArray, IntArray, PalpateError, TextArray
+from palpate.fea.derivative import Derivative
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mechanics import Ended, SolverSpec
@@ -61,6 +63,8 @@ class Press:
         Cost.
     message
         One sentence with numbers where the end was not the full depth.
+    derivatives
+        By name, those that `solver` asks for.
     solved_by
         Name of the press solver; only palpate's own presses have stresses at the nodes.
     """
@@ -89,7 +93,44 @@ class Press:
     unknowns: int
     newton_iterations: int
     message: str = ""
+    derivatives: Mapping[str, Derivative] = field(default_factory=dict)
     solved_by: str = "palpate"
+
+    def derivative(self, name: str, depth: float | None = None) -> Derivative:
+        """Derivative of the press by a parameter, at every increment.
+
+        Parameters
+        ----------
+        name
+            One of `derivatives`.
+        depth
+            Up to where in mm it is wanted; the whole press by default.
+
+        Raises
+        ------
+        PalpateError
+            If it was not asked for when the press was solved, or the branch jumped or ended before that depth: there
+            the press does not depend smoothly on anything.
+        """
+        if name not in self.derivatives:
+            known = ", ".join(self.derivatives) or "nothing"
+            raise PalpateError(
+                f"This press was differentiated by {known}, not by '{name}'.",
+                "Ask for it when it is solved: SolverSpec(derivatives=[name]).",
+            )
+        depth = self.ended_depth if depth is None else depth
+        if self.jump_depth <= depth:
+            raise PalpateError(
+                f"At {self.jump_depth:.3g} mm the press jumped to another branch: beyond, it has no derivative.",
+                f"Ask for less than that: derivative('{name}', depth={0.99 * self.jump_depth:.3g}).",
+            )
+        lost = self.ended not in (Ended.DEPTH_REACHED, Ended.WALL_AT_CLAMP)
+        if lost and depth >= self.ended_depth:
+            raise PalpateError(
+                f"The press ended at {self.ended_depth:.3g} mm ({self.ended}): there it has no derivative.",
+                f"Ask for less than that: derivative('{name}', depth={0.99 * self.ended_depth:.3g}).",
+            )
+        return self.derivatives[name]
 
     def on(self, mesh: Mesh) -> Press:
         """The press with its displacement interpolated to another mesh of the skin, of as many layers."""

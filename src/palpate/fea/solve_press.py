@@ -12,6 +12,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from palpate.core import FloatArray
+from palpate.fea.derivative import follow_derivatives, gather_derivatives
+from palpate.fea.loaded_skin import clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.press import Branch, Press
 from palpate.fea.spec import ObstacleSpec
@@ -19,15 +21,10 @@ from palpate.fea.wall import WallSpec
 from palpate.material import Material
 from palpate.mechanics import (
     BASE_RADIUS,
-    ContactLaw,
-    ContactLoading,
     Continuation,
     Ended,
     Increment,
-    Obstacle,
-    OuterSurface,
     Problem,
-    Solid,
     SolverSpec,
     cauchy_stress,
     make_linear_solver,
@@ -75,12 +72,13 @@ def solve_press(
     Raises
     ------
     PalpateError
-        If the obstacle would touch the clamped rim before the skin, or miss it.
+        If the obstacle would touch the clamped rim before the skin, or miss it; or there is no such derivative.
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
     path = start_press(mesh, material, wall, solver)
+    followed = follow_derivatives(path, mesh, material, wall)
     reachable = wall.clamp_depth(mesh)
     goals = increment_depths(wall, min(wall.depth, reachable))
     increments = _press_down(path, goals, observe)
@@ -100,6 +98,7 @@ def solve_press(
         wall=wall,
         solver=solver,
         **fields,
+        derivatives=gather_derivatives(followed, fields["depth"], mesh, wall),
         ended=ended,
         ended_depth=path.last.depth,
         jump_depth=jumps[0] if jumps else float("nan"),
@@ -163,28 +162,11 @@ def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
 
 def start_press(mesh: Mesh, material: Material, wall: ObstacleSpec, solver: SolverSpec) -> Continuation:
     """Start the flat branch: the skin at rest with its base fixed, the obstacle at first touch."""
-    fixed = np.zeros((len(mesh.nodes), 3), bool)
-    fixed[mesh.base] = True
-    fixed[mesh.mirror, 0] = True
-    solid = Solid(mesh.nodes, mesh.cells, material, fixed)
-    first = len(mesh.cells) - len(mesh.outer_faces)
-    surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
-    thickness = mesh.skin.thickness
-    stiffness = solver.penalty_ratio * material.young_modulus / thickness
-    law = ContactLaw(
-        stiffness=stiffness,
-        width=solver.smoothing_ratio * thickness,
-        tangential_stiffness=solver.tangential_ratio * stiffness,
-        friction=wall.friction,
-    )
+    solid = clamp_skin(mesh, material)
+    loading = load_surface(solver, mesh, material, wall)
     obstacle, touched = wall.at_touch(mesh)
-
-    def at(depth: float) -> Obstacle:
-        return obstacle.moved(np.array([0.0, 0.0, -depth]))
-
-    loading = ContactLoading(mesh.nodes, surface, law, at)
-    probe = int(np.argmin(np.linalg.norm(surface.points - touched, axis=1)))
-    unit = mesh.skin.base_radius / BASE_RADIUS
+    probe = int(np.argmin(np.linalg.norm(loading.surface.points - touched, axis=1)))
+    thickness, unit = mesh.skin.thickness, mesh.skin.base_radius / BASE_RADIUS
     monitor = SkinMonitor(solid, loading, probe, obstacle.gap(touched[None]).normal[0], thickness, unit)
     tolerance = solver.tolerance * material.law.shear_modulus * thickness**2
     problem = Problem(solid, make_linear_solver(solver.backend), tolerance, thickness)

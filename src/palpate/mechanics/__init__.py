@@ -5,27 +5,26 @@ from palpate.mechanics.continuation import Continuation, Increment
 from palpate.mechanics.element import System
 from palpate.mechanics.friction import ContactLaw
 from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
-from palpate.mechanics.loading import ContactLoading, DeadLoading, PathLoading
+from palpate.mechanics.loading import ContactLoading, DeadLoading
 from palpate.mechanics.monitor import Ended, Monitor, Unwatched
-from palpate.mechanics.newton import Equilibrium, Loads, Problem
+from palpate.mechanics.newton import Equilibrium, Problem
 from palpate.mechanics.obstacle import Gap, Obstacle, grid_quads, tangents
+from palpate.mechanics.sensitivity import Sensitivity, Variation
 from palpate.mechanics.serendipity import BRICK, fill_nodes
 from palpate.mechanics.solid import GAUSS, Body, Solid, State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.stress import cauchy_stress, smallest_stretch, von_mises
 from palpate.mechanics.surface import OuterSurface
-from palpate.mechanics.term import Assembly, Damping, DeadLoad, Share, Term
+from palpate.mechanics.term import DeadLoad, Share, Term
 
 __all__ = [
     "BASE_RADIUS",
     "BRICK",
     "GAUSS",
-    "Assembly",
     "Body",
     "ContactLaw",
     "ContactLoading",
     "Continuation",
-    "Damping",
     "DeadLoad",
     "DeadLoading",
     "Ended",
@@ -33,13 +32,12 @@ __all__ = [
     "Gap",
     "Increment",
     "LinearSolver",
-    "Loads",
     "Monitor",
     "Obstacle",
     "OuterSurface",
-    "PathLoading",
     "Pattern",
     "Problem",
+    "Sensitivity",
     "Share",
     "SingularMatrixError",
     "Solid",
@@ -48,6 +46,7 @@ __all__ = [
     "System",
     "Term",
     "Unwatched",
+    "Variation",
     "cauchy_stress",
     "fill_nodes",
     "grid_quads",

@@ -23,6 +23,7 @@ from palpate.mechanics.friction import ContactHistory
 from palpate.mechanics.loading import PathLoading
 from palpate.mechanics.monitor import Ended, Monitor
 from palpate.mechanics.newton import Equilibrium, Loads, Problem
+from palpate.mechanics.sensitivity import Advance, Sensitivity
 from palpate.mechanics.solid import State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.term import Damping
@@ -41,8 +42,6 @@ _ORDER = 2
 """Order of the predictor."""
 _GROWTH = ((10, 2.0), (15, 1.4))
 """Factor on the next increment after one of at most so many iterations (docs/decisions/0016)."""
-_FRICTIONLESS = 1.5
-"""Factor on the share by which the edge of the patch may advance, where contact remembers nothing."""
 _SHRINK = 0.8
 """Factor on the next increment after one of more iterations."""
 _JUMPS = 4
@@ -120,6 +119,8 @@ class Continuation:
         Newton iterations spent so far, rejected increments included.
     jumps
         Whether the path jumps where its branch ends.
+    sensitivity
+        Follows derivatives up to the first jump, if there is one; begun by its `start`.
     ended, message
         Why the path could not go on, and that in one sentence; `Ended.DEPTH_REACHED` while it can.
     """
@@ -132,6 +133,7 @@ class Continuation:
     increments: list[Increment] = field(default_factory=list)
     iterations: int = 0
     jumps: bool = True
+    sensitivity: Sensitivity | None = None
     ended: Ended = Ended.DEPTH_REACHED
     message: str = ""
     _step: float = field(default=0.0, init=False)
@@ -140,6 +142,7 @@ class Continuation:
     _released: bool = field(default=False, init=False)
     _way: float = field(default=1.0, init=False)
     _since: int = field(default=0, init=False)
+    _goal: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
         if not self.increments:
@@ -156,6 +159,7 @@ class Continuation:
 
     def advance(self, depth: float) -> bool:
         """Follow the branch to a depth in mm, deeper or back; False where it could not be reached (see `ended`)."""
+        self._goal = depth
         while abs(left := depth - self.last.depth) > _NOTHING * self.unit:
             step = min(self._step, abs(left))
             if (1.0 + _ROUNDING) * step < abs(left) < 1.5 * step:
@@ -208,7 +212,7 @@ class Continuation:
     def _next_step(self, step: float, iterations: int) -> float:
         factor = next((factor for most, factor in _GROWTH if iterations <= most), _SHRINK)
         largest = self.spec.largest_step * self.unit
-        edge = self.spec.edge_share * self.problem.length * (1.0 if self.loading.remembers else _FRICTIONLESS)
+        edge = self.spec.edge_share * self.problem.length * self.loading.stride
         advance = edge * np.sqrt(2 * self.last.depth / (BASE_RADIUS * self.unit))  # of a sphere's patch
         largest = min(largest, max(advance, self.spec.first_step * self.unit))
         return min(max(step, self._step) * factor, largest)
@@ -272,6 +276,8 @@ class Continuation:
         return bool(abs(gained - work) <= tolerance * abs(work) + _NOTHING * self.unit**3)
 
     def _accept(self, found: Equilibrium, depth: float, *, jumped: bool) -> None:
+        if self.sensitivity is not None:
+            self._differentiate(self.sensitivity, found.state, depth, jumped=jumped)
         history, lost = self.loading.keep(self._history, depth, found.state)
         self.increments.append(
             Increment(
@@ -288,6 +294,16 @@ class Continuation:
         stabilisation = None if self._released else self.monitor.stabilisation(depth, found.state)
         if stabilisation is not None:
             self._stabilisation = stabilisation
+
+    def _differentiate(self, sensitivity: Sensitivity, state: State, depth: float, *, jumped: bool) -> None:
+        """Carry derivatives on to an increment; a path without memory needs them only where it is going."""
+        if jumped:
+            self.sensitivity = None
+        elif self.loading.remembers or abs(depth - self._goal) <= _NOTHING * self.unit:
+            last = self.last
+            earlier = last.history._replace(stabilisation=self._stabilisation)
+            step = Advance(last.depth, depth, last.state, state, earlier, self._history)
+            sensitivity.accept(step, memory=self.loading.remembers)
 
     def release(self) -> None:
         """Let go of what the monitor stabilises, for the rest of the path."""

@@ -296,6 +296,43 @@ def assemble_cells(
 
 
 @kernel
+def add_residual(cells: Cells, response: Response, bulk: float, p: FloatArray, residual: FloatArray) -> None:
+    """Add the condensed residual of all cells alone to (3 n,) N; parameters as in `assemble_cells`."""
+    g, r, C = np.empty((NODES, 3)), np.empty(DOFS), np.empty((PRESSURES, DOFS))
+    rp, tau = np.empty(PRESSURES), np.empty(6)
+    for e in range(len(cells.nodes)):
+        r[:] = 0.0
+        C[:, :] = 0.0
+        rp[:] = 0.0
+        for q in range(len(cells.basis)):
+            w = cells.weight[e, q]
+            J = spatial_gradients(cells.gradient[e, q], response.F[e, q], g)
+            pressure = 0.0
+            for k in range(PRESSURES):
+                pressure += cells.basis[q, k] * p[e, k]
+            for k in range(6):
+                tau[k] = response.tau[e, q, k] + (pressure * J if k < 3 else 0.0)
+            for k in range(PRESSURES):
+                rp[k] += w * cells.basis[q, k] * (J - 1.0 - pressure / bulk)
+            for a in range(NODES):
+                x, y, z = g[a, 0], g[a, 1], g[a, 2]
+                r[3 * a] += w * (tau[0] * x + tau[3] * y + tau[5] * z)
+                r[3 * a + 1] += w * (tau[3] * x + tau[1] * y + tau[4] * z)
+                r[3 * a + 2] += w * (tau[5] * x + tau[4] * y + tau[2] * z)
+                for k in range(PRESSURES):
+                    for i in range(3):
+                        C[k, 3 * a + i] += w * cells.basis[q, k] * J * g[a, i]
+        for k in range(PRESSURES):
+            factor = 0.0
+            for m in range(PRESSURES):
+                factor += bulk * cells.inverse_mass[e, k, m] * rp[m]
+            for j in range(DOFS):
+                r[j] += factor * C[k, j]
+        for j in range(DOFS):
+            residual[3 * cells.nodes[e, j // 3] + j % 3] += r[j]
+
+
+@kernel
 def _condense(bulk: float, inverse_mass: FloatArray, cell: _Cell) -> None:
     for a in range(NODES):
         for b in range(a, NODES):

@@ -103,16 +103,16 @@ def correct_history(
     reach0, place0 = before.obstacle.foot(before.points)
     reach1, place1 = after.obstacle.foot(after.points)
     fresh = (history.limit == 0) & (reach1 > 0)
-    swept = _arrival(-reach0, fresh, area)
+    swept = arrival(-reach0, fresh, area)
     if (history.limit > 0).any():
         swept *= _SWEPT
     touched = place0 + swept[:, None] * (place1 - place0)
     anchor = np.where(fresh[:, None], touched, history.anchor)
-    normal = np.where(fresh[:, None], _normal_at(after.obstacle, anchor), history.normal)
+    normal = np.where(fresh[:, None], after.obstacle.normal_at(anchor), history.normal)
     return ContactHistory(anchor, normal, law.friction_limit(reach1), history.stabilisation)
 
 
-def _arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatArray:
+def arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatArray:
     """Share of the increment (n_points,) at which a patch that grows evenly reaches its fresh points; 0 of others."""
     share, order = np.zeros(len(distance)), np.flatnonzero(fresh)
     order = order[np.argsort(distance[order], kind="stable")]
@@ -129,7 +129,7 @@ def return_to_limit(law: ContactLaw, history: ContactHistory, at: Met) -> Contac
     kept = np.divide(history.limit, length, out=np.ones_like(length), where=length > history.limit)
     anchor = place - kept[:, None] * spring
     limit = law.friction_limit(reach)
-    return ContactHistory(anchor, _normal_at(at.obstacle, anchor), limit, history.stabilisation)
+    return ContactHistory(anchor, at.obstacle.normal_at(anchor), limit, history.stabilisation)
 
 
 def dissipated(law: ContactLaw, history: ContactHistory, at: Met, weight: FloatArray) -> float:
@@ -140,7 +140,3 @@ def dissipated(law: ContactLaw, history: ContactHistory, at: Met, weight: FloatA
     length = np.linalg.norm(place - history.anchor, axis=1)
     slip = np.maximum(length - history.limit / law.tangential_stiffness, 0.0)
     return float((weight * history.limit * slip).sum())
-
-
-def _normal_at(obstacle: Obstacle, anchor: FloatArray) -> FloatArray:
-    return obstacle.gap(obstacle.point + anchor).normal

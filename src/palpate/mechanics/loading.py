@@ -25,12 +25,17 @@ from palpate.mechanics.solid import State
 from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import DeadLoad, Term
 
+_FRICTIONLESS, _SLIPPING = 1.5, 0.6
+"""Strides where contact remembers nothing, and where points slip while others stick."""
+
 
 class PathLoading(ABC):
     """The terms that act on a body at a parameter of its path: depth in mm, or factor on its loads."""
 
     remembers: bool
     """Whether increments leave a history on which the next depend: friction."""
+    stride: float
+    """Factor on how far the edge of the patch may advance in an increment (docs/decisions/0063)."""
 
     @abstractmethod
     def start(self) -> ContactHistory:
@@ -81,6 +86,12 @@ class ContactLoading(PathLoading):
     def remembers(self) -> bool:  # type: ignore[override]
         return self.law.friction > 0
 
+    @property
+    def stride(self) -> float:  # type: ignore[override]
+        if np.isinf(self.law.friction):
+            return 1.0
+        return _SLIPPING if self.remembers else _FRICTIONLESS
+
     def start(self) -> ContactHistory:
         return untouched(len(self.surface.points))
 
@@ -129,6 +140,7 @@ class DeadLoading(PathLoading):
 
     load: DeadLoad
     remembers = False
+    stride = 1.0
 
     def start(self) -> ContactHistory:
         return untouched(0)

@@ -173,6 +173,26 @@ class Problem:
             state, loads = self._search(state, step, float(residual @ step), terms)
         return self._end(SolveOutcome.TOO_MANY_ITERATIONS, state, loads, history, pivots)
 
+    @property
+    def assembly(self) -> Assembly:
+        """What terms are added to."""
+        return self._assembly
+
+    def factor(self, state: State, terms: Sequence[Term]) -> None:
+        """Factor the tangent at a state, for `back_substitute`.
+
+        Raises
+        ------
+        SingularMatrixError
+            If it has no inverse.
+        """
+        self.assemble(state, terms)
+        self.linear.refactor(self._system.data)
+
+    def back_substitute(self, force: FloatArray) -> FloatArray:
+        """Displacement (n, 3) mm by which the factored tangent answers forces (3 n,) N."""
+        return self._scatter(self.linear.solve(force[self.body.free]))
+
     def step(self, start: State, terms: Sequence[Term]) -> State:
         """One linear step from `start`, no longer than the body is thick; `start` itself where there is none."""
         if not np.isfinite(self.assemble(start, terms).elastic):

@@ -80,6 +80,10 @@ class Obstacle(ABC):
         """Penetration (n,) mm of points (n, 3) mm; negative off the obstacle."""
         return self.gap(points).reach
 
+    def normal_at(self, place: FloatArray) -> FloatArray:
+        """Normals (n, 3) at places (n, 3) mm seen from `point`."""
+        return self.gap(self.point + place).normal
+
     def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Penetration (n,) mm of points (n, 3) mm, and the places (n, 3) mm nearest to them, seen from `point`."""
         reach = self.reach(points)

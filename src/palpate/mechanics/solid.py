@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from copy import copy
 from dataclasses import dataclass
 from typing import final
 
@@ -17,6 +18,7 @@ from palpate.mechanics.element import (
     Condensed,
     Response,
     System,
+    add_residual,
     assemble_cells,
     deform_cells,
     recover_pressure,
@@ -105,29 +107,17 @@ class Solid(Body):
     def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: BoolArray) -> None:
         self.nodes, self.material, self.fixed = nodes, material, fixed
         cells = np.ascontiguousarray(cells, dtype=np.int64)
-        points, weights = gauss_points(GAUSS)
-        self.shape, local = shape_hexahedron(points)
-        jacobian = np.einsum("eai,gaj->egij", nodes[cells], local)
-        weight = np.linalg.det(jacobian) * weights
-        basis = np.column_stack([np.ones(len(points)), points])
-        mass = np.einsum("eg,gk,gm->ekm", weight, basis, basis)
+        self.shape = shape_hexahedron(gauss_points(GAUSS)[0])[0]
         self.equation = np.full(nodes.size, -1, np.int64)
         self.free = np.flatnonzero(~fixed.ravel())
         self.equation[self.free] = np.arange(len(self.free))
         self.pattern, place = _find_pattern(cells, self.equation, len(self.free))
-        self.cells = Cells(
-            nodes=cells,
-            gradient=np.ascontiguousarray(np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian))),
-            weight=np.ascontiguousarray(weight),
-            basis=np.ascontiguousarray(basis),
-            inverse_mass=np.linalg.inv(mass),
-            place=place,
-        )
+        self.cells = Cells(nodes=cells, basis=_pressure_basis(), place=place, **_tables(nodes, cells))
         self.place = place
         self.nodal_volume = np.zeros(len(nodes))
         np.add.at(self.nodal_volume, cells, np.einsum("eg,ga->ea", self.cells.weight, self.shape**2))
         self.shear_modulus = material.law.shear_modulus
-        self._F = np.empty((*weight.shape, 3, 3))
+        self._F = np.empty((*self.cells.weight.shape, 3, 3))
         self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
 
     @property
@@ -144,6 +134,22 @@ class Solid(Body):
             return np.inf
         return assemble_cells(self.cells, response, self.material.bulk_modulus, state.p, system, self._condensed)
 
+    def add_residual(self, state: State, residual: FloatArray) -> None:
+        """Add the condensed residual (3 n,) N alone to `residual`; the state must not turn a cell inside out."""
+        response = self.respond(state)
+        if response is not None:
+            add_residual(self.cells, response, self.material.bulk_modulus, state.p, residual)
+
+    def remade(self, nodes: FloatArray, material: Material) -> Solid:
+        """The same cells and unknowns with other nodes (n, 3) mm and another material."""
+        other = copy(self)
+        other.nodes, other.material = nodes, material
+        other.shear_modulus = material.law.shear_modulus
+        other.cells = Cells(
+            nodes=self.cells.nodes, basis=self.cells.basis, place=self.place, **_tables(nodes, self.cells.nodes)
+        )
+        return other
+
     def respond(self, state: State) -> Response | None:
         """What the law answers at the Gauss points; `None` where a cell is turned inside out."""
         if not deform_cells(self.cells, state.u, self._F):
@@ -157,6 +163,28 @@ class Solid(Body):
         dp = np.empty((len(self.cells.nodes), PRESSURES))
         recover_pressure(self.cells, self.material.bulk_modulus, self._condensed, du, dp)
         return dp
+
+
+def _pressure_basis() -> FloatArray:
+    """Basis (n_points, 4) of the pressure at the Gauss points: 1, xi, eta, zeta."""
+    points, _ = gauss_points(GAUSS)
+    return np.column_stack([np.ones(len(points)), points])
+
+
+def _tables(nodes: FloatArray, cells: IntArray) -> dict[str, FloatArray]:
+    """Tables of `Cells` that depend on where the nodes (n, 3) mm are."""
+    points, weights = gauss_points(GAUSS)
+    _, local = shape_hexahedron(points)
+    jacobian = np.einsum("eai,gaj->egij", nodes[cells], local, optimize=True)
+    weight = np.linalg.det(jacobian) * weights
+    basis = _pressure_basis()
+    mass = np.einsum("eg,gk,gm->ekm", weight, basis, basis)
+    gradient = np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian), optimize=True)
+    return {
+        "gradient": np.ascontiguousarray(gradient),
+        "weight": np.ascontiguousarray(weight),
+        "inverse_mass": np.linalg.inv(mass),
+    }
 
 
 def _find_pattern(cells: IntArray, equation: IntArray, size: int) -> tuple[Pattern, IntArray]:

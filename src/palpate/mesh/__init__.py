@@ -3,7 +3,7 @@
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
 from palpate.mesh.locate import SurfacePoints, locate_inner, locate_nodes
 from palpate.mesh.mesh import Mesh
-from palpate.mesh.mesh_skin import centre_mesh, mesh_skin
+from palpate.mesh.mesh_skin import centre_mesh, mesh_skin, reshape_mesh
 from palpate.mesh.quality import MeshQuality, measure_quality
 from palpate.mesh.spec import MeshSpec
 
@@ -18,6 +18,7 @@ __all__ = [
     "locate_nodes",
     "measure_quality",
     "mesh_skin",
+    "reshape_mesh",
     "shape_hexahedron",
     "shape_quadrilateral",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from palpate.core import FloatArray
@@ -11,14 +13,14 @@ from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec
 
-_CELLS_OF_ONE_RING = 24
+_CELLS_OF_ONE_RING = 36
 """Most cells of a meridian for which four cells are enough along half a turn (docs/decisions/0063)."""
 _FARTHEST_POLE = 0.35
 """Most that the pole moves, over the radius of the disc: at a half the grid folds."""
-_GRADING_HIGH, _GRADING_LOW = 0.35, -0.3
+_GRADING_HIGH, _GRADING_LOW = 0.2, -0.3
 """Share by which cells at the pole are smaller than the mean, those at the rim larger: of a skin at least as high as
 its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
-_CELLS, _MORE_CELLS, _THICK = 12.0, 20.0, 0.1
+_CELLS, _MORE_CELLS, _THICK = 14.0, 40.0, 0.1
 """Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
 (docs/decisions/0063)."""
 
@@ -52,7 +54,7 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
         place = _move_pole(place, pole)
     steps = 2 * spec.layers + 1
     n = len(grid.points)
-    nodes = np.concatenate([skin.point(place, layer, spec.rim) for layer in np.linspace(0.0, 1.0, steps)])
+    nodes = _lay(skin, place, spec)
     layer_cells = [
         np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
     ]
@@ -78,17 +80,32 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
 
 
 def centre_mesh(mesh: Mesh, touched: FloatArray) -> Mesh:
-    """The same skin meshed with its pole under a point (3,) mm of the outer surface, unless the spec forbids it.
+    """The same skin meshed with its pole under a point (3,) mm of the outer surface, unless it has one already.
 
+    With `centred` false in its spec a mesh stays as it is.
     About the point of first touch a press is nearly a body of revolution: few cells are needed around.
     """
-    if not mesh.spec.centred:
+    if not mesh.spec.centred or mesh.pole is not None:
         return mesh
     pole = mesh.skin.disc(touched[None])[0]
     if not mesh.spec.whole:
         pole[0] = 0.0
     pole *= min(1.0, _FARTHEST_POLE / max(float(np.hypot(*pole)), _FARTHEST_POLE))
     return mesh_skin(mesh.skin, mesh.spec, pole)
+
+
+def reshape_mesh(mesh: Mesh, skin: Skin) -> Mesh:
+    """The mesh of another skin whose nodes have the same places on the unit disc and in the wall."""
+    layers = 2 * mesh.spec.layers + 1
+    nodes = _lay(skin, mesh.inner_disc[: len(mesh.nodes) // layers], mesh.spec)
+    nodes[mesh.mirror, 0] = 0.0
+    return replace(mesh, skin=skin, nodes=nodes)
+
+
+def _lay(skin: Skin, place: FloatArray, spec: MeshSpec) -> FloatArray:
+    """Nodes (n, 3) mm at places of the unit disc, layer by layer."""
+    layers = np.linspace(0.0, 1.0, 2 * spec.layers + 1)
+    return np.concatenate([skin.point(place, layer, spec.rim) for layer in layers])
 
 
 def default_core(cells: int, *, centred: bool) -> int:

@@ -25,8 +25,8 @@ def test_study_convergence_goes_from_coarse_to_fine_and_its_errors_fall(results)
     assert [result.cells for result in results] == [4, 6, 8, 12]
     assert results[3].force_error == results[3].marker_error == 0
     assert np.all(np.diff([result.marker_error for result in results]) < 0)
-    assert all(abs(result.force_error) < 0.08 for result in results)
-    assert all(abs(result.force_error) < 0.03 for result in results[1:])
+    assert all(abs(result.force_error) < 0.1 for result in results)
+    assert all(abs(result.force_error) < 0.05 for result in results[1:])
     assert results[0].depth == pytest.approx(1.6)
     assert all(result.marker_error <= result.worst_marker_error for result in results)
 

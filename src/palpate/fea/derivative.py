@@ -1,0 +1,84 @@
+"""Derivatives of a press: what follows them along its path, and what is left of them at its increments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.fea.loaded_skin import clamp_skin, load_surface
+from palpate.fea.spec import ObstacleSpec
+from palpate.fea.variations import Made, vary
+from palpate.material import Material
+from palpate.mechanics import ContactLoading, Continuation, Problem, Sensitivity, Solid, make_linear_solver
+from palpate.mesh import Mesh
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Derivative of a press with respect to one parameter, at its increments; nan after a jump.
+
+    Attributes
+    ----------
+    name
+        Of the parameter; its unit as in `palpate.fea.variations`.
+    displacement
+        (n, n_nodes, 3) mm over that unit, in the frame of `Press.displacement`, of nodes that keep their place on
+        the unit disc and in the wall.
+    force
+        (n, 3) N over that unit, of the whole dome, dome's frame.
+    across
+        Whether the field is antisymmetric about the mirror plane of half a model.
+    """
+
+    name: str
+    displacement: FloatArray
+    force: FloatArray
+    across: bool = False
+
+
+def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Sensitivity:
+    """Follow the derivatives of the solver's spec along a path that begins.
+
+    Raises
+    ------
+    PalpateError
+        If the press cannot be differentiated by a name.
+    """
+    loading, solid, problem = path.loading, path.problem.body, path.problem
+    assert isinstance(loading, ContactLoading)
+    assert isinstance(solid, Solid)
+    variations = vary(
+        Made(mesh, material, wall, partial(load_surface, path.spec), loading, solid), path.spec.derivatives
+    )
+    across = None
+    if any(each.across for each in variations):
+        other, linear = clamp_skin(mesh, material, across=True), make_linear_solver(path.spec.backend)
+        across = Problem(other, linear, problem.tolerance, problem.length)
+    followed = Sensitivity(problem, loading, variations, across)
+    if variations:
+        followed.start(path.last.history)
+        path.sensitivity = followed
+    return followed
+
+
+def gather_derivatives(
+    followed: Sensitivity, depth: FloatArray, mesh: Mesh, wall: ObstacleSpec
+) -> dict[str, Derivative]:
+    """Derivatives at the increments of a press, by name; zero at rest, nan where there is none."""
+    parts, turn = 1.0 if mesh.spec.whole else 2.0, wall.turn(mesh)
+    found = {}
+    for each in followed.variations:
+        sides = np.array([1.0, 0.0, 0.0] if each.across else [0.0, 1.0, 1.0]) if parts > 1 else np.ones(3)
+        displacement = np.full((len(depth), *mesh.nodes.shape), np.nan)
+        force = np.full((len(depth), 3), np.nan)
+        displacement[depth == 0], force[depth == 0] = 0.0, 0.0
+        for k, at in enumerate(depth):
+            rates = followed.found.get(float(at))
+            if rates is not None:
+                displacement[k] = rates[each.name].u
+                force[k] = turn @ (parts * sides * rates[each.name].force)
+        found[each.name] = Derivative(each.name, displacement, force, each.across)
+    return found

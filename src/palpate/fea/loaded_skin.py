@@ -1,0 +1,39 @@
+"""A skin as mechanics sees it: a body on its clamped base, and an obstacle that comes down on its outer surface."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from palpate.fea.spec import ObstacleSpec
+from palpate.material import Material
+from palpate.mechanics import ContactLaw, ContactLoading, Obstacle, OuterSurface, Solid, SolverSpec
+from palpate.mesh import Mesh
+
+
+def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid:
+    """The skin on its clamped base; half of it symmetric about its mirror plane, or antisymmetric: `across` it."""
+    fixed = np.zeros((len(mesh.nodes), 3), bool)
+    fixed[mesh.base] = True
+    fixed[mesh.mirror] |= np.array([not across, across, across])
+    return Solid(mesh.nodes, mesh.cells, material, fixed)
+
+
+def load_surface(solver: SolverSpec, mesh: Mesh, material: Material, wall: ObstacleSpec) -> ContactLoading:
+    """The obstacle that comes down on the outer surface from first touch on."""
+    first = len(mesh.cells) - len(mesh.outer_faces)
+    surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
+    stiffness = solver.penalty_ratio * material.young_modulus / mesh.skin.thickness
+    law = ContactLaw(
+        stiffness=stiffness,
+        width=solver.smoothing_ratio * mesh.skin.thickness,
+        tangential_stiffness=solver.tangential_ratio * stiffness,
+        friction=wall.friction,
+    )
+    return ContactLoading(mesh.nodes, surface, law, partial(descended, wall.at_touch(mesh)[0]))
+
+
+def descended(obstacle: Obstacle, depth: float) -> Obstacle:
+    """An obstacle that touches the skin, brought down by a depth in mm."""
+    return obstacle.moved(np.array([0.0, 0.0, -depth]))

@@ -1,0 +1,158 @@
+"""What a press may be differentiated by, and what it is made of where that is a little greater or smaller.
+
+====================  ===================================================  ====
+name                  parameter                                            unit
+====================  ===================================================  ====
+``depth``             travel of the obstacle                               mm
+``tilt_deg``          tilt of the wall, in the plane of its tilt           deg
+``across_deg``        tilt across that plane                               deg
+``shift``             sideways travel along the tilt, after the press      mm
+``shift_across``      the same across it                                   mm
+``twist_deg``         turn of the wall about its normal, after the press   deg
+``friction``          coefficient of friction                              1
+``thickness``, …      any number of the skin: ``height``, ``base_radius``  mm
+``C10``, …            any constant of the material                         MPa
+====================  ===================================================  ====
+
+`shift` and `twist` happen at the depth that is reached, to the obstacle and what sticks to it; all others have been
+different since rest. A greater thickness leaves the inner surface, and what is printed on it, where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from palpate.core import FloatArray, PalpateError
+from palpate.design import build_skin, rotation_vector, skin_from_data, wall_normal
+from palpate.fea.loaded_skin import descended
+from palpate.fea.spec import ObstacleSpec
+from palpate.fea.wall import Plane, WallSpec
+from palpate.material import Material, material_from_data
+from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
+from palpate.mesh import Mesh, reshape_mesh
+
+WALL_NAMES = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg", "friction")
+"""What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
+_STEP = 1e-5
+"""Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a path is made of.
+
+    Attributes
+    ----------
+    mesh, material, wall
+        Of the press.
+    load
+        Makes the loading of a mesh, material and wall.
+    loading, solid
+        Those of the path itself.
+    """
+
+    mesh: Mesh
+    material: Material
+    wall: ObstacleSpec
+    load: Callable[[Mesh, Material, ObstacleSpec], ContactLoading]
+    loading: ContactLoading
+    solid: Solid
+
+
+def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, ...]:
+    """Names by which a press may be differentiated."""
+    contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
+    if not isinstance(wall, WallSpec):
+        contact = [name for name in contact if name not in ("tilt_deg", "across_deg", "twist_deg")]
+    skin = [name for name, value in mesh.skin.spec_data.items() if isinstance(value, float)]
+    return (*contact, *skin, *material.key_data()["constants"])
+
+
+def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
+    """Variations of these names.
+
+    Raises
+    ------
+    PalpateError
+        If the press cannot be differentiated by a name.
+    """
+    known = names_of(made.mesh, made.material, made.wall)
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise PalpateError(f"A press has no derivative by '{unknown[0]}'.", f"Choose from {', '.join(known)}.")
+    return tuple(_vary(made, name) for name in names)
+
+
+def _vary(made: Made, name: str) -> Variation:
+    if name in made.material.key_data()["constants"]:
+        return _vary_material(made, name)
+    if name in made.mesh.skin.spec_data:
+        return _vary_skin(made, name)
+    if name == "friction":
+        high, low = (_with_friction(made.loading, made.loading.law.friction + by) for by in (_STEP, -_STEP))
+        return Variation(name, _STEP, high, low)
+    if name in ("tilt_deg", "across_deg"):
+        return _vary_wall(made, name)
+    half = not made.mesh.spec.whole
+    if name == "twist_deg":
+        normal = made.loading.obstacle(0.0).gap(made.loading.obstacle(0.0).point[None]).normal[0]
+        return Variation(
+            name, _STEP, made.loading, made.loading, turn=np.radians(1.0) * normal, lasting=False, across=half
+        )
+    way = {"depth": [0.0, 0.0, -1.0], "shift": [0.0, 1.0, 0.0], "shift_across": [1.0, 0.0, 0.0]}[name]
+    high, low = (
+        replace(made.loading, obstacle=partial(_travelled, made.loading.obstacle, by * np.array(way)))
+        for by in (_STEP, -_STEP)
+    )
+    return Variation(name, _STEP, high, low, lasting=False, across=half and name == "shift_across")
+
+
+def _travelled(obstacle: Callable[[float], Obstacle], by: FloatArray, depth: float) -> Obstacle:
+    return obstacle(depth).moved(by)
+
+
+def _vary_wall(made: Made, name: str) -> Variation:
+    """The wall under another tilt, from first touch on."""
+    assert isinstance(made.wall, WallSpec)
+    across = name == "across_deg"
+    azimuth = np.radians(made.wall.azimuth_deg) if made.mesh.spec.whole else 0.0
+    along = rotation_vector(np.radians(made.wall.tilt_deg), azimuth)
+    unit = rotation_vector(1.0, azimuth + (np.pi / 2 if across else 0.0))
+    sides = []
+    for by in (_STEP, -_STEP):
+        normal = wall_normal(*(along + np.radians(by) * unit))
+        touched = Plane(normal, made.mesh.skin.touch(normal))
+        sides.append(replace(made.loading, obstacle=partial(descended, touched)))
+    return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
+
+
+def _vary_skin(made: Made, name: str) -> Variation:
+    """A skin of another shape, meshed alike; its wall touches it anew."""
+    sides = []
+    for by in (_STEP, -_STEP):
+        data = made.mesh.skin.spec_data
+        sides.append(reshape_mesh(made.mesh, build_skin(skin_from_data(data | {name: data[name] + by}))))
+    high, low = (made.load(mesh, made.material, made.wall) for mesh in sides)
+    solids = (made.solid.remade(sides[0].nodes, made.material), made.solid.remade(sides[1].nodes, made.material))
+    return Variation(name, _STEP, high, low, solids)
+
+
+def _vary_material(made: Made, name: str) -> Variation:
+    """A silicone with another constant; the penalty of contact goes with its stiffness."""
+    data = made.material.key_data()
+    step = _STEP * abs(float(data["constants"][name]))
+    sides = []
+    for by in (step, -step):
+        constants = data["constants"] | {name: data["constants"][name] + by}
+        sides.append(material_from_data({"name": made.material.name, **data, "constants": constants}))
+    high, low = (made.load(made.mesh, material, made.wall) for material in sides)
+    solids = (made.solid.remade(made.mesh.nodes, sides[0]), made.solid.remade(made.mesh.nodes, sides[1]))
+    return Variation(name, step, high, low, solids)
+
+
+def _with_friction(loading: ContactLoading, friction: float) -> ContactLoading:
+    return replace(loading, law=loading.law._replace(friction=friction))

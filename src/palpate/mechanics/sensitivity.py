@@ -1,0 +1,289 @@
+"""Derivatives of a path with respect to what it was made with: one back-substitution each.
+
+In equilibrium the residual vanishes, ``r(u, q, h) = 0``, for every value of a parameter q. So the field's derivative
+follows from the tangent K that Newton's method leaves behind,
+
+    K du/dq = - dr/dq - (dr/dh) dh/dq,
+
+where the history h (sticking places and limits) has a derivative of its own, carried from increment to increment by
+the derivative of the rules that carry the history itself (Michaleris, Tortorelli & Vidal, *Int. J. Numer. Meth.
+Eng.* 37, 1994: direct differentiation of transient problems). The explicit derivatives on the right are central
+differences of one assembly, of residuals and of the rules of contact, at a state that stands still: exact to
+rounding, and no law, obstacle or skin need give any. Where the limit of friction follows the pressure, the tangent is
+that of Newton's method, which holds the limit, and the rest is iterated.
+
+With half a body, a parameter may break the mirror symmetry. The derivative is then antisymmetric: it is solved by a
+body of the same cells whose mirror plane holds what the other lets go (`Across`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.mechanics.contact import Contact
+from palpate.mechanics.element import System
+from palpate.mechanics.friction import ContactHistory, arrival
+from palpate.mechanics.loading import ContactLoading
+from palpate.mechanics.newton import Problem
+from palpate.mechanics.obstacle import Obstacle
+from palpate.mechanics.solid import Solid, State
+
+_SIDES = (1.0, -1.0)
+_STEP = 1e-5
+"""Half the difference of the path's own parameter, mm."""
+_SLOWEST = 0.02
+"""Least pace at which a point nears the obstacle, over the greatest, for which its delay is its own."""
+_LIMIT_ROUNDS = 3
+"""Rounds in which the limit of friction follows the derivative of the pressure."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A parameter, and what the path is made of where it is a little greater and a little smaller.
+
+    Attributes
+    ----------
+    name
+        Of the parameter.
+    step
+        Half the difference of the two, in the unit of the parameter: small, for displacement and history are moved
+        by as much along their derivatives.
+    above, below
+        What presses with the parameter greater and smaller.
+    solids
+        The body likewise; None where the parameter leaves it alone.
+    turn
+        (3,) rotation vector, rad over the unit of the parameter, by which what sticks turns about the obstacle's
+        point.
+    lasting
+        Whether the parameter has been different since rest; otherwise it changes at the increment alone.
+    across
+        Whether it breaks the mirror symmetry of half a body.
+    """
+
+    name: str
+    step: float
+    above: ContactLoading
+    below: ContactLoading
+    solids: tuple[Solid, Solid] | None = None
+    turn: FloatArray | None = None
+    lasting: bool = True
+    across: bool = False
+
+    def loading(self, side: float) -> ContactLoading:
+        """What presses with the parameter greater (1) or smaller (-1)."""
+        return self.above if side > 0 else self.below
+
+
+class Rate(NamedTuple):
+    """Derivative by one parameter: displacement (n, 3) mm, force (3,) N of the modelled part, and history."""
+
+    u: FloatArray
+    force: FloatArray
+    history: ContactHistory
+
+
+class Advance(NamedTuple):
+    """An increment whose derivative is sought.
+
+    Attributes
+    ----------
+    start, end
+        Parameter of the path before and after, mm.
+    before, after
+        Equilibria: the last, and the one reached.
+    earlier, history
+        What contact remembers of the last, and with which the increment was solved.
+    """
+
+    start: float
+    end: float
+    before: State
+    after: State
+    earlier: ContactHistory
+    history: ContactHistory
+
+
+@dataclass
+class Sensitivity:
+    """Follows derivatives along a path.
+
+    Attributes
+    ----------
+    problem, loading
+        Body with linear solver, and what presses, of the path.
+    variations
+        The parameters.
+    across
+        The same body with its mirror plane held antisymmetrically; needed where a variation is `across`.
+    rates
+        Derivative at the last increment, by name.
+    found
+        Derivatives of every increment asked for: its parameter, and its rates by name.
+    """
+
+    problem: Problem
+    loading: ContactLoading
+    variations: tuple[Variation, ...]
+    across: Problem | None = None
+    rates: dict[str, Rate] = field(default_factory=dict)
+    found: dict[float, dict[str, Rate]] = field(default_factory=dict)
+    _pace: FloatArray = field(init=False)
+    _still: ContactHistory = field(init=False)
+    _ahead: dict[str, tuple[float, FloatArray]] = field(default_factory=dict, init=False)
+
+    def start(self, history: ContactHistory) -> None:
+        """Begin at rest, with this history."""
+        still = ContactHistory(*(np.zeros_like(part) for part in history))
+        self._still = still
+        nothing = np.zeros_like(self.problem.body.nodes)
+        self.rates = {each.name: Rate(nothing, np.zeros(3), still) for each in self.variations}
+        self._pace = nothing
+
+    def accept(self, step: Advance, *, memory: bool) -> None:
+        """Take the derivatives of an increment; with `memory`, also of the history that it leaves."""
+        self._factor(step, self.variations)
+        rates = {}
+        for each in self.variations:
+            old = self.rates[each.name]
+            history = self._corrected(each, step, old) if memory and each.lasting else old.history
+            u = self._solve(each, step, history)
+            for _ in range(_LIMIT_ROUNDS if self._limited(each) else 0):
+                history = history._replace(limit=self._limits(each, step, u))
+                u = self._solve(each, step, history)
+            high, low = (self._assemble(each, step, side, history, u)[1] for side in _SIDES)
+            kept = self._kept(each, step, u, history) if memory and each.lasting else old.history
+            rates[each.name] = Rate(u, (high - low) / (2 * each.step), kept)
+        if memory:
+            self._pace = self._solve(self._path, step, self._still)
+        self.found[step.end] = rates
+        self.rates = {
+            each.name: rates[each.name] if each.lasting else self.rates[each.name] for each in self.variations
+        }
+
+    @staticmethod
+    def _limited(each: Variation) -> bool:
+        return 0 < each.above.law.friction < np.inf
+
+    def _factor(self, step: Advance, variations: Sequence[Variation]) -> None:
+        """Factor the tangents at the end of a step that these variations need."""
+        terms = self.loading.terms(step.end, step.history)
+        for problem in {id(each): each for each in map(self._problem, variations)}.values():
+            problem.factor(step.after, terms)
+
+    def _problem(self, each: Variation) -> Problem:
+        return self.across if each.across and self.across is not None else self.problem
+
+    def _solve(self, each: Variation, step: Advance, rate: ContactHistory) -> FloatArray:
+        """Derivative (n, 3) mm of the displacement for that of the history."""
+        high, low = (self._assemble(each, step, side, rate)[0] for side in _SIDES)
+        return self._problem(each).back_substitute((low - high) / (2 * each.step))
+
+    def _assemble(
+        self, each: Variation, step: Advance, side: float, rate: ContactHistory, u: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Residual (3 n,) N of the state at the end of a step, or of that moved along `u`, and the force (3,) N."""
+        loading, by = each.loading(side), side * each.step
+        own = self.problem.assembly
+        to = own._replace(nodes=loading.nodes, system=System(own.system.data, np.zeros(own.nodes.size)))
+        state = step.after if u is None else State(step.after.u + by * u, step.after.p)
+        if each.solids is not None and u is None:
+            each.solids[0 if side > 0 else 1].add_residual(state, to.system.residual)
+        history = _moved(step.history, rate, by)
+        if each.turn is not None:
+            history = history._replace(anchor=history.anchor + by * np.cross(each.turn, history.anchor))
+        share = Contact(loading.surface, loading.law, loading.obstacle(step.end), history).assemble(state, to)
+        return to.system.residual, share.force
+
+    def _corrected(self, each: Variation, step: Advance, old: Rate) -> ContactHistory:
+        """Derivative of the history with which the increment was solved.
+
+        What stuck before goes on. A point that touches anew at the depth d_c sticks at its place s there, and
+        ``ds/dq = s_q + s_d d_c,q`` with ``d_c,q = -g_q / g_d`` of its gap g. Ahead of the edge of what sticks, s_q and
+        s_d go as the root of the distance from it, and in the sum the roots cancel: so it may be taken at the last
+        equilibrium.
+        """
+        fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
+        reach, place = self._foot_rate(each, step, old.u)
+        pace_reach, pace_place = self._foot_rate(self._path, step, self._pace)
+        slowest = _SLOWEST * float(np.abs(pace_reach[fresh]).max(initial=np.finfo(float).tiny))
+        delay = -reach / np.maximum(pace_reach, slowest)
+        ahead = place + delay[:, None] * pace_place
+        if each.name in self._ahead and (step.earlier.limit > 0).any():
+            earlier, then = self._ahead[each.name]
+            area = self.loading.surface.faces.weight.ravel()
+            share = arrival(-self.loading.reach(step.start, step.before), fresh, area)[:, None]
+            arrived = ahead + share * (step.end - step.start) / (step.start - earlier) * (ahead - then)
+        else:
+            arrived = ahead
+        self._ahead[each.name] = (step.start, ahead)
+        anchor = np.where(fresh[:, None], arrived, old.history.anchor)
+        high, low = (
+            each.loading(side).obstacle(step.end).normal_at(step.history.anchor + side * each.step * anchor)
+            for side in _SIDES
+        )
+        normal = np.where(fresh[:, None], (high - low) / (2 * each.step), old.history.normal)
+        return old.history._replace(anchor=anchor, normal=normal)
+
+    def _foot_rate(self, each: Variation, step: Advance, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of penetration (n_points,) and place (n_points, 3) of the points at the last equilibrium."""
+        feet = []
+        for side in _SIDES:
+            state = State(step.before.u + side * each.step * u, step.before.p)
+            met = each.loading(side).meet(step.start, state)
+            feet.append(met.obstacle.foot(met.points))
+        (reach1, place1), (reach0, place0) = feet
+        twice = 2 * each.step
+        return (reach1 - reach0) / twice, (place1 - place0) / twice
+
+    @property
+    def _path(self) -> Variation:
+        """The path itself as a parameter."""
+        high, low = (
+            replace(self.loading, obstacle=partial(_later, self.loading.obstacle, by)) for by in (_STEP, -_STEP)
+        )
+        return Variation("", _STEP, high, low, lasting=False)
+
+    def _limits(self, each: Variation, step: Advance, u: FloatArray) -> FloatArray:
+        """Derivative (n_points,) MPa of the limit of friction for that of the displacement."""
+        found = []
+        for side in _SIDES:
+            state = State(step.after.u + side * each.step * u, step.after.p)
+            found.append(each.loading(side).law.friction_limit(each.loading(side).reach(step.end, state)))
+        return np.where(step.history.limit > 0, (found[0] - found[1]) / (2 * each.step), 0.0)
+
+    def _kept(self, each: Variation, step: Advance, u: FloatArray, rate: ContactHistory) -> ContactHistory:
+        """Derivative of the history that the increment leaves."""
+        found = []
+        for side in _SIDES:
+            by = side * each.step
+            state = State(step.after.u + by * u, step.after.p)
+            found.append(each.loading(side).keep(_moved(step.history, rate, by), step.end, state)[0])
+        return _difference(found[0], found[1], each.step)
+
+
+def _later(obstacle: Callable[[float], Obstacle], by: float, at: float) -> Obstacle:
+    return obstacle(at + by)
+
+
+def _moved(history: ContactHistory, rate: ContactHistory, by: float) -> ContactHistory:
+    """A history moved along its derivative; what is infinite or zero stays."""
+    limit = np.where(np.isfinite(history.limit) & (history.limit > 0), history.limit + by * rate.limit, history.limit)
+    return history._replace(
+        anchor=history.anchor + by * rate.anchor, normal=history.normal + by * rate.normal, limit=limit
+    )
+
+
+def _difference(high: ContactHistory, low: ContactHistory, step: float) -> ContactHistory:
+    both = (high.limit > 0) & (low.limit > 0)
+    with np.errstate(invalid="ignore"):
+        limit = np.nan_to_num((high.limit - low.limit) / (2 * step))
+    anchor = np.where(both[:, None], (high.anchor - low.anchor) / (2 * step), 0.0)
+    normal = np.where(both[:, None], (high.normal - low.normal) / (2 * step), 0.0)
+    return ContactHistory(anchor, normal, np.where(both, limit, 0.0), np.zeros_like(limit))

@@ -1,0 +1,119 @@
+"""Derivatives of a press against whole presses beside it, and against what symmetry and scaling demand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, build_skin
+from palpate.fea import Press, WallSpec, read_press, solve_press, write_press
+from palpate.material import get_material, material_from_data
+from palpate.mechanics import SolverSpec
+from palpate.mesh import Mesh, MeshSpec, centre_mesh, mesh_skin, reshape_mesh
+
+MATERIAL = get_material("zaid_2024_ecoflex_00_30")
+SKIN = DomeSpec(height=20, thickness=2)
+WALL = WallSpec(tilt_deg=5, depth=1.6, contact="frictionless")
+SOLVER = SolverSpec(tolerance=1e-8)
+STEPS = {"tilt_deg": 0.02, "depth": 0.01, "thickness": 0.005, "height": 0.02, "base_radius": 0.02, "C10": 1e-4}
+NAMES = (*STEPS, "across_deg", "shift", "shift_across", "twist_deg")
+
+
+def mesh_of(wall: WallSpec = WALL) -> Mesh:
+    mesh = mesh_skin(build_skin(SKIN), MeshSpec(cells=10))
+    return centre_mesh(mesh, wall.at_touch(mesh)[1])
+
+
+@pytest.fixture(scope="module")
+def press() -> Press:
+    return solve_press(mesh_of(), MATERIAL, WALL, SOLVER.model_copy(update={"derivatives": NAMES}))
+
+
+@pytest.fixture(scope="module")
+def stuck() -> Press:
+    wall = WALL.model_copy(update={"contact": "no-slip"})
+    return solve_press(mesh_of(), MATERIAL, wall, SOLVER.model_copy(update={"derivatives": NAMES}))
+
+
+def beside(name: str, by: float) -> Press:
+    """The whole press again, with a parameter that differs."""
+    mesh, material, wall = mesh_of(), MATERIAL, WALL
+    if name in ("tilt_deg", "depth"):
+        wall = wall.model_copy(update={name: getattr(wall, name) + by})
+    elif name == "C10":
+        data = material.key_data()
+        constants = data["constants"] | {name: data["constants"][name] + by}
+        material = material_from_data({"name": "other", **data, "constants": constants})
+    else:
+        mesh = reshape_mesh(mesh, build_skin(SKIN.model_copy(update={name: getattr(SKIN, name) + by})))
+    return solve_press(mesh, material, wall, SOLVER)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_derivative_is_the_difference_of_two_presses(press: Press, name: str) -> None:
+    high, low = (beside(name, side * STEPS[name]) for side in (1, -1))
+    found = press.derivative(name)
+    difference = (high.displacement[-1] - low.displacement[-1]) / (2 * STEPS[name])
+    scale = np.linalg.norm(difference) if name != "C10" else np.linalg.norm(press.displacement[-1]) / MATERIAL.law.C10
+    assert np.linalg.norm(found.displacement[-1] - difference) < 2e-3 * scale
+    force = (high.force[-1] - low.force[-1]) / (2 * STEPS[name])
+    assert found.force[-1] == pytest.approx(force, abs=2e-3 * np.linalg.norm(force))
+
+
+@pytest.mark.parametrize("kind", ["press", "stuck"])
+def test_a_stiffer_silicone_of_the_same_shape_bears_as_much_more(kind: str, request: pytest.FixtureRequest) -> None:
+    """All constants by one factor: the same shapes, and the force by that factor (Euler's theorem)."""
+    press = request.getfixturevalue(kind)
+    constants = MATERIAL.key_data()["constants"]
+    solved = solve_press(
+        press.mesh, MATERIAL, press.wall, SOLVER.model_copy(update={"derivatives": tuple(constants)})
+    )
+    total = sum(value * solved.derivative(name).force[-1] for name, value in constants.items())
+    assert total == pytest.approx(solved.force[-1], rel=1e-4)
+    moved = sum(value * solved.derivative(name).displacement[-1] for name, value in constants.items())
+    assert np.abs(moved).max() < 1e-3 * np.abs(solved.displacement[-1]).max()
+
+
+def test_across_the_tilt_the_force_turns_with_the_wall(press: Press) -> None:
+    turned = np.cross([0, 0, 1], press.force[-1]) / WALL.tilt_deg
+    assert press.derivative("across_deg").force[-1] == pytest.approx(turned, abs=1e-6 * press.force[-1, 2])
+
+
+def test_a_frictionless_wall_may_slide_along_itself_and_twist(press: Press) -> None:
+    assert np.abs(press.derivative("twist_deg").displacement[-1]).max() == 0
+    normal = press.wall.normal(press.mesh)
+    expected = -normal[1] / normal[2] * press.derivative("depth").displacement[-1]
+    assert press.derivative("shift").displacement[-1] == pytest.approx(expected, abs=1e-6)
+
+
+def test_what_sticks_is_dragged_along(stuck: Press) -> None:
+    """A sideways travel meets a force against it, and the field is as far from the base as the patch is dragged."""
+    for name, axis in (("shift", 1), ("shift_across", 0)):
+        found = stuck.derivative(name)
+        assert found.force[-1, axis] < -0.02
+        assert np.abs(found.displacement[-1][:, axis]).max() == pytest.approx(1.0, abs=0.25)
+        assert np.abs(found.displacement[-1][stuck.mesh.base]).max() == 0
+
+
+def test_derivatives_survive_the_file(press: Press, tmp_path) -> None:
+    write_press(tmp_path / "press.h5", press)
+    again = read_press(tmp_path / "press.h5")
+    for name in NAMES:
+        assert again.derivative(name).across == press.derivative(name).across
+        assert again.derivative(name).force == pytest.approx(press.derivative(name).force)
+        assert again.derivative(name).displacement == pytest.approx(press.derivative(name).displacement, abs=1e-4)
+
+
+def test_a_derivative_that_was_not_asked_for_is_refused(press: Press) -> None:
+    with pytest.raises(PalpateError, match="not by 'friction'"):
+        press.derivative("friction")
+    with pytest.raises(PalpateError, match="has no derivative by 'friction'"):
+        solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("friction",)))
+
+
+def test_beyond_a_jump_there_is_no_derivative(press: Press) -> None:
+    jumped = replace(press, jump_depth=1.2)
+    assert jumped.derivative("depth", depth=0.8) is press.derivatives["depth"]
+    with pytest.raises(PalpateError, match=r"1\.2 mm the press jumped"):
+        jumped.derivative("depth")
