@@ -29,6 +29,7 @@ from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
 from palpate.deck import CalculixSpec
 from palpate.design import (
+    TILT_DEPTH,
     MarkerLayout,
     MarkerSpec,
     Skin,
@@ -95,7 +96,7 @@ class Bench:
         PalpateError
             If the model cannot be opened, or is not of this design.
         """
-        check_model(self.predictor, self.layout)
+        check_model(self.predictor, self.layout, TILT_DEPTH)
 
     @cached_property
     def model_sha256(self) -> str:
@@ -219,8 +220,7 @@ def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: D
     for depth, image in zip(press.depth, scene.through(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.least_depth - 1e-9:
-            estimate = (reading.rx_deg, reading.ry_deg, reading.depth_mm)
-            rows.append((rx, ry, depth + late, *estimate, len(reading.flags), reading.latency_ms))
+            rows.append((rx, ry, depth + late, *reading.pose, len(reading.flags), reading.latency_ms))
     return np.array(rows).reshape(-1, 8)
 
 

@@ -12,6 +12,7 @@ from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArra
 from palpate.dataset.normalise import Normalisation
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import refuse_leakage
+from palpate.design import TILT_DEPTH, PoseSpace
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Dataset:
     images_px
         (n, m, 2) u and v of each marker (px).
     poses
-        (n, 3) rx and ry (degrees), depth (mm).
+        (n, 3) by `space`: rx and ry (degrees), depth (mm).
     press
         (n,) number of the virtual press: one pose with all its depths.
     validation
@@ -45,6 +46,8 @@ class Dataset:
         Solved presses behind the images.
     dropped
         Sampled images left out, by reason.
+    space
+        What the numbers of a pose are: those of the obstacle that pressed.
     """
 
     spec: DatasetSpec
@@ -58,6 +61,7 @@ class Dataset:
     image_size_px: tuple[int, int]
     solved_presses: int
     dropped: Mapping[str, int]
+    space: PoseSpace = TILT_DEPTH
 
     def __post_init__(self) -> None:
         count = len(self.images_px)
@@ -67,7 +71,7 @@ class Dataset:
             raise PalpateError(f"A dataset of {count} images has columns of {sorted(lengths)} rows.")
         if not np.isfinite(self.images_px).all():
             raise PalpateError("A dataset has a marker whose position is not a number.", "Make the dataset again.")
-        refuse_leakage(self.press, self.poses, self.validation)
+        refuse_leakage(self.press, self.poses, self.validation, self.space)
 
     @property
     def normalisation(self) -> Normalisation:

@@ -40,7 +40,8 @@ def generate_dataset(
     Parameters
     ----------
     presses
-        Solved presses of one dome, one a tilt.
+        Solved presses of one skin by one kind of obstacle, one a tilt or offset. Offsets are sampled as
+        far as these go.
     markers
         Layout on the dome's inner surface.
     camera
@@ -60,9 +61,8 @@ def generate_dataset(
     PalpateError
         If a marker at rest cannot be seen, no image is left, or presses that `spec.randomise` asks for are missing.
     """
-    rotations = sample_poses(spec)
-    field = vary_field(presses, markers, relatives, spec, len(rotations))
-    base = field.base
+    field = vary_field(presses, markers, relatives, spec)
+    base, rotations = field.base, sample_poses(spec, field.base.offset)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
@@ -91,6 +91,7 @@ def generate_dataset(
         image_size_px=(camera.width_px, camera.height_px),
         solved_presses=len(presses) + relatives.count,
         dropped=dict(dropped),
+        space=base.space,
     )
 
 

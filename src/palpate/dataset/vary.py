@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError, TextArray, generator
 from palpate.dataset.field import MarkerField, build_field
+from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 
 if TYPE_CHECKING:
@@ -117,9 +118,9 @@ class VariedField:
 
 
 def vary_field(
-    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec, count: int
+    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec
 ) -> VariedField:
-    """Draw a unit for each of `count` virtual presses.
+    """Draw a unit for each virtual press.
 
     Parameters
     ----------
@@ -129,8 +130,6 @@ def vary_field(
         Presses of units that differ.
     spec
         Seed, and what varies.
-    count
-        Number of virtual presses.
 
     Raises
     ------
@@ -147,6 +146,7 @@ def vary_field(
                 f"design's at {base.depths_mm.max(initial=0.0):g} mm.",
                 "Press less deep, or vary less.",
             )
+    count = len(sample_poses(spec, base.offset))
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
     off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
     return VariedField(base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off)

@@ -5,12 +5,14 @@ Networks, intervals, readings, tables, grids and the metadata of models read the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, PalpateError
+from palpate.design.pose import rotation_vector
 
 
 class PoseComponent(NamedTuple):
@@ -38,6 +40,11 @@ class PoseComponent(NamedTuple):
         """Column of tables, e.g. ``rx_deg``."""
         return f"{self.axis}_{self.unit}"
 
+    @property
+    def sign(self) -> str:
+        """Unit as it stands behind a number: ``°`` or `` mm``."""
+        return "°" if self.unit == "deg" else f" {self.unit}"
+
 
 @dataclass(frozen=True)
 class PoseSpace:
@@ -49,10 +56,32 @@ class PoseSpace:
         First the two that turn with the azimuth, then the depth.
     polar
         Name of the length of the first two, e.g. ``angle``.
+    turn_deg
+        Turn of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
     """
 
     components: tuple[PoseComponent, ...]
     polar: str
+    turn_deg: float
+
+    @staticmethod
+    def named(names: Sequence[str]) -> PoseSpace:
+        """The space whose components have these names, as a file gives them.
+
+        Raises
+        ------
+        PalpateError
+            If no space has them.
+        """
+        for space in (TILT_DEPTH, OFFSET_DEPTH):
+            if space.names == tuple(names):
+                return space
+        raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the first two components are those of a wall's rotation vector."""
+        return self.polar == TILT_DEPTH.polar
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -70,6 +99,10 @@ class PoseSpace:
         joint = (self.polar, (0, 1), self.components[0].unit)
         return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
 
+    def part(self, radial: float, turn_deg: float) -> FloatArray:
+        """First two components (2,) of an obstacle from its `radial` and its `turn_deg`."""
+        return rotation_vector(radial, np.radians(turn_deg - self.turn_deg))
+
     def error(self, estimates: FloatArray, poses: FloatArray) -> FloatArray:
         """Length (n,) of the error in the first two components, of poses (n, k): degrees of an angle, or mm."""
         return np.asarray(np.hypot(*(np.asarray(estimates) - poses)[:, :2].T))
@@ -83,9 +116,12 @@ TILT_DEPTH = PoseSpace(
         _DEPTH,
     ),
     "angle",
+    turn_deg=0.0,
 )
 """A flat wall: the components of its rotation vector, and how far it came."""
 OFFSET_DEPTH = PoseSpace(
-    (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH), "offset"
+    (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH),
+    "offset",
+    turn_deg=-90.0,
 )
 """An obstacle beside the axis: where it stands, and how far it came."""

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, MissingExtraError, PalpateError
 from palpate.dataset import Normalisation
-from palpate.design import TILT_DEPTH
-from palpate.learn.estimator import OUTPUTS, Estimator
+from palpate.design import PoseSpace
+from palpate.learn.estimator import Estimator
 from palpate.learn.interval_graph import (
     HALF_WIDTH,
     MEMBERS,
@@ -81,7 +81,7 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
         ir_version=IR_VERSION,
         producer_name="palpate",
         producer_version=estimator.version,
-        doc_string="Pose of the wall (rx deg, ry deg, depth mm) from marker positions in pixels.",
+        doc_string=f"Pose of the {_pose_text(estimator.space)} from marker positions in pixels.",
     )
     helper.set_model_props(model, _metadata(estimator))
     path.write_bytes(model.SerializeToString(deterministic=True))
@@ -178,8 +178,8 @@ def _tensor(name: str, values: NDArray[Any]) -> Any:
 def _metadata(estimator: Estimator) -> dict[str, str]:
     content: dict[str, Any] = {
         "inputs": ["u_px", "v_px"],
-        "outputs": list(OUTPUTS),
-        "units": {INPUT: "px", **{item.name: item.unit for item in TILT_DEPTH.components}},
+        "outputs": list(estimator.space.names),
+        "units": {INPUT: "px", **{item.name: item.unit for item in estimator.space.components}},
         "marker_order_px": estimator.rest_px.tolist(),
         "activation": estimator.activation,
         "offset_px": estimator.normalisation.offset_px,
@@ -226,4 +226,10 @@ def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
         repeat_rmse_deg=tuple(said["repeat_rmse_deg"]),
         interval=read_interval(said["interval"], arrays) if "interval" in said else None,
         version=said["version"],
+        space=PoseSpace.named(said["outputs"]),
     )
+
+
+def _pose_text(space: PoseSpace) -> str:
+    parts = ", ".join(f"{item.axis} {item.unit}" for item in space.components)
+    return f"{'wall' if space.tilts else 'obstacle'} ({parts})"

@@ -77,7 +77,7 @@ class DepthLimit:
 
 
 def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int = 0) -> tuple[DepthLimit, ...]:
-    """Bound the angle's error at every depth of a dataset.
+    """Bound the angle's error at every depth of a dataset; that of the offset, in mm, where a field is of offsets.
 
     Parameters
     ----------
@@ -99,12 +99,12 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
     limits: list[DepthLimit] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()
-    sampled = np.hypot(*sample_poses(spec).T)
+    sampled = np.hypot(*sample_poses(spec, field.offset).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
-        radius = min(spec.max_tilt_deg, _reach(field, image))
+        radius = min(spec.max_tilt_deg if field.offset is None else field.offset, _reach(field, image))
         if radius <= 0:
             continue
-        poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=radius, seed=seed))
+        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius)
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]

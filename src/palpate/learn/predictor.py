@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError, load_extra
+from palpate.design import PoseSpace
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
@@ -27,11 +28,14 @@ class Predictor:
         Number of markers that it reads.
     level
         Share of true values that its intervals cover; `None` for a model without any.
+    space
+        What it estimates.
     """
 
     session: Any
     markers: int
     level: float | None
+    space: PoseSpace
 
     def predict(self, images_px: FloatArray) -> Prediction:
         """Estimate poses, how far they may be wrong, and whether the markers moved as the training knew.
@@ -86,8 +90,9 @@ def open_predictor(path: Path) -> Predictor:
         said = check_format(path, session.get_modelmeta().custom_metadata_map)
         markers = int(session.get_inputs()[0].shape[1])
         level = float(json.loads(said["interval"])["level"]) if "interval" in said else None
+        space = PoseSpace.named(json.loads(said["outputs"]))
     except PalpateError:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
         raise PalpateError(f"{path} is not an estimator: {type(error).__name__}.", AGAIN) from error
-    return Predictor(session, markers, level)
+    return Predictor(session, markers, level, space)

@@ -85,6 +85,7 @@ def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, devic
         training_images=len(kept.poses),
         validation_images=len(held.poses),
         history=trained.history,
+        space=kept.space,
     )
     estimator = replace(estimator, repeat_rmse_deg=_judge_members(estimator, held))
     if spec.members == "all":
@@ -125,6 +126,7 @@ def fit_ridge(dataset: Dataset) -> Estimator:
         made_by={"method": "ridge"},
         training_images=len(kept.poses),
         validation_images=int(dataset.validation.sum()),
+        space=dataset.space,
     )
 
 
@@ -144,12 +146,15 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     images = held.images_px
     if jitter_seed is not None:
         images = draw_jitter(images, dataset.spec.jitter_px, generator(jitter_seed, "evaluate"))
-    return measure_errors(estimator.predict(images), held.poses)
+    return measure_errors(estimator.predict(images), held.poses, held.space)
 
 
 def _judge_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
     """RMSE of the angle of every member by itself (degrees) on clean images."""
-    return tuple(measure_errors(poses, held.poses).rmse_deg for poses in estimator.predict_members(held.images_px))
+    return tuple(
+        measure_errors(poses, held.poses, held.space).pooled.rmse
+        for poses in estimator.predict_members(held.images_px)
+    )
 
 
 def _normalised(dataset: Dataset, images_px: FloatArray) -> FloatArray:

@@ -233,14 +233,13 @@ class LivePage:
 def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
     reading, truth = step.reading, step.truth
     least, most = tilt_interval(reading)
-    values = (reading.rx_deg, reading.ry_deg, reading.depth_mm)
     rows = [
-        (name, value, half, unit, f"true {truth[i]:.2f}" if truth else "")
-        for i, (name, value, half, unit) in enumerate(
-            zip(("rx", "ry", "depth"), values, reading.half_width, ("°", "°", "mm"), strict=True)
+        (item.axis, value, half, item.sign.strip(), f"true {truth[i]:.2f}" if truth else "")
+        for i, (item, value, half) in enumerate(
+            zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
-    return [*rows, ("tilt", reading.tilt_deg, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
+    return [*rows, ("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
 
 
 def _as_link(image: NDArray[np.uint8]) -> str:
