@@ -1,4 +1,4 @@
-"""Every example runs, and gives the number that its reader is told."""
+"""Every example runs, and gives the number that its reader expects."""
 
 import runpy
 from pathlib import Path

@@ -109,7 +109,7 @@ class Bench:
 
 @dataclass(frozen=True, eq=False)
 class Played:
-    """What one unit's images said.
+    """What one unit's images gave.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class Played:
 
 
 def play_unit(bench: Bench, deviation: Deviation) -> Played:
-    """Press, photograph and read one unit, or find in the store what it said before.
+    """Press, photograph and read one unit, or find in the store what it gave before.
 
     Raises
     ------

@@ -69,7 +69,7 @@ def run_bench(bench: Bench) -> Iterator[UnitResult]:
 
 
 def score_unit(number: int, played: Played) -> UnitResult:
-    """Score what a unit's images said."""
+    """Score what a unit's images gave."""
     if not np.isfinite(played.estimates).all(axis=1).any():
         return UnitResult(number, played, ())
     return UnitResult(number, played, score_readings(played.truth, played.corrected(), played.press))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from palpate.sensor import Truth, Unit
 
 OUTSIDE = 1
-"""Exit code where a figure is outside its tolerance, as of `palpate verify`."""
+"""Exit code where a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
 _MODEL = "Model of this design, an ONNX file; then the images are read."

@@ -122,12 +122,12 @@ def _open(source: str, unit: Unit) -> Source:
 
 def _describe_rest(sensor: Sensor) -> str:
     where = sensor.registration
-    said = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
+    sentence = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
     if not sensor.spec.refine_lens:
-        return said + "."
+        return sentence + "."
     lens, (focal, column, row) = where.camera.spec, where.lens_sd
     return (
-        f"{said}, with the lens as calibrated to {where.held_rms_px:.3f} px: focal length {lens.fx_px:.1f} px "
+        f"{sentence}, with the lens as calibrated to {where.held_rms_px:.3f} px: focal length {lens.fx_px:.1f} px "
         f"(± {focal:.1%}), centre {lens.cx_px:.1f}, {lens.cy_px:.1f} px (± {column:.1f}, {row:.1f})."
     )
 

@@ -100,7 +100,7 @@ class _View:
     """A camera under the dome whose clamped rim may hide a marker."""
 
     camera: Camera
-    dome: Skin
+    skin: Skin
     spec: DatasetSpec
     rest: FloatArray
 
@@ -126,7 +126,7 @@ def _images_at(
     dropped.update(str(text) for text in reason[reason != ""])
     row = np.flatnonzero(branch != "")
     points = field.positions(rotations, row, image)
-    seen = view.camera.visible(points, view.dome).all(axis=1)
+    seen = view.camera.visible(points, view.skin).all(axis=1)
     if not seen.all():
         dropped[UNSEEN] += int((~seen).sum())
     row, points = row[seen], points[seen]
@@ -141,7 +141,7 @@ def _images_at(
 
 
 def _refuse_unseen_at_rest(rest: FloatArray, view: _View) -> None:
-    unseen = np.flatnonzero(~view.camera.visible(rest, view.dome))
+    unseen = np.flatnonzero(~view.camera.visible(rest, view.skin))
     if len(unseen):
         shown = ", ".join(str(number) for number in unseen[:5])
         raise PalpateError(

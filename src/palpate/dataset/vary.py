@@ -198,7 +198,7 @@ def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec)
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()
-    dome = presses[0].mesh.skin
-    _, along, around = dome.tangents(layout.positions)
-    moved = [dome.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
+    skin = presses[0].mesh.skin
+    _, along, around = skin.tangents(layout.positions)
+    moved = [skin.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
     return tuple(build_field(presses, replace(layout, positions=points)) for points in moved)

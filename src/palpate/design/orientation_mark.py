@@ -17,7 +17,7 @@ _CLEARANCE = 1.4
 """Distance from the outermost dots, over the diameter of a dot, where the dome has room."""
 
 
-def place_orientation_mark(dome: Skin, layout: MarkerLayout) -> FloatArray:
+def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     """Place the mark beyond the outermost dots, or half way from them to the rim where there is less room.
 
     Returns
@@ -26,6 +26,6 @@ def place_orientation_mark(dome: Skin, layout: MarkerLayout) -> FloatArray:
         (3,) mm, centre of the mark.
     """
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
-    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + dome.base_radius) / 2)
-    point: FloatArray = dome.inner_point(outermost, np.radians(AZIMUTH_DEG))
+    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.base_radius) / 2)
+    point: FloatArray = skin.inner_point(outermost, np.radians(AZIMUTH_DEG))
     return point

@@ -95,7 +95,7 @@ class PoseSpace:
 
     @property
     def errors(self) -> tuple[tuple[str, tuple[int, ...], str], ...]:
-        """What errors are told of: name, columns of the poses, unit; the polar quantity first."""
+        """What errors are measured: name, columns of the poses, unit; the polar quantity first."""
         joint = (self.polar, (0, 1), self.components[0].unit)
         return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
 

@@ -25,17 +25,17 @@ def draw_module_section(module: Module) -> Figure:
     """Draw the section of a module with its dimensions."""
     figure, axis = _sheet((6.4, 4.6))
     _fill(axis, follow_outline(module.outline()), SILICONE)
-    dome, foot = module.dome, module.foot
-    top = dome.height + dome.thickness
-    _dimension(axis, (-dome.base_radius, foot - 5), (dome.base_radius, foot - 5), f"2 B = {2 * dome.base_radius:.4g}")
+    skin, foot = module.dome, module.foot
+    top = skin.height + skin.thickness
+    _dimension(axis, (-skin.base_radius, foot - 5), (skin.base_radius, foot - 5), f"2 B = {2 * skin.base_radius:.4g}")
     _dimension(
         axis, (-module.flange_foot, foot - 10), (module.flange_foot, foot - 10), f"{2 * module.flange_foot:.4g}"
     )
     side = module.flange_foot + 5
-    _dimension(axis, (side, 0.0), (side, dome.height), f"H = {dome.height:.4g}")
-    _dimension(axis, (0.0, dome.height), (0.0, top), f"T = {dome.thickness:.4g}", beside=True)
+    _dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
+    _dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
     _dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
-    axis.text(0, dome.height / 2, f"inner radius at the apex {dome.radius:.4g}", ha="center", fontsize=9)
+    axis.text(0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", fontsize=9)
     axis.set_xlim(-side - 14, side + 14)
     axis.set_ylim(foot - 14, top + 5)
     return figure

@@ -5,7 +5,7 @@ Jitter is uniform in ±a in each of the 2m pixel coordinates, so its variance is
 * *least squares*: covariance (a²/3) (JᵀJ)⁻¹, the best of the linear unbiased estimators;
 * *Pitman*: mean square error of the posterior mean under a flat prior. Uniform noise has hard edges, so with
   many markers this lies far below least squares (∝ 1/m, not 1/√m);
-* *floor*: the same for one who is told the depth and knows that poses fill the disc of tilts evenly. No estimator
+* *floor*: the same for one who knows the depth and that poses fill the disc of tilts evenly. No estimator
   of one image can have a lower mean square error over these poses, whatever it was trained on; an error
   below it means leakage. (Pitman's is no floor where it comes near the radius of the disc, as with 7 markers: there
   an estimator gains from knowing the disc.)

@@ -49,7 +49,7 @@ def train(
 
 
 def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, device: str = "cpu") -> Estimator:
-    """Train on the images of `kept` and judge epochs and repeats by those of `held`; the rest as of `train`.
+    """Train on the images of `kept` and judge epochs and repeats by those of `held`; for the rest see `train`.
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
     """

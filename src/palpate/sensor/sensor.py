@@ -211,7 +211,7 @@ def open_sensor(
     Raises
     ------
     PalpateError
-        If the model is that of another design, or as of `read_rest`.
+        If the model is that of another design, or where `read_rest` fails.
     """
     check_model(predictor, unit.layout)
     spec = spec or RigSpec()

@@ -125,5 +125,5 @@ def _scatter(axis: Axes, truth: np.ndarray, error: np.ndarray, name: str) -> Non
 def _row(check: AcceptanceCheck) -> tuple[str, str, str, str, str]:
     unit = "" if check.unit == "1" else f" {check.unit}"
     interval = f"{check.interval[0]:.3f} to {check.interval[1]:.3f}" if check.interval else ""
-    said = "within" if check.passed else "OUTSIDE"
-    return check.what, f"{check.value:.3f}{unit}", interval, f"{check.limit:g}{unit}", said
+    result = "within" if check.passed else "OUTSIDE"
+    return check.what, f"{check.value:.3f}{unit}", interval, f"{check.limit:g}{unit}", result

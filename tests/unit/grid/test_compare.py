@@ -56,7 +56,7 @@ def test_spec_seeds_and_versions_that_differ_are_named():
     }
 
 
-def test_what_differs_between_the_designs_of_one_grid_is_said_to_vary():
+def test_what_differs_between_the_designs_of_one_grid_is_named_as_varying():
     mixed = evaluate_grid([replace(make_design(), seed=1), replace(make_design(markers=7), seed=2)])
     (seed,) = compare_grids(
         mixed, evaluate_grid([replace(make_design(markers=m), seed=1) for m in (169, 7)])

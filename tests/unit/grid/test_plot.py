@@ -36,7 +36,7 @@ def test_every_kind_gives_png_and_svg(tmp_path, kind, metric, name):
         ("tilt", "limit_deg", "By tilt it has: rmse_deg"),
     ],
 )
-def test_what_cannot_be_drawn_is_said_and_nothing_is_written(tmp_path, kind, metric, says):
+def test_what_cannot_be_drawn_is_reported_and_nothing_is_written(tmp_path, kind, metric, says):
     with pytest.raises(PalpateError, match=says):
         plot_grid(GRID, kind, metric, tmp_path / "new")
     assert not (tmp_path / "new").exists()

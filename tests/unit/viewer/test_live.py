@@ -167,7 +167,7 @@ def test_a_video_is_replayed(touches, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["broken.avi", "empty.mp4"])
-def test_a_video_that_cannot_be_opened_is_said(tmp_path, name):
+def test_a_video_that_cannot_be_opened_is_reported(tmp_path, name):
     (tmp_path / name).write_bytes(b"" if name.startswith("empty") else b"no video")
     with pytest.raises(PalpateError, match="cannot be opened"):
         open_source(str(inside(tmp_path, name)))
