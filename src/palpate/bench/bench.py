@@ -26,7 +26,7 @@ from palpate.bench.deviation import Deviation
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import CameraSpec
-from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
+from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator, provenance
 from palpate.deck import CalculixSpec
 from palpate.design import (
     TILT_DEPTH,
@@ -87,6 +87,21 @@ class Bench:
     def predictor(self) -> Predictor:
         """The model, opened."""
         return open_predictor(self.model)
+
+    @property
+    def name(self) -> str:
+        """The design in words."""
+        return f"H {self.dome.height:g}, T {self.dome.thickness:g} mm, {len(self.layout)} markers"
+
+    def facts(self) -> dict[str, Any]:
+        """What every report begins with, as JSON data: spec, design, model and versions."""
+        return {
+            "spec": self.spec.model_dump(mode="json"),
+            "dome": self.dome.model_dump(mode="json"),
+            "markers": len(self.layout),
+            "model_sha256": self.model_sha256,
+            "made_by": provenance() | {"bench": BENCH_VERSION},
+        }
 
     def check(self) -> None:
         """Refuse what no unit could be played with, before anything is solved.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -95,15 +95,16 @@ class Dataset:
 
     def part(self, *, validation: bool) -> Self:
         """The held-out images, or those for training, as a dataset of their own."""
-        from dataclasses import replace
+        return self.choose(self.validation == validation, validation=validation)
 
-        rows = self.validation == validation
+    def choose(self, rows: BoolArray, *, validation: bool) -> Self:
+        """Images (n,), all for training or all held out, as a dataset of their own."""
         return replace(
             self,
             images_px=self.images_px[rows],
             poses=self.poses[rows],
             press=self.press[rows],
-            validation=self.validation[rows],
+            validation=np.full(int(rows.sum()), validation),
             branch=self.branch[rows],
             travel_mm=self.travel_mm[rows],
         )

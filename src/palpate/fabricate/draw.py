@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
@@ -60,7 +59,6 @@ def draw_mold_section(module: Module, radius: float, floor: float, plate: float)
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
     """Draw the visible edges of bodies side by side, seen from above at an angle, to one scale."""
     figure = Figure(figsize=(3.4 * len(bodies), 3.4), layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots(1, len(bodies), squeeze=False, sharex=True, sharey=True)[0]
     for axis, (name, body) in zip(axes, bodies, strict=True):
         middle = body.bounds.mean(axis=0)
@@ -101,7 +99,6 @@ def _follow_arc(start: FloatArray, arc: Arc) -> FloatArray:
 
 def _sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
     figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
     axis = figure.add_subplot()
     axis.set_aspect("equal")
     axis.set_axis_off()

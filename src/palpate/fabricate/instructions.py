@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
@@ -194,10 +195,11 @@ def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
         tall = width * height / wide
         bottom -= tall
         drawing.set_dpi(_DRAWING_DPI)
-        drawing.canvas.draw()
+        canvas = FigureCanvasAgg(drawing)
+        canvas.draw()  # type: ignore[no-untyped-call]
         place = (0.5 * (1 - width / _A4[0]), bottom / _A4[1], width / _A4[0], tall / _A4[1])
         axis = page.add_axes(place)
-        axis.imshow(drawing.canvas.buffer_rgba())  # type: ignore[attr-defined]
+        axis.imshow(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         axis.set_axis_off()
     return page
 
