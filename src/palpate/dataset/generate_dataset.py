@@ -60,6 +60,22 @@ def generate_dataset(
     ------
     PalpateError
         If a marker at rest cannot be seen, no image is left, or presses that `spec.randomise` asks for are missing.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+    >>> from palpate.fea import WallSpec, solve_press
+    >>> from palpate.material import get_material
+    >>> from palpate.mesh import MeshSpec, mesh_skin
+    >>> skin = build_skin(DomeSpec())
+    >>> mesh, law = mesh_skin(skin, MeshSpec(cells=4)), get_material("zaid_2024_ecoflex_00_30")
+    >>> walls = [WallSpec(tilt_deg=tilt, depth=2.4, contact="frictionless") for tilt in (0, 6)]
+    >>> presses = [solve_press(mesh, law, wall) for wall in walls]
+    >>> from palpate.camera import build_camera
+    >>> spec = DatasetSpec(n_presses=50, max_tilt_deg=6)
+    >>> dataset = generate_dataset(presses, place_markers(skin, MarkerSpec(count=7)), build_camera(), spec)
+    >>> dataset.images_px.shape, dataset.virtual_presses, int(dataset.validation.sum())
+    ((50, 7, 2), 50, 10)
     """
     field = vary_field(presses, markers, relatives, spec)
     base, rotations = field.base, sample_poses(spec, field.base.offset)

@@ -36,6 +36,12 @@ def sample_poses(spec: DatasetSpec, offset: float | None = None) -> FloatArray:
     ------
     PalpateError
         If a protocol of the paper, which is of tilts, is asked for an obstacle that does not tilt.
+
+    Examples
+    --------
+    >>> poses = sample_poses(DatasetSpec(n_presses=100))
+    >>> poses.shape, bool(np.hypot(*poses.T).max() <= 12.0)
+    ((100, 2), True)
     """
     if spec.poses == "disc":
         return _disc(spec.n_presses, spec.max_tilt_deg if offset is None else offset, spec.seed)

@@ -49,6 +49,11 @@ def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     -------
     BoolArray
         (n,) whether each image is for validation.
+
+    Examples
+    --------
+    >>> int(hold_out(np.array([0, 0, 1, 1, 2, 2]), 0.3, seed=0).sum())
+    2
     """
     distinct = np.unique(press)
     if len(distinct) < 2:

@@ -26,6 +26,13 @@ def check_design(skin: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
     -------
     tuple of Finding
         Errors first; empty where nothing is wrong.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+    >>> skin = build_skin(DomeSpec(height=30))
+    >>> [finding.code for finding in check_design(skin, place_markers(skin, MarkerSpec()))]
+    ['undercut']
     """
     findings = [*_check_wall(skin), *_check_markers(skin, markers)]
     order = list(Severity)

@@ -86,6 +86,13 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
         Its flange.
     scale
         Factor on every length, for a mold whose part shrinks.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, build_skin
+    >>> module = build_module(build_skin(DomeSpec(height=20)), MountSpec())
+    >>> module.foot, module.outline()[0]
+    (-3.0, (0.0, 22.0))
     """
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness

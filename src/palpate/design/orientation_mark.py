@@ -24,6 +24,14 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     -------
     ndarray
         (3,) mm, centre of the mark.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+    >>> skin = build_skin(DomeSpec())
+    >>> mark = place_orientation_mark(skin, place_markers(skin, MarkerSpec(count=37)))
+    >>> round(float(np.degrees(np.arctan2(mark[1], mark[0]))), 6)
+    15.0
     """
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
     outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.base_radius) / 2)

@@ -35,6 +35,13 @@ def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
     PalpateError
         If the file of a free layout cannot be read, does not lie on the dome, or has another number of
         markers than the spec asks for.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, build_skin
+    >>> layout = place_markers(build_skin(DomeSpec(height=20)), MarkerSpec(count=7))
+    >>> layout.positions[0].round(6).tolist(), len(layout)
+    ([0.0, 0.0, 20.0], 7)
     """
     if spec.file is None:
         diameters = spec.ring_diameters or ring_diameters(spec.count, skin.base_radius)

@@ -188,6 +188,12 @@ def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = 
     ------
     PalpateError
         If there is no image, or an estimate is not a number.
+
+    Examples
+    --------
+    >>> errors = measure_errors(np.array([[1.0, 0.0, 4.1]]), np.array([[0.0, 0.0, 4.0]]))
+    >>> round(errors.rmse_deg, 4), errors.max_error_deg, round(errors.by_axis["depth"].rmse, 6)
+    (0.7071, 1.0, 0.1)
     """
     if estimates.shape != poses.shape:
         raise PalpateError(f"{estimates.shape} estimates cannot be compared with {poses.shape} poses.")
