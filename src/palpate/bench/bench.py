@@ -37,7 +37,7 @@ from palpate.design import (
     build_skin,
     place_markers,
 )
-from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, write_press
 from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
@@ -247,9 +247,7 @@ def _turned(press: Press, azimuth_deg: float) -> Press:
 def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
     mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
-    if bench.spec.solver != "palpate":
-        return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
-    return solve_press(mesh, material, wall)
+    return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
 
 
 def _mesh_spec(bench: Bench) -> MeshSpec:

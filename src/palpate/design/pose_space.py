@@ -66,17 +66,22 @@ class PoseSpace:
 
     @staticmethod
     def named(names: Sequence[str]) -> PoseSpace:
-        """The space whose components have these names, as a file gives them.
+        """The space whose components have these names, as a file gives them; one of another package has no bounds.
 
         Raises
         ------
         PalpateError
-            If no space has them.
+            If there are fewer than three, or a name is not an axis and a unit.
         """
         for space in (TILT_DEPTH, OFFSET_DEPTH):
             if space.names == tuple(names):
                 return space
-        raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
+        parts = [name.rpartition("_") for name in names]
+        if len(parts) < 3 or not all(axis and unit for axis, _, unit in parts):
+            raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
+        anything = (float("-inf"), float("inf"))
+        components = tuple(PoseComponent(axis, unit, axis, anything) for axis, _, unit in parts)
+        return PoseSpace(components, OFFSET_DEPTH.polar, OFFSET_DEPTH.turn_deg)
 
     @property
     def tilts(self) -> bool:
