@@ -11,7 +11,7 @@ FILES = sorted(path for path in SOURCE.rglob("*.py") if ">>> " in path.read_text
 VERBS = {
     "camera": ["build_camera", "dot_edges", "render", "tangent_pair"],
     "core": ["child_seed", "flag_of", "generator", "parameters", "provenance"],
-    "dataset": ["build_field", "draw_jitter", "generate_dataset", "hold_out", "sample_poses"],
+    "dataset": ["draw_jitter", "generate_dataset", "hold_out", "sample_poses"],
     "design": [
         "build_module",
         "build_skin",
@@ -24,7 +24,7 @@ VERBS = {
         "wall_normal",
     ],
     "grid": ["name_row", "unit_of"],
-    "learn": ["evaluate", "fit_ridge", "measure_errors"],
+    "learn": ["fit_ridge", "measure_errors"],
     "sensor": ["find_zero", "score_readings"],
     "study": ["read_study"],
 }

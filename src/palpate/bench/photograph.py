@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.bench.deviation import Deviation
-from palpate.camera import Camera, RenderSpec, build_camera, dot_edges, render, tangent_pair
+from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, dot_edges, render, tangent_pair
 from palpate.core import FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark
-
-if TYPE_CHECKING:
-    from palpate.camera import CameraSpec
-    from palpate.fea import Press
+from palpate.fea import Press
 
 
 @dataclass(frozen=True, eq=False)

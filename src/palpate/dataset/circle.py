@@ -14,16 +14,12 @@ plane of the problem cuts the circle.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ComplexArray, FloatArray
-
-if TYPE_CHECKING:
-    from palpate.fea import Press
-
+from palpate.fea import Press
 
 SAMPLES = 96
 """Points on a circle."""

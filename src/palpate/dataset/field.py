@@ -13,18 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from palpate.core import ComplexArray, FloatArray, PalpateError, TextArray
 from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
 from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
-from palpate.design import TILT_DEPTH, PoseSpace, Symmetry
-
-if TYPE_CHECKING:
-    from palpate.design import MarkerLayout
-    from palpate.fea import Press
+from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Symmetry
+from palpate.fea import Press
 
 
 @dataclass(frozen=True)
@@ -111,20 +107,6 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
     ------
     PalpateError
         If there is no press, a tilt appears twice, the image steps differ, or a marker is not on the dome.
-
-    Examples
-    --------
-    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-    >>> from palpate.fea import WallSpec, solve_press
-    >>> from palpate.material import get_material
-    >>> from palpate.mesh import MeshSpec, mesh_skin
-    >>> skin = build_skin(DomeSpec())
-    >>> mesh, law = mesh_skin(skin, MeshSpec(cells=4)), get_material("zaid_2024_ecoflex_00_30")
-    >>> walls = [WallSpec(tilt_deg=tilt, depth=2.4, contact="frictionless") for tilt in (0, 6)]
-    >>> presses = [solve_press(mesh, law, wall) for wall in walls]
-    >>> field = build_field(presses, place_markers(skin, MarkerSpec(count=7)))
-    >>> field.positions(np.array([3.0]), np.array([4.0]), image=2).shape, field.depths_mm.round(9).tolist()
-    ((1, 7, 3), [0.8, 1.6, 2.4])
     """
     _refuse_without_symmetry(presses)
     spaces = {press.wall.pose_space for press in presses}

@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
 from palpate.dataset.vary import VariedField, VariedPresses, vary_camera, vary_field
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-    from palpate.design import MarkerLayout, Skin
-    from palpate.fea import Press
+from palpate.design import MarkerLayout, Skin
+from palpate.fea import Press
 
 DATASET_VERSION = "1"
 """Version of the code that decides what a dataset contains; part of an artefact's key."""

@@ -14,20 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.camera import Camera, build_camera
 from palpate.core import FloatArray, PalpateError, TextArray, generator
 from palpate.dataset.field import MarkerField, build_field
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-    from palpate.design import MarkerLayout
-    from palpate.fea import Press
+from palpate.design import MarkerLayout
+from palpate.fea import Press
 
 _STEP = 0.2
 """Distance h of the points from which the surface's motion beside a dot is taken, mm."""
@@ -169,8 +166,6 @@ def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
 
 def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> Camera:
     """The camera under the unit of one virtual press."""
-    from palpate.camera import build_camera
-
     rng, nominal = generator(seed, "camera", press), camera.spec
     ways = dict(zip(("offset_x", "offset_y", "tilt_x_deg", "tilt_y_deg"), rng.uniform(-1.0, 1.0, 4), strict=True))
     sizes = {"offset": spec.camera_offset, "tilt": spec.camera_tilt_deg}

@@ -16,17 +16,13 @@ Both posterior means are those of the image's linear model about the true pose.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.dataset import DatasetSpec, MarkerField, image_jacobian, sample_poses
 from palpate.learn.posterior import BURN_IN, walk_polytopes
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-
 
 LIMIT_VERSION = "1"
 """Version of the code that decides a limit; part of an artefact's key."""

@@ -120,6 +120,8 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     >>> estimator = fit_ridge(dataset)
     >>> bool(np.abs(estimator.predict(dataset.images_px) - poses).max() < 0.1)
     True
+    >>> evaluate(estimator, dataset).images
+    8
     """
     kept = dataset.part(validation=False)
     inputs = _normalised(dataset, kept.images_px)
@@ -156,20 +158,6 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
         The dataset that it was trained on, or another of the same layout.
     jitter_seed
         Seed of one draw of the dataset's jitter; `None` judges on clean images.
-
-    Examples
-    --------
-    >>> from palpate.dataset import Dataset, DatasetSpec, Normalisation
-    >>> rng = np.random.default_rng(0)
-    >>> poses = np.column_stack([rng.uniform(-9, 9, (40, 2)), np.full(40, 4.0)])
-    >>> moved = (poses @ rng.normal(size=(3, 8))).reshape(40, 4, 2)
-    >>> dataset = Dataset(
-    ...     spec=DatasetSpec(jitter_px=0.1), images_px=100 + moved, poses=poses, press=np.arange(40),
-    ...     validation=np.arange(40) % 5 == 0, branch=np.full(40, "flat"), travel_mm=np.ones(40),
-    ...     rest_px=np.full((4, 2), 100.0), image_size_px=(346, 260), solved_presses=1, dropped={},
-    ... )
-    >>> evaluate(fit_ridge(dataset), dataset).images
-    8
     """
     held = dataset.part(validation=True)
     images = held.images_px
