@@ -69,10 +69,10 @@ def read_press(path: Path) -> Press:
             refuse_outside_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != FEA_VERSION:
                 raise PalpateError(f"{path} is no press of version {FEA_VERSION}.", "Solve it again.")
-            skin = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
+            dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}
             return Press(
-                mesh=mesh_skin(skin, MeshSpec.model_validate_json(file.attrs["mesh"])),
+                mesh=mesh_skin(dome, MeshSpec.model_validate_json(file.attrs["mesh"])),
                 material=material_from_data(json.loads(file.attrs["material"])),
                 wall=obstacle_from_data(json.loads(file.attrs["wall"])),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),
