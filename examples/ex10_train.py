@@ -19,7 +19,7 @@ def main() -> float:
     estimator = train(dataset, TrainSpec(epochs=80, repeats=1))
     clean, jittered = evaluate(estimator, dataset), evaluate(estimator, dataset, jitter_seed=0)
     limit = pool_limits(find_limits(build_field(presses, layout), camera, spec))
-    print(f"clean {clean.rmse_deg:.3f} deg, at most {clean.angle.max:.2f} deg on {clean.images} held-out images")
+    print(f"clean {clean.rmse_deg:.3f} deg, at most {clean.pooled.max:.2f} deg on {clean.images} held-out images")
     print(f"jittered {jittered.rmse_deg:.3f} deg, {jittered.rmse_deg / limit.least_squares_deg:.2f} of least squares")
     return jittered.rmse_deg
 

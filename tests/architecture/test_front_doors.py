@@ -10,7 +10,6 @@ FRONT_DOORS = {
         "ArtefactStore",
         "MissingExtraError",
         "PalpateError",
-        "ParameterNote",
         "Recipe",
         "Spec",
         "child_seed",
@@ -122,7 +121,9 @@ FRONT_DOORS = {
 
 SOURCE = Path(__file__).parents[2] / "src" / "palpate"
 STAGES = sorted(door.parent.name for door in SOURCE.glob("*/__init__.py"))
-MOST_NAMES = 40
+MOST_NAMES = 35
+WIDER = {"fea": 40, "mechanics": 40}
+"""Rooms that are still to be trimmed."""
 
 
 @pytest.mark.parametrize("stage", STAGES)
@@ -130,4 +131,4 @@ def test_public_names_stay(stage: str) -> None:
     door = importlib.import_module(f"palpate.{stage}")
     assert FRONT_DOORS.get(stage, set()) <= set(door.__all__)
     assert all(hasattr(door, name) for name in door.__all__)
-    assert len(door.__all__) <= MOST_NAMES, "a front door fits one screen"
+    assert len(door.__all__) <= WIDER.get(stage, MOST_NAMES), "a front door fits one screen"

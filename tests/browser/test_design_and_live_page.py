@@ -59,10 +59,10 @@ WRONG = (
 
 def test_a_number_that_cannot_be_is_answered_at_its_field(page, link):
     open_page(page, link, "design")
-    for label, value, said in WRONG:
+    for label, value, output in WRONG:
         right = box(page, label).input_value()
         box(page, label).fill(value)
-        page.get_by_role("alert").filter(has_text=said).wait_for()
+        page.get_by_role("alert").filter(has_text=output).wait_for()
         box(page, label).fill(right)
         page.wait_for_function("![...document.querySelectorAll('.field-wrong')].some(e => e.textContent)")
     wait_for_dots(page, 169)
@@ -131,7 +131,7 @@ def test_virtual_touches_run_until_they_are_stopped(page, link):
     page.get_by_role("button", name="Stop").click()
 
 
-def test_a_unit_of_another_design_is_told_apart(page, link):
+def test_a_unit_of_another_design_is_refused(page, link):
     page.goto(link + "live")
     page.get_by_label("Unit of the design").click()
     page.get_by_role("option").filter(has_text=", 7 markers").click()

@@ -110,10 +110,10 @@ def test_a_link_restores_the_view(page, link):
     assert farthest(first, dots(page)) < 0.01
 
 
-def test_a_wrong_link_is_said_in_place(page, link):
+def test_a_wrong_link_is_reported_in_place(page, link):
     open_page(page, link, "?design=99&tilt=nan&colour=red&where=%3B")
-    said = page.get_by_role("alert").filter(has_text="left out").inner_text()
-    assert all(word in said for word in ("design", "tilt", "colour", "where"))
+    shown = page.get_by_role("alert").filter(has_text="left out").inner_text()
+    assert all(word in shown for word in ("design", "tilt", "colour", "where"))
     assert colours(page) > 50
 
 

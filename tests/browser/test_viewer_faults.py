@@ -1,4 +1,4 @@
-"""What can go wrong around the viewer: it is said in place, and the page stays alive."""
+"""What can go wrong around the viewer: it is shown in place, and the page stays alive."""
 
 import shutil
 import subprocess
@@ -45,7 +45,7 @@ def test_two_viewers_show_one_folder(page, link, results):
             assert colours(page) > 50
 
 
-def test_a_second_viewer_at_the_same_port_is_told(link, results):
+def test_a_second_viewer_at_the_same_port_is_refused(link, results):
     port = link.rstrip("/").rpartition(":")[2]
     words = [sys.executable, "-c", ENTRY, "view", str(results), "--port", port]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)

@@ -64,6 +64,6 @@ def test_the_guests_law_and_lens_are_known_on_the_command_line_and_in_a_study(in
 
 
 def test_without_the_guest_its_names_are_unknown_and_the_group_is_named(tmp_path: Path) -> None:
-    said = run(tmp_path, "-c", "from palpate.camera import CameraSpec; CameraSpec(lens='division')").stderr
-    assert "There is no lens 'division'" in said
-    assert "palpate.lenses" in said
+    found = run(tmp_path, "-c", "from palpate.camera import CameraSpec; CameraSpec(lens='division')").stderr
+    assert "There is no lens 'division'" in found
+    assert "palpate.lenses" in found

@@ -105,10 +105,10 @@ def test_the_model_of_a_study_predicts_by_itself(finished: Path) -> None:
 
 
 def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Path) -> None:
-    said = finish(["grid", "model", finished, "--out", tmp_path / "best.onnx"])
-    assert said.returncode == 0, said.stderr
+    output = finish(["grid", "model", finished, "--out", tmp_path / "best.onnx"])
+    assert output.returncode == 0, output.stderr
     best = min(numbers(finished), key=lambda row: float(row["rmse_jitter_deg"]))
-    assert f"{best['markers']} markers" in said.stdout
+    assert f"{best['markers']} markers" in output.stdout
     assert open_predictor(tmp_path / "best.onnx").markers == int(best["markers"])
 
 
@@ -168,8 +168,8 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     assert done.returncode == 0, done.stderr
     assert sum(json.loads(done.stdout)["computed"].values()) == 12
     assert numbers(tmp_path) == numbers(finished)
-    said = json.loads(finish(["status", tiny_study, "--out", tmp_path, "--json"]).stdout)
-    assert (said["made"], said["of"], said["left_s"]) == (12, 12, 0)
+    output = json.loads(finish(["status", tiny_study, "--out", tmp_path, "--json"]).stdout)
+    assert (output["made"], output["of"], output["left_s"]) == (12, 12, 0)
 
 
 @pytest.mark.slow
@@ -184,8 +184,8 @@ def test_a_dask_worker_killed_in_the_middle_costs_nothing_but_time(
     os.kill(workers[1], signal.SIGKILL)
     out, err = process.communicate(timeout=300)
     assert process.returncode == 0, err
-    said = json.loads(out)
-    assert sum(said["computed"].values()) in (11, 12)  # the killed one may just have put its artefact away
+    output = json.loads(out)
+    assert sum(output["computed"].values()) in (11, 12)  # the killed one may just have put its artefact away
     assert len(artefacts(tmp_path)) == 12
     assert numbers(tmp_path) == numbers(finished)
 

@@ -1,4 +1,4 @@
-"""Every example runs, and gives the number that its reader is told."""
+"""Every example runs, and gives the number that its reader expects."""
 
 import runpy
 from pathlib import Path
@@ -21,8 +21,15 @@ EXPECTED = {
     "ex10_train": pytest.approx(0.82, rel=0.1),
     "ex11_ball": pytest.approx(0.0670, rel=0.01),
     "ex12_ellipsoid": pytest.approx(0.18, rel=0.2),
+    "ex13_ball_sensor": pytest.approx(0.086, rel=0.2),
 }
-NEEDS = {"ex05_mold": ["build123d"], "ex08_dots": ["cv2"], "ex10_train": ["torch"], "ex12_ellipsoid": ["torch"]}
+NEEDS = {
+    "ex05_mold": ["build123d"],
+    "ex08_dots": ["cv2"],
+    "ex10_train": ["torch"],
+    "ex12_ellipsoid": ["torch"],
+    "ex13_ball_sensor": ["torch"],
+}
 
 
 def test_every_example_is_expected() -> None:

@@ -26,9 +26,10 @@ from palpate.bench.deviation import Deviation
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import CameraSpec
-from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator
+from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator, provenance
 from palpate.deck import CalculixSpec
 from palpate.design import (
+    TILT_DEPTH,
     MarkerLayout,
     MarkerSpec,
     Skin,
@@ -36,7 +37,7 @@ from palpate.design import (
     build_skin,
     place_markers,
 )
-from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, write_press
 from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
@@ -87,6 +88,21 @@ class Bench:
         """The model, opened."""
         return open_predictor(self.model)
 
+    @property
+    def name(self) -> str:
+        """The design in words."""
+        return f"H {self.dome.height:g}, T {self.dome.thickness:g} mm, {len(self.layout)} markers"
+
+    def facts(self) -> dict[str, Any]:
+        """What every report begins with, as JSON data: spec, design, model and versions."""
+        return {
+            "spec": self.spec.model_dump(mode="json"),
+            "dome": self.dome.model_dump(mode="json"),
+            "markers": len(self.layout),
+            "model_sha256": self.model_sha256,
+            "made_by": provenance() | {"bench": BENCH_VERSION},
+        }
+
     def check(self) -> None:
         """Refuse what no unit could be played with, before anything is solved.
 
@@ -95,7 +111,7 @@ class Bench:
         PalpateError
             If the model cannot be opened, or is not of this design.
         """
-        check_model(self.predictor, self.layout)
+        check_model(self.predictor, self.layout, TILT_DEPTH)
 
     @cached_property
     def model_sha256(self) -> str:
@@ -108,7 +124,7 @@ class Bench:
 
 @dataclass(frozen=True, eq=False)
 class Played:
-    """What one unit's images said.
+    """What one unit's images gave.
 
     Attributes
     ----------
@@ -144,7 +160,7 @@ class Played:
 
 
 def play_unit(bench: Bench, deviation: Deviation) -> Played:
-    """Press, photograph and read one unit, or find in the store what it said before.
+    """Press, photograph and read one unit, or find in the store what it gave before.
 
     Raises
     ------
@@ -219,8 +235,7 @@ def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: D
     for depth, image in zip(press.depth, scene.through(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.least_depth - 1e-9:
-            estimate = (reading.rx_deg, reading.ry_deg, reading.depth_mm)
-            rows.append((rx, ry, depth + late, *estimate, len(reading.flags), reading.latency_ms))
+            rows.append((rx, ry, depth + late, *reading.pose, len(reading.flags), reading.latency_ms))
     return np.array(rows).reshape(-1, 8)
 
 
@@ -232,9 +247,7 @@ def _turned(press: Press, azimuth_deg: float) -> Press:
 def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
     mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
-    if bench.spec.solver != "palpate":
-        return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
-    return solve_press(mesh, material, wall)
+    return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
 
 
 def _mesh_spec(bench: Bench) -> MeshSpec:

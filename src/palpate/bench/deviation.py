@@ -140,7 +140,14 @@ IMPERFECTIONS = (
 
 
 def draw_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
-    """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and twice that."""
+    """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and twice that.
+
+    Examples
+    --------
+    >>> deviation = draw_deviation(ToleranceSpec(), seed=0, unit=1)
+    >>> abs(deviation.thickness) <= 0.05, deviation == draw_deviation(ToleranceSpec(), seed=0, unit=1)
+    (True, True)
+    """
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", unit), "unit": unit}
     for item in IMPERFECTIONS:
         limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.name, unit)

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.bench.deviation import Deviation
-from palpate.camera import Camera, RenderSpec, build_camera, dot_edges, render, tangent_pair
+from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, dot_edges, render, tangent_pair
 from palpate.core import FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark
-
-if TYPE_CHECKING:
-    from palpate.camera import CameraSpec
-    from palpate.fea import Press
+from palpate.fea import Press
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +48,12 @@ class Scene:
         return render(self.camera, edges, self.render.model_copy(update={"noise_seed": noise}))
 
 
-def set_scene(dome: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
+def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
     """Print the dots of one unit and mount its camera.
 
     Parameters
     ----------
-    dome, layout
+    skin, layout
         The design; a unit's inner surface is as designed.
     deviation
         What is not as designed.
@@ -67,21 +63,21 @@ def set_scene(dome: Skin, layout: MarkerLayout, deviation: Deviation, nominal: C
         Light, lens and sensor.
     """
     rng = generator(deviation.seed, "print")
-    points = np.vstack([layout.positions, place_orientation_mark(dome, layout)])
-    points = _misprint(dome, points, deviation, rng)
+    points = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
+    points = _misprint(skin, points, deviation, rng)
     there = np.ones(len(points), bool)
     there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
-    edges = wrap_dots(dome, points, layout.diameter)[there]
+    edges = wrap_dots(skin, points, layout.diameter)[there]
     return Scene(edges, build_camera(deviation.camera(nominal)), spec)
 
 
-def wrap_dots(dome: Skin, centres: FloatArray, diameter: float) -> FloatArray:
+def wrap_dots(skin: Skin, centres: FloatArray, diameter: float) -> FloatArray:
     """Edges of round dots that lie on the inner surface.
 
     Parameters
     ----------
-    dome
-        The dome.
+    skin
+        The skin.
     centres
         (m, 3) mm, on its inner surface.
     diameter
@@ -92,13 +88,13 @@ def wrap_dots(dome: Skin, centres: FloatArray, diameter: float) -> FloatArray:
     ndarray
         (m, k, 3) mm.
     """
-    return dome.nearest(dot_edges(centres, dome.normal(centres), diameter))
+    return skin.nearest(dot_edges(centres, skin.normal(centres), diameter))
 
 
-def _misprint(dome: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
+def _misprint(skin: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
     """Centres (m, 3) mm as printed: the pad is off as a whole, every dot by itself."""
     x, y = points[:, 0] + deviation.pad_x, points[:, 1] + deviation.pad_y
-    printed = dome.inner_point(np.hypot(x, y), np.arctan2(y, x))
-    first, second = tangent_pair(dome.normal(printed))
+    printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
+    first, second = tangent_pair(skin.normal(printed))
     off = deviation.dot * rng.uniform(-1.0, 1.0, (len(points), 2))
-    return dome.nearest(printed + off[:, :1] * first + off[:, 1:] * second)
+    return skin.nearest(printed + off[:, :1] * first + off[:, 1:] * second)

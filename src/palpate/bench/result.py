@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import BENCH_VERSION, Bench, Played, play_unit
+from palpate.bench.bench import Bench, Played, play_unit
 from palpate.bench.deviation import Deviation, draw_deviation
 from palpate.bench.spec import ToleranceSpec
-from palpate.core import provenance, writing
-from palpate.sensor import PAPER_TABLE_3, Score, score_readings
+from palpate.core import parameters
+from palpate.sensor import PAPER_TABLE_3, Score, made_by, score_readings, table_lines, write_report
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
 """Roll and pitch of a unit that is as good as the paper's sensor."""
@@ -69,7 +67,7 @@ def run_bench(bench: Bench) -> Iterator[UnitResult]:
 
 
 def score_unit(number: int, played: Played) -> UnitResult:
-    """Score what a unit's images said."""
+    """Score what a unit's images gave."""
     if not np.isfinite(played.estimates).all(axis=1).any():
         return UnitResult(number, played, ())
     return UnitResult(number, played, score_readings(played.truth, played.corrected(), played.press))
@@ -90,13 +88,9 @@ def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any
     """The bench as JSON data: what was chosen, versions, and every unit."""
     sampled = [result for result in results if result.number]
     return {
-        "spec": bench.spec.model_dump(mode="json"),
-        "dome": bench.dome.model_dump(mode="json"),
-        "markers": len(bench.layout),
+        **bench.facts(),
         "material": bench.material.key_data(),
         "camera": bench.camera.model_dump(mode="json"),
-        "model_sha256": bench.model_sha256,
-        "made_by": provenance() | {"bench": BENCH_VERSION},
         "units": [_describe_unit(result) for result in results],
         "pooled": [score.as_dict() for score in pool_units(results)],
         "as_good_as_the_paper": {"units": sum(result.as_good for result in sampled), "of": len(sampled)},
@@ -111,13 +105,8 @@ def write_bench(folder: Path, bench: Bench, results: Sequence[UnitResult]) -> No
     PalpateError
         If they cannot be written.
     """
-    with writing(folder, "Choose another folder."):
-        folder.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(_finite(describe_bench(bench, results)), indent=2, allow_nan=False)
-        (folder / "bench.json").write_text(text + "\n", encoding="utf-8")
-        (folder / "bench.md").write_text(bench_page(bench, results), encoding="utf-8")
-        with (folder / "bench.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([COLUMNS, *(row for result in results for row in unit_rows(result))])
+    table = [COLUMNS, *(row for result in results for row in unit_rows(result))]
+    write_report(folder, "bench", describe_bench(bench, results), bench_page(bench, results), table)
 
 
 def unit_rows(result: UnitResult) -> list[list[str]]:
@@ -146,28 +135,28 @@ def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
     """The bench as a Markdown page."""
     spec, sampled = bench.spec, [result for result in results if result.number]
     lines = [
-        f"# Virtual bench: H {bench.dome.height:g}, T {bench.dome.thickness:g} mm, {len(bench.layout)} markers",
+        f"# Virtual bench: {bench.name}",
         "",
         f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.least_depth:g} to {spec.depth:g} "
         f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
         f"{spec.solver}; seed {spec.seed}. The depth's zero is "
         f"{'found by one press beforehand' if spec.zero else 'not corrected'}.",
         "",
-        *_table(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
+        *table_lines(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
         "",
         f"{sum(result.as_good for result in sampled)} of {len(sampled)} sampled units have RMSE ≤ {WANTED_RMSE_DEG}° "
         f"and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
         "",
         "## Every unit",
         "",
-        *_table(COLUMNS, [row for result in results for row in unit_rows(result)]),
+        *table_lines(COLUMNS, [row for result in results for row in unit_rows(result)]),
         *[f"\nUnit {result.number}: {result.played.failure}" for result in results if result.played.failure],
         "",
         "## Tolerances",
         "",
-        *_table(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
+        *table_lines(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
         "",
-        "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + ".",
+        made_by(),
         "",
     ]
     return "\n".join(lines)
@@ -175,8 +164,6 @@ def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
 
 def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
     """What is tolerated, how much, and in what unit."""
-    from palpate.core import parameters
-
     return [
         [note.meaning, f"{getattr(tolerance, note.name):g}", "" if note.unit == "1" else note.unit]
         for note in parameters(ToleranceSpec)
@@ -196,10 +183,6 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
         yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
 
 
-def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(row)} |" for row in (columns, ["---"] * len(columns), *rows)]
-
-
 def _describe_unit(result: UnitResult) -> dict[str, Any]:
     played = result.played
     return {
@@ -216,11 +199,3 @@ def _describe_unit(result: UnitResult) -> dict[str, Any]:
         "as_good_as_the_paper": result.as_good,
         "failure": played.failure,
     }
-
-
-def _finite(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {key: _finite(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [_finite(value) for value in content]
-    return None if isinstance(content, float) and not np.isfinite(content) else content

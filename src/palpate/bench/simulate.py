@@ -13,7 +13,6 @@ from palpate.bench.deviation import Deviation
 from palpate.bench.photograph import set_scene
 from palpate.camera import CameraSpec, RenderSpec, Source, render
 from palpate.core import FloatArray, child_seed, generator
-from palpate.design import rotation_vector
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
@@ -51,7 +50,7 @@ class SimulatedSource(Source):
 
     @property
     def truth(self) -> tuple[float, float, float]:
-        """Pose of the wall in the image handed on last: rx, ry (degrees) and depth (mm), all 0 at rest."""
+        """Pose in the image handed on last: rx, ry (degrees) or x, y (mm), and depth (mm), all 0 at rest."""
         return self._truth
 
     def images(self) -> Iterator[NDArray[np.uint8]]:
@@ -68,7 +67,7 @@ class SimulatedSource(Source):
             yield 0.0, 0.0, 0.0, rest
         for press in self._touches:
             edges = press.positions(rest.reshape(-1, 3))
-            rx, ry = rotation_vector(press.wall.radial, np.radians(press.wall.turn_deg)).tolist()
+            rx, ry = press.wall.pose_space.part(press.wall.radial, press.wall.turn_deg).tolist()
             down = np.arange(0.0, press.depth[-1], _STEP)
             for depth in np.append(down, down[::-1]):
                 after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from palpate.bench.bench import BENCH_VERSION, Bench
+from palpate.bench.bench import Bench
 from palpate.bench.budget import BudgetLine, recommend, total
-from palpate.core import provenance, writing
+from palpate.core import writing
+from palpate.sensor import table_lines, write_report
 
 BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg", "depth RMS mm", "units")
 
@@ -22,11 +20,7 @@ BUDGET_COLUMNS = ("imperfection", "tolerance", "angle RMS deg", "angle max deg",
 def describe_budget(bench: Bench, lines: Sequence[BudgetLine]) -> dict[str, Any]:
     """The budget as JSON data."""
     return {
-        "spec": bench.spec.model_dump(mode="json"),
-        "dome": bench.dome.model_dump(mode="json"),
-        "markers": len(bench.layout),
-        "model_sha256": bench.model_sha256,
-        "made_by": provenance() | {"bench": BENCH_VERSION},
+        **bench.facts(),
         "lines": [line.as_dict() for line in lines],
         "total_angle_deg": total(lines),
         "recommended": recommend(lines, bench.spec.tolerance),
@@ -41,13 +35,9 @@ def write_budget(folder: Path, bench: Bench, lines: Sequence[BudgetLine]) -> Non
     PalpateError
         If they cannot be written.
     """
+    table = [BUDGET_COLUMNS, *map(budget_row, lines)]
+    write_report(folder, "budget", describe_budget(bench, lines), budget_page(bench, lines), table)
     with writing(folder, "Choose another folder."):
-        folder.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(describe_budget(bench, lines), indent=2).replace("NaN", "null")
-        (folder / "budget.json").write_text(text + "\n", encoding="utf-8")
-        (folder / "budget.md").write_text(budget_page(bench, lines), encoding="utf-8")
-        with (folder / "budget.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([BUDGET_COLUMNS, *map(budget_row, lines)])
         draw_budget(lines).savefig(folder / "budget.png", dpi=150)
 
 
@@ -59,16 +49,15 @@ def budget_row(line: BudgetLine) -> list[str]:
 
 def budget_page(bench: Bench, lines: Sequence[BudgetLine]) -> str:
     """The budget as a Markdown page."""
-    rows = [BUDGET_COLUMNS, ["---"] * len(BUDGET_COLUMNS), *map(budget_row, lines)]
     advice = recommend(lines, bench.spec.tolerance)
     return "\n".join(
         [
-            f"# Error budget: H {bench.dome.height:g}, T {bench.dome.thickness:g} mm, {len(bench.layout)} markers",
+            f"# Error budget: {bench.name}",
             "",
             "Each imperfection alone at its tolerance; how much it changes the readings of the same poses. Model "
             f"{bench.model_sha256[:12]}, seed {bench.spec.seed}.",
             "",
-            *(f"| {' | '.join(row)} |" for row in rows),
+            *table_lines(BUDGET_COLUMNS, map(budget_row, lines)),
             "",
             f"All at once, as root of the sum of squares: {total(lines):.3f}°.",
             "",
@@ -88,7 +77,6 @@ def draw_budget(lines: Sequence[BudgetLine]) -> Figure:
     """Bar chart of the degrees that each imperfection costs, the dearest at the top."""
     shown = sorted((line for line in lines if np.isfinite(line.angle_deg)), key=lambda line: line.angle_deg)
     figure = Figure(figsize=(7.0, 0.8 + 0.3 * len(shown)), layout="constrained")
-    FigureCanvasAgg(figure)
     axis = figure.subplots()
     places = np.arange(len(shown))
     axis.barh(places, [line.angle_max_deg for line in shown], color="0.85", label="greatest")

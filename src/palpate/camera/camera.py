@@ -68,7 +68,7 @@ class Camera:
         pixels: FloatArray = self.lens.distort(plane) * scale + middle
         return pixels
 
-    def visible(self, points: ArrayLike, dome: Skin | None = None) -> BoolArray:
+    def visible(self, points: ArrayLike, skin: Skin | None = None) -> BoolArray:
         """Whether points can be seen.
 
         A point is seen if it is in front of the camera, where the lens does not fold, and inside the image.
@@ -79,7 +79,7 @@ class Camera:
         ----------
         points
             (..., 3) in the dome's frame, mm.
-        dome
+        skin
             The dome that the points belong to.
 
         Returns
@@ -93,8 +93,8 @@ class Camera:
         # pixel (0, 0) reaches from -0.5 to 0.5, as in OpenCV; NaN compares as not inside
         seen = np.all((pixels >= -0.5) & (pixels <= size - 0.5), axis=-1)
         seen &= np.linalg.norm(self._on_unit_plane(points), axis=-1) <= self.lens.limit
-        if dome is not None:
-            seen &= self._passes_opening(points, dome.base_radius)
+        if skin is not None:
+            seen &= self._passes_opening(points, skin.base_radius)
         return np.asarray(seen)
 
     def back_project(self, pixels: ArrayLike) -> FloatArray:

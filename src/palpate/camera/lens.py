@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from palpate.core import FloatArray, PalpateError, Registry
 
 
@@ -105,6 +107,13 @@ def lens_of_model(model: str) -> type[Lens] | None:
     """The lens of a model's name in a calibration file; `None` where there is none."""
     wanted = _ALIASES.get(model, model)
     return next((lens for _, lens in LENSES.loadable() if wanted == (lens.model or lens.name)), None)
+
+
+def fold_of(slopes: Sequence[float]) -> float:
+    """First zero of a polynomial in squares, ``1 + a r² + b r⁴ + …`` by its coefficients; infinite where none is."""
+    # in 1/r² the leading coefficient is 1, so vanishing coefficients do no harm
+    inverse = max((root.real for root in np.roots(slopes) if abs(root.imag) < 1e-12), default=0.0)
+    return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
 
 
 def folded(limit: float) -> PalpateError:

@@ -68,7 +68,7 @@ def list_images(folder: Path) -> tuple[Path, ...]:
 def _read_size(path: Path) -> tuple[int, int]:
     Image = load_extra("PIL.Image", "vision", "Pillow")
     UnidentifiedImageError = load_extra("PIL", "vision", "Pillow").UnidentifiedImageError
-    limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # our own limit is said better
+    limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # our own limit gives a better message
     try:
         with Image.open(path) as image:
             return int(image.size[0]), int(image.size[1])

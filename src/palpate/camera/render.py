@@ -62,6 +62,12 @@ def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float) -> Floa
     -------
     ndarray
         (m, k, 3) mm.
+
+    Examples
+    --------
+    >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
+    >>> float(np.linalg.norm(edges[0] - [0, 0, 20], axis=1).max().round(3))
+    1.003
     """
     first, second = tangent_pair(normals)
     flat = edge_offsets(diameter / 2.0)
@@ -70,7 +76,14 @@ def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float) -> Floa
 
 
 def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another."""
+    """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another.
+
+    Examples
+    --------
+    >>> first, second = tangent_pair(np.array([[0.0, 0.0, 1.0]]))
+    >>> float(first[0] @ second[0]), float(first[0, 2])
+    (0.0, 0.0)
+    """
     aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     first = np.cross(normals, aside)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
@@ -119,6 +132,14 @@ def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) ->
     -------
     ndarray
         (h, w) grey levels.
+
+    Examples
+    --------
+    >>> from palpate.camera import build_camera
+    >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
+    >>> image = render(build_camera(), edges)
+    >>> image.shape, image.dtype
+    ((260, 346), dtype('uint8'))
     """
     spec = spec or RenderSpec()
     cv2 = load_opencv()

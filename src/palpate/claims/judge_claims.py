@@ -82,7 +82,7 @@ def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tupl
 
 
 def name_sources(grids: Sequence[Evidence]) -> tuple[str, ...]:
-    """Name of each grid by what it is; two of the same kind are told apart by their folders."""
+    """Name of each grid by what it is; two of the same kind are distinguished by their folders."""
     kinds = Counter(evidence.label for evidence in grids)
     return tuple(e.label if kinds[e.label] == 1 else f"{e.label} ({e.folder})" for e in grids)
 

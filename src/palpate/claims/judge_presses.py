@@ -81,7 +81,7 @@ def judge_travel_by_markers(evidence: Evidence) -> ClaimFinding:
     highest = sum(travel[*dome, 169] == max(travel[*dome, m] for m in MARKERS) for dome in domes)
     above = sum(min(travel[*dome, m] for m in MARKERS[1:]) > 1.0 for dome in domes)
     holds = lowest == highest == above == len(domes)
-    if holds:  # of every dome it can be said only when all are there; one that contradicts is enough
+    if holds:  # of every dome it can be claimed only when all are there; one that contradicts is enough
         evidence.figures("travel_mm")
     means = ", ".join(f"{m}: {sum(travel[*dome, m] for dome in domes) / len(domes):.2f}" for m in MARKERS)
     figures = (

@@ -80,7 +80,7 @@ def write_claims(path: Path, answers: Sequence[Answer], grids: Sequence[Evidence
 def describe_claims(
     answers: Sequence[Answer], grids: Sequence[Evidence], command: str, pictures: Pictures | None = None
 ) -> str:
-    """The page as Markdown; parameters as of `write_claims`."""
+    """The page as Markdown; for parameters see `write_claims`."""
     lines = ["# The paper's claims", "", *_intro(answers, grids), "", "```", command, "```", ""]
     lines += [_line(COLUMNS), _line(["---"] * len(COLUMNS))]
     for answer, cells in zip(answers, _cells(answers), strict=True):
@@ -127,15 +127,15 @@ def _intro(answers: Sequence[Answer], grids: Sequence[Evidence]) -> list[str]:
 
 
 def _cells(answers: Sequence[Answer]) -> list[list[str]]:
-    """Words of each row; a claim is told once."""
-    rows, told = [], ""
+    """Words of each row; a claim is named once."""
+    rows, last = [], ""
     for answer in answers:
         claim, finding = CLAIMS[answer.claim.name], answer.finding
-        again = claim.name == told
+        again = claim.name == last
         verdict = f"{finding.verdict}: {finding.why}" if finding.why else str(finding.verdict)
-        said = ["", ""] if again else [claim.statement, claim.test]
-        rows.append([claim.name, *said, answer.source, finding.figures or "–", verdict])
-        told = claim.name
+        words = ["", ""] if again else [claim.statement, claim.test]
+        rows.append([claim.name, *words, answer.source, finding.figures or "–", verdict])
+        last = claim.name
     return rows
 
 

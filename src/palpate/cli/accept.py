@@ -15,6 +15,7 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import UnitFlags
 from palpate.core import BoolArray, FloatArray, PalpateError
+from palpate.design import TILT_DEPTH
 from palpate.sensor import AcceptSpec
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from palpate.sensor import Truth, Unit
 
 OUTSIDE = 1
-"""Exit code where a figure is outside its tolerance, as of `palpate verify`."""
+"""Exit code where a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
 _MODEL = "Model of this design, an ONNX file; then the images are read."
@@ -79,15 +80,16 @@ def accept(
 def _read(folder: Path, known: Truth, predictor: Predictor, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
-    from palpate.sensor import open_sensor, run_sensor
+    from palpate.sensor import check_model, open_sensor, run_sensor
 
+    check_model(predictor, unit.layout, TILT_DEPTH)
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
         )
     sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, predictor)
     found = list(run_sensor(sensor, _images(folder, known.images)))
-    poses = np.array([[reading.rx_deg, reading.ry_deg, reading.depth_mm] for reading in found])
+    poses = np.array([reading.pose for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
 

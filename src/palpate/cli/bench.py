@@ -79,9 +79,9 @@ def _units(played: Bench, out: Path, json: bool) -> None:
         name = f"unit {result.number}" if result.number else "nominal unit"
         _say(f"[{len(results)}/{played.spec.units + 1}] {name}: {result.played.failure or angles}")
         write_bench(out, played, results)
-    said = describe_bench(played, results)
+    described = describe_bench(played, results)
     if json:
-        print_json(said)
+        print_json(described)
         return
     print((out / "bench.md").read_text(encoding="utf-8").split("## Every unit")[0].strip())
     print(f"\nTables: {out}")
@@ -95,13 +95,13 @@ def _budget(played: Bench, out: Path, json: bool) -> None:
         lines.append(line)
         _say(f"{line.words}: {line.angle_deg:.3f}°")
         write_budget(out, played, lines)
-    said = describe_budget(played, lines)
+    described = describe_budget(played, lines)
     if json:
-        print_json(said)
+        print_json(described)
         return
     names = ["words", "tolerance", "angle_deg", "angle_max_deg", "depth", "units"]
-    print_table("error budget", names, [[_text(line[name]) for name in names] for line in said["lines"]])
-    print(f"All at once, root of the sum of squares: {said['total_angle_deg']:.3f}°. Tables and chart: {out}")
+    print_table("error budget", names, [[_text(line[name]) for name in names] for line in described["lines"]])
+    print(f"All at once, root of the sum of squares: {described['total_angle_deg']:.3f}°. Tables and chart: {out}")
 
 
 def _text(value: object) -> str:

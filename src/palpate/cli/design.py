@@ -38,15 +38,15 @@ def design(*, flags: DesignFlags = DesignFlags(), json: JsonFlag = False) -> Non
         print(f"{finding.severity}: {finding.message} {finding.remedy}")
 
 
-def _describe(dome: Skin, layout: MarkerLayout, findings: tuple[Finding, ...]) -> dict[str, Any]:
+def _describe(skin: Skin, layout: MarkerLayout, findings: tuple[Finding, ...]) -> dict[str, Any]:
     return {
-        "height_mm": dome.height,
-        "base_radius_mm": dome.base_radius,
-        "thickness_mm": dome.thickness,
-        "radius_mm": dome.radius,
-        "widest_mm": 2 * dome.widest[0],
-        "widest_at_z_mm": dome.widest[1],
-        "shape": str(dome.shape),
+        "height_mm": skin.height,
+        "base_radius_mm": skin.base_radius,
+        "thickness_mm": skin.thickness,
+        "radius_mm": skin.radius,
+        "widest_mm": 2 * skin.widest[0],
+        "widest_at_z_mm": skin.widest[1],
+        "shape": str(skin.shape),
         "markers": len(layout),
         "marker_diameter_mm": layout.diameter,
         "positions_mm": layout.positions.tolist(),

@@ -75,7 +75,7 @@ class CurveFlags:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class OutputFlags:
-    """What is written, and how much is said."""
+    """What is written, and how much is printed."""
 
     output: Annotated[Path | None, Parameter(name=["--output", "-o"], help=_OUT)] = None
     source: Annotated[str, Parameter(help="Source of the numbers, for the material's file.")] = ""
@@ -101,7 +101,7 @@ def fit(
     check_file(None if out.no_figure else out.figure, ".png", ".svg", ".pdf")
     samples = read_samples([*((path, None) for path in files), *tests.pairs()], curves)
     found = fit_material(samples, spec)
-    told = describe_fit(samples, found, alone=out.alone)
+    facts = describe_fit(samples, found, alone=out.alone)
     written = []
     if not out.no_figure and out.figure is not None:
         save_figure(out.figure, draw_fit(samples, found))
@@ -109,11 +109,11 @@ def fit(
     if out.output is not None:
         write_material(out.output, _make_material(out, samples, found))
         written.append(str(out.output))
-    told["files"] = written
+    facts["files"] = written
     if out.json:
-        print_json(told)
+        print_json(facts)
     else:
-        _print(told)
+        _print(facts)
 
 
 def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags) -> list[Sample]:
@@ -136,7 +136,7 @@ def _make_material(out: OutputFlags, samples: Sequence[Sample], found: Fit) -> M
 
 def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[str, Any]:
     """A fit as JSON data: constants, quality, stability; unless `alone`, the ranking and the unseen modes."""
-    told: dict[str, Any] = {
+    facts: dict[str, Any] = {
         "model": found.model.name,
         "samples": [_describe_sample(sample) for sample in samples],
         "constants": [
@@ -156,10 +156,10 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
         "stable_fit": None if found.stable or found.spec.stable else _offer(samples, found),
     }
     if alone:
-        return told
+        return facts
     ranked = rank_models(samples, found.spec)
-    told["unseen"] = [{**vars(item), "mode": str(item.mode)} for item in predict_unseen(found, ranked, samples)]
-    told["ranking"] = [
+    facts["unseen"] = [{**vars(item), "mode": str(item.mode)} for item in predict_unseen(found, ranked, samples)]
+    facts["ranking"] = [
         {
             "model": item.name,
             "behind": item.behind,
@@ -171,7 +171,7 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
         }
         for item in ranked
     ]
-    return told
+    return facts
 
 
 def _describe_sample(sample: Sample) -> dict[str, Any]:
@@ -200,9 +200,9 @@ def _instabilities(found: Fit) -> Iterator[str]:
     words = {Mode.UNIAXIAL: "uniaxial", Mode.EQUIBIAXIAL: "equibiaxial", Mode.PLANAR: "planar"}
     for item in found.stability:
         ends = [("below", item.low), ("above", item.high)]
-        told = [f"{side} a stretch of {end:.4g}" for side, end in ends if not math.isnan(end)]
-        if told:
-            yield f"Unstable (Drucker) in the {words[item.mode]} mode {' and '.join(told)}."
+        parts = [f"{side} a stretch of {end:.4g}" for side, end in ends if not math.isnan(end)]
+        if parts:
+            yield f"Unstable (Drucker) in the {words[item.mode]} mode {' and '.join(parts)}."
 
 
 def _warnings(found: Fit) -> Iterator[str]:
@@ -215,7 +215,7 @@ def _warnings(found: Fit) -> Iterator[str]:
         yield "A bound or the stability holds the fit, so least squares gives no intervals."
 
 
-def _print(told: dict[str, Any]) -> None:
+def _print(facts: dict[str, Any]) -> None:
     rows = [
         [
             item["name"],
@@ -225,30 +225,30 @@ def _print(told: dict[str, Any]) -> None:
             f"{1e3 * item['greatest_mpa']:.4g}",
             "; ".join(item["notes"]),
         ]
-        for item in told["samples"]
+        for item in facts["samples"]
     ]
     print_table("samples", ["file", "test", "rows", "stretch", "greatest kPa", "notes"], rows)
-    interval = f"{100 * told['confidence']:g} % interval, from differences between {told['intervals_from']}"
+    interval = f"{100 * facts['confidence']:g} % interval, from differences between {facts['intervals_from']}"
     rows = [
         [item["name"], f"{item['value']:.8g}", "-" if math.isnan(item["low"]) else _span(item["low"], item["high"])]
-        for item in told["constants"]
+        for item in facts["constants"]
     ]
-    print_table(f"{told['model']} (MPa; exponents, Jm, lm: 1)", ["constant", "value", interval], rows)
-    print(f"initial shear modulus {1e3 * told['shear_modulus_mpa']:.4g} kPa, condition {told['condition']:.3g}")
-    _print_modes(told)
-    for warning in told["warnings"]:
+    print_table(f"{facts['model']} (MPa; exponents, Jm, lm: 1)", ["constant", "value", interval], rows)
+    print(f"initial shear modulus {1e3 * facts['shear_modulus_mpa']:.4g} kPa, condition {facts['condition']:.3g}")
+    _print_modes(facts)
+    for warning in facts["warnings"]:
         print(f"Warning: {warning}")
-    if told["stable_fit"]:
-        held = told["stable_fit"]
+    if facts["stable_fit"]:
+        held = facts["stable_fit"]
         constants = ", ".join(f"{name} {value:.6g}" for name, value in held["constants"].items())
         print(f"With --stable: {constants}; R² {held['r2']:.5f}, error {100 * held['relative']:.2g} %.")
-    if "ranking" in told:
-        _print_ranking(told["ranking"])
-    for path in told["files"]:
+    if "ranking" in facts:
+        _print_ranking(facts["ranking"])
+    for path in facts["files"]:
         print(f"Written: {path}")
 
 
-def _print_modes(told: dict[str, Any]) -> None:
+def _print_modes(facts: dict[str, Any]) -> None:
     rows = [
         [
             item["mode"],
@@ -258,9 +258,9 @@ def _print_modes(told: dict[str, Any]) -> None:
             f"{1e3 * item['rmse']:.4g}",
             f"{100 * item['relative']:.3g} %",
         ]
-        for item in told["modes"]
+        for item in facts["modes"]
     ]
-    for item in told.get("unseen", []):
+    for item in facts.get("unseen", []):
         predicted = "unknown" if math.isnan(item["relative"]) else f"about {100 * item['relative']:.2g} %"
         rows.append([item["mode"], "not measured", f"1 … {item['high']:.4g}", "", "", predicted])
     print_table("modes", ["mode", "", "stretch", "R²", "rms kPa", "error over greatest stress"], rows)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 OUTSIDE = 1
-"""Exit code where a dot is missing or out of place, as of `palpate verify`."""
+"""Exit code where a dot is missing or out of place, as in `palpate verify`."""
 
 _IMAGE = "Image of the finished, untouched dome, or a folder of several, which are averaged."
 _OUT = "File for the table, .csv."

@@ -19,9 +19,9 @@ _NAME = "Name in the library, material file (.yaml), or law and constants (yeoh:
 @app.command(name="list")
 def list_library(*, json: JsonFlag = False) -> None:
     """List the materials of the library."""
-    told = [describe_material(get_material(name)) for name in list_materials()]
+    facts = [describe_material(get_material(name)) for name in list_materials()]
     if json:
-        print_json(told)
+        print_json(facts)
         return
     rows = [
         [
@@ -32,7 +32,7 @@ def list_library(*, json: JsonFlag = False) -> None:
             "yes" if item["stable"] else "NO",
             item["quality"],
         ]
-        for item in told
+        for item in facts
     ]
     print_table("materials", ["name", "law", "E kPa", "stretch", "stable", "fit"], rows)
 
@@ -40,21 +40,22 @@ def list_library(*, json: JsonFlag = False) -> None:
 @app.command
 def show(name: Annotated[str, Parameter(help=_NAME)], *, json: JsonFlag = False) -> None:
     """Show a material: constants, moduli, range, stability, source and licence."""
-    told = describe_material(get_material(name))
+    facts = describe_material(get_material(name))
     if json:
-        print_json(told)
+        print_json(facts)
         return
-    print(f"{told['name']}: {told['law']}")
-    for key, value in told["constants"].items():
+    print(f"{facts['name']}: {facts['law']}")
+    for key, value in facts["constants"].items():
         print(f"  {key} = {value:.8g}")
     print(
-        f"E {1e3 * told['young_modulus_mpa']:.4g} kPa, mu {1e3 * told['shear_modulus_mpa']:.4g} kPa at rest;", end=" "
+        f"E {1e3 * facts['young_modulus_mpa']:.4g} kPa, mu {1e3 * facts['shear_modulus_mpa']:.4g} kPa at rest;",
+        end=" ",
     )
-    print(f"K/mu {told['bulk_ratio']:g}, Poisson's ratio {told['poisson_ratio']:.5f}")
-    print(f"uniaxial stretch {_range(told['stretch_range'])}; Drucker-stable: {'yes' if told['stable'] else 'NO'}")
+    print(f"K/mu {facts['bulk_ratio']:g}, Poisson's ratio {facts['poisson_ratio']:.5f}")
+    print(f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {'yes' if facts['stable'] else 'NO'}")
     for key in ("source", "licence", "quality", "caution"):
-        if told[key]:
-            print(f"{key}: {told[key]}")
+        if facts[key]:
+            print(f"{key}: {facts[key]}")
 
 
 def describe_material(material: Material) -> dict[str, Any]:
@@ -78,4 +79,4 @@ def describe_material(material: Material) -> dict[str, Any]:
 
 def _range(ends: list[float]) -> str:
     low, high = ends
-    return f"{low:.3g} … {high:.3g}" if math.isfinite(high) else "not said"
+    return f"{low:.3g} … {high:.3g}" if math.isfinite(high) else "unknown"

@@ -164,14 +164,14 @@ def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, 
     }
 
 
-def _read_inner_points(path: Path, dome: Skin) -> FloatArray:
-    points = read_points(path, dome)
+def _read_inner_points(path: Path, skin: Skin) -> FloatArray:
+    points = read_points(path, skin)
     outside = np.flatnonzero(~np.isfinite(points[:, 2]))
     if len(outside):
         x, y = points[outside[0], :2]
         raise PalpateError(
             f"{path}: point {outside[0] + 1} ({x:g}, {y:g}) mm is outside the dome.",
-            f"Points lie up to {dome.widest[0]:.4g} mm from the axis.",
+            f"Points lie up to {skin.widest[0]:.4g} mm from the axis.",
         )
     return points
 

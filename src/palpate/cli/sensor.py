@@ -18,7 +18,7 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
 from palpate.sensor import RigSpec
 
@@ -85,7 +85,7 @@ def live(
     flags: LiveFlags = LiveFlags(),
     json: JsonFlag = False,
 ) -> int:
-    """Estimate the pose of the wall in every image of a camera or a recording, as it comes."""
+    """Estimate the pose of what presses in every image of a camera or a recording, as it comes."""
     from palpate.learn import open_predictor
     from palpate.sensor import describe_reading, open_sensor, run_sensor, write_readings
 
@@ -104,8 +104,9 @@ def live(
         if first is None:
             raise PalpateError(f"{many} images at rest leave nothing to read.", "Record more.")
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
-        rows = (describe_reading(reading) for reading in (write_readings(out, readings) if out else readings))
-        (_print_json if json else _print_lines)(rows)
+        written = write_readings(out, readings, predictor.space) if out else readings
+        rows = (describe_reading(reading) for reading in written)
+        _print_json(rows) if json else _print_lines(rows, predictor.space)
     return 0
 
 
@@ -121,12 +122,12 @@ def _open(source: str, unit: Unit) -> Source:
 
 def _describe_rest(sensor: Sensor) -> str:
     where = sensor.registration
-    said = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
+    sentence = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
     if not sensor.spec.refine_lens:
-        return said + "."
+        return sentence + "."
     lens, (focal, column, row) = where.camera.spec, where.lens_sd
     return (
-        f"{said}, with the lens as calibrated to {where.held_rms_px:.3f} px: focal length {lens.fx_px:.1f} px "
+        f"{sentence}, with the lens as calibrated to {where.held_rms_px:.3f} px: focal length {lens.fx_px:.1f} px "
         f"(± {focal:.1%}), centre {lens.cx_px:.1f}, {lens.cy_px:.1f} px (± {column:.1f}, {row:.1f})."
     )
 
@@ -163,9 +164,9 @@ def _print_json(rows: Iterator[dict[str, Any]]) -> None:
     print("\n]")
 
 
-def _print_lines(rows: Iterator[dict[str, Any]]) -> None:
+def _print_lines(rows: Iterator[dict[str, Any]], space: PoseSpace) -> None:
     """Print a line a reading as they come; nothing is kept."""
-    names = ["image", *TILT_DEPTH.names, "touching", "found", "latency_ms", "flags"]
+    names = ["image", *space.names, "touching", "found", "latency_ms", "flags"]
     print(" ".join(f"{name:>10}" for name in names))
     for row in rows:
         text = [_show(row[name]) for name in names]

@@ -49,6 +49,6 @@ class UnitFlags(DesignFlags):
         from palpate.camera import read_calibration
         from palpate.sensor import Unit
 
-        dome = build_skin(self.skin_spec())
+        skin = build_skin(self.skin_spec())
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
-        return Unit(dome, place_markers(dome, self.markers), marked=self.mark, lens=lens)
+        return Unit(skin, place_markers(skin, self.markers), marked=self.mark, lens=lens)

@@ -8,28 +8,25 @@ from palpate.core.kernel import kernel
 from palpate.core.kinds import spec_of_kind, words_of_kind
 from palpate.core.outside_links import refuse_outside_links
 from palpate.core.paper import PAPER
-from palpate.core.parameter import ParameterNote, Spec, flag_of, parameter, parameters
+from palpate.core.parameter import Spec, flag_of, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
-from palpate.core.store_care import Broken, Removal, Stored, check_store, clean_store, list_store
+from palpate.core.store_care import Stored, check_store, clean_store, list_store
 from palpate.core.version import __version__
 
 __all__ = [
     "PAPER",
     "ArtefactStore",
     "BoolArray",
-    "Broken",
     "ComplexArray",
     "FloatArray",
     "IntArray",
     "MissingExtraError",
     "PalpateError",
-    "ParameterNote",
     "Recipe",
     "Registry",
-    "Removal",
     "Spec",
     "StoreError",
     "Stored",

@@ -100,7 +100,15 @@ class ParameterNote:
 
 
 def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
-    """Describe every field of `spec`, in the order of declaration."""
+    """Describe every field of `spec`, in the order of declaration.
+
+    Examples
+    --------
+    >>> class HoleSpec(Spec):
+    ...     diameter: float = parameter(6.0, unit="mm", meaning="bore", gt=0, le=20)
+    >>> parameters(HoleSpec)[0].help
+    'Bore (mm; > 0, <= 20).'
+    """
     notes = []
     for name, field in spec.model_fields.items():
         extra = _declared(spec, name)
@@ -125,7 +133,15 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
 
 
 def flag_of(spec: type[BaseModel], name: str) -> str:
-    """Name of a field on the command line, without dashes: its declared flag, or its name without the unit."""
+    """Name of a field on the command line, without dashes: its declared flag, or its name without the unit.
+
+    Examples
+    --------
+    >>> class HoleSpec(Spec):
+    ...     depth_deg: float = parameter(30.0, unit="deg", meaning="slope")
+    >>> flag_of(HoleSpec, "depth_deg")
+    'depth'
+    """
     declared = str(_declared(spec, name).get("flag", ""))
     ending = next((ending for ending in _UNIT_ENDINGS if name.endswith(ending)), "")
     return declared or name.removesuffix(ending).replace("_", "-").lower()

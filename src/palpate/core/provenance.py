@@ -21,6 +21,11 @@ def provenance() -> dict[str, str]:
     """Versions of palpate, Python, the platform and `LIBRARIES`, as name → version.
 
     A library that is not installed is left out.
+
+    Examples
+    --------
+    >>> {"palpate", "python", "platform", "numpy"} <= set(provenance())
+    True
     """
     from palpate.core.version import __version__
 

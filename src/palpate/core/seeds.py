@@ -37,7 +37,13 @@ def child_seed(seed: int, *labels: str | float) -> int:
 
 
 def generator(seed: int, *labels: str | float) -> np.random.Generator:
-    """Random generator of the stream called `labels` below `seed` (see `child_seed`)."""
+    """Random generator of the stream called `labels` below `seed` (see `child_seed`).
+
+    Examples
+    --------
+    >>> bool(generator(0, "poses").random() == generator(0, "poses").random())
+    True
+    """
     import numpy as np
 
     return np.random.default_rng(child_seed(seed, *labels))

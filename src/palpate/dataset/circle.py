@@ -1,8 +1,9 @@
 """Displacement along circles of a pressed dome, as Fourier series about the wall's azimuth.
 
-The undeformed dome is a body of revolution, so a wall turned to another azimuth turns the whole solution
-with it. In cylindrical components (radial, azimuthal, axial) the displacement of a point at azimuth φ
-depends on the wall's azimuth α only through their difference
+The undeformed skin is a body of revolution, so a wall turned to another azimuth turns the whole solution with it, and
+so does a ball set down at another one. In cylindrical components (radial, azimuthal, axial) the displacement of a
+point at azimuth φ depends on the turn α of the half model that was solved (for a wall, its azimuth) only through
+their difference
 
     u(φ; α) = Re Σ_k c_k exp(i k ψ),      ψ = φ − α − 90°
 
@@ -13,16 +14,12 @@ plane of the problem cuts the circle.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ComplexArray, FloatArray
-
-if TYPE_CHECKING:
-    from palpate.fea import Press
-
+from palpate.fea import Press
 
 SAMPLES = 96
 """Points on a circle."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -12,6 +12,7 @@ from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArra
 from palpate.dataset.normalise import Normalisation
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import refuse_leakage
+from palpate.design import TILT_DEPTH, PoseSpace
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Dataset:
     images_px
         (n, m, 2) u and v of each marker (px).
     poses
-        (n, 3) rx and ry (degrees), depth (mm).
+        (n, 3) by `space`: rx and ry (degrees), depth (mm).
     press
         (n,) number of the virtual press: one pose with all its depths.
     validation
@@ -45,6 +46,8 @@ class Dataset:
         Solved presses behind the images.
     dropped
         Sampled images left out, by reason.
+    space
+        What the numbers of a pose are: those of the obstacle that pressed.
     """
 
     spec: DatasetSpec
@@ -58,6 +61,7 @@ class Dataset:
     image_size_px: tuple[int, int]
     solved_presses: int
     dropped: Mapping[str, int]
+    space: PoseSpace = TILT_DEPTH
 
     def __post_init__(self) -> None:
         count = len(self.images_px)
@@ -67,7 +71,7 @@ class Dataset:
             raise PalpateError(f"A dataset of {count} images has columns of {sorted(lengths)} rows.")
         if not np.isfinite(self.images_px).all():
             raise PalpateError("A dataset has a marker whose position is not a number.", "Make the dataset again.")
-        refuse_leakage(self.press, self.poses, self.validation)
+        refuse_leakage(self.press, self.poses, self.validation, self.space)
 
     @property
     def normalisation(self) -> Normalisation:
@@ -91,15 +95,16 @@ class Dataset:
 
     def part(self, *, validation: bool) -> Self:
         """The held-out images, or those for training, as a dataset of their own."""
-        from dataclasses import replace
+        return self.choose(self.validation == validation, validation=validation)
 
-        rows = self.validation == validation
+    def choose(self, rows: BoolArray, *, validation: bool) -> Self:
+        """Images (n,), all for training or all held out, as a dataset of their own."""
         return replace(
             self,
             images_px=self.images_px[rows],
             poses=self.poses[rows],
             press=self.press[rows],
-            validation=self.validation[rows],
+            validation=np.full(int(rows.sum()), validation),
             branch=self.branch[rows],
             travel_mm=self.travel_mm[rows],
         )

@@ -1,27 +1,26 @@
-"""Where the markers are for any pose of the wall, interpolated from a handful of solved presses.
+"""Where the markers are for any pose of the obstacle, interpolated from a handful of solved presses.
 
 One press serves every azimuth (see `circle`); between tilts every Fourier coefficient is a cubic spline (see
 `tilt_runs`). A wall tilted by −t is the wall tilted by t and turned by half a turn, hence the parity
 
     c_k(−t) = (−1)^k c_k(t)
+
+and so it is for a ball offset by −t. In what follows the *tilt* of an obstacle that does not tilt is its offset in
+mm.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from palpate.core import ComplexArray, FloatArray, PalpateError, TextArray
 from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
 from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
-from palpate.design import Symmetry
-
-if TYPE_CHECKING:
-    from palpate.design import MarkerLayout
-    from palpate.fea import Press
+from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Symmetry
+from palpate.fea import Press
 
 
 @dataclass(frozen=True)
@@ -40,6 +39,8 @@ class MarkerField:
         Runs of tilts at each depth, whose splines give Fourier coefficients (c, 3, `ORDERS`) in mm.
     series_error_mm
         Largest distance between a point sampled from a press and the Fourier series there.
+    space
+        What the presses' poses are.
     """
 
     rest: FloatArray
@@ -47,6 +48,12 @@ class MarkerField:
     depths_mm: FloatArray
     runs: TiltRuns
     series_error_mm: float
+    space: PoseSpace = TILT_DEPTH
+
+    @property
+    def offset(self) -> float | None:
+        """Greatest offset that was pressed, mm; `None` for walls, whose greatest tilt a dataset's spec says."""
+        return None if self.space.tilts else float(self.runs.tilts_deg[-1])
 
     def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
         """Branch of each tilt (n,) at one depth, or why there is none; see `TiltRuns.labels`."""
@@ -58,7 +65,7 @@ class MarkerField:
         Parameters
         ----------
         rx_deg, ry_deg
-            (n,) components of the wall's rotation.
+            (n,) components of the wall's rotation; of another obstacle, its x and y in mm.
         image
             Number of the depth in `depths_mm`.
 
@@ -68,10 +75,10 @@ class MarkerField:
             (n, m, 3) mm; NaN for a pose that no run covers (`labels` says why).
         """
         tilt = np.hypot(rx_deg, ry_deg)
-        azimuth = np.arctan2(ry_deg, rx_deg)
+        turn = np.arctan2(ry_deg, rx_deg) + np.radians(self.space.turn_deg)
         moved = np.full((len(tilt), 3, len(self.rest)), np.nan)
         for chosen, series in self.runs.read(tilt, image):
-            moved[chosen] = _sum_series(series, azimuth[chosen], self.circles)
+            moved[chosen] = _sum_series(series, turn[chosen], self.circles)
         cosine, sine = np.cos(self.circles.azimuth), np.sin(self.circles.azimuth)
         radial, azimuthal, axial = moved[:, 0], moved[:, 1], moved[:, 2]
         displacement = (radial * cosine - azimuthal * sine, radial * sine + azimuthal * cosine, axial)
@@ -80,7 +87,7 @@ class MarkerField:
 
 
 def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: FloatArray | None = None) -> MarkerField:
-    """Interpolate presses of one dome, which differ by the tilt of the wall alone.
+    """Interpolate presses of one skin, which differ by the tilt of the wall, or the offset of the obstacle, alone.
 
     Parameters
     ----------
@@ -102,6 +109,9 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
         If there is no press, a tilt appears twice, the image steps differ, or a marker is not on the dome.
     """
     _refuse_without_symmetry(presses)
+    spaces = {press.wall.pose_space for press in presses}
+    if len(spaces) > 1:
+        raise PalpateError("The presses are of obstacles with different poses.", "Give presses of one obstacle.")
     outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
     if outside:
         raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
@@ -124,14 +134,15 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
         depths_mm=depths,
         runs=cut_into_runs(tilts, branch, ended, series, parity * series),
         series_error_mm=max(errors),
+        space=spaces.pop(),
     )
 
 
-def _sum_series(series: ComplexArray, azimuth: FloatArray, circles: MarkerCircles) -> FloatArray:
-    """Cylindrical displacement (n, 3, m) from coefficients (n, c, 3, k) and azimuths (n,) of the wall."""
+def _sum_series(series: ComplexArray, turn: FloatArray, circles: MarkerCircles) -> FloatArray:
+    """Cylindrical displacement (n, 3, m) from coefficients (n, c, 3, k) and turns (n,) in rad of the mesh."""
     order = np.arange(ORDERS)
-    turned = series * np.exp(-1j * order * (azimuth[:, None] + QUARTER_TURN))[:, None, None, :]
-    moved = np.empty((len(azimuth), 3, len(circles.circle)))
+    turned = series * np.exp(-1j * order * (turn[:, None] + QUARTER_TURN))[:, None, None, :]
+    moved = np.empty((len(turn), 3, len(circles.circle)))
     for number in range(len(circles.radius)):
         members = np.flatnonzero(circles.circle == number)
         wave = np.exp(1j * order[:, None] * circles.azimuth[members])

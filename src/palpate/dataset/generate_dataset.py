@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
 from palpate.dataset.vary import VariedField, VariedPresses, vary_camera, vary_field
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-    from palpate.design import MarkerLayout, Skin
-    from palpate.fea import Press
+from palpate.design import MarkerLayout, Skin
+from palpate.fea import Press
 
 DATASET_VERSION = "1"
 """Version of the code that decides what a dataset contains; part of an artefact's key."""
@@ -40,7 +37,8 @@ def generate_dataset(
     Parameters
     ----------
     presses
-        Solved presses of one dome, one a tilt.
+        Solved presses of one skin by one kind of obstacle, one a tilt or offset. Offsets are sampled as
+        far as these go.
     markers
         Layout on the dome's inner surface.
     camera
@@ -59,10 +57,25 @@ def generate_dataset(
     ------
     PalpateError
         If a marker at rest cannot be seen, no image is left, or presses that `spec.randomise` asks for are missing.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+    >>> from palpate.fea import WallSpec, solve_press
+    >>> from palpate.material import get_material
+    >>> from palpate.mesh import MeshSpec, mesh_skin
+    >>> skin = build_skin(DomeSpec())
+    >>> mesh, law = mesh_skin(skin, MeshSpec(cells=4)), get_material("zaid_2024_ecoflex_00_30")
+    >>> walls = [WallSpec(tilt_deg=tilt, depth=2.4, contact="frictionless") for tilt in (0, 6)]
+    >>> presses = [solve_press(mesh, law, wall) for wall in walls]
+    >>> from palpate.camera import build_camera
+    >>> spec = DatasetSpec(n_presses=50, max_tilt_deg=6)
+    >>> dataset = generate_dataset(presses, place_markers(skin, MarkerSpec(count=7)), build_camera(), spec)
+    >>> dataset.images_px.shape, dataset.virtual_presses, int(dataset.validation.sum())
+    ((50, 7, 2), 50, 10)
     """
-    rotations = sample_poses(spec)
-    field = vary_field(presses, markers, relatives, spec, len(rotations))
-    base = field.base
+    field = vary_field(presses, markers, relatives, spec)
+    base, rotations = field.base, sample_poses(spec, field.base.offset)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
@@ -91,6 +104,7 @@ def generate_dataset(
         image_size_px=(camera.width_px, camera.height_px),
         solved_presses=len(presses) + relatives.count,
         dropped=dict(dropped),
+        space=base.space,
     )
 
 
@@ -99,7 +113,7 @@ class _View:
     """A camera under the dome whose clamped rim may hide a marker."""
 
     camera: Camera
-    dome: Skin
+    skin: Skin
     spec: DatasetSpec
     rest: FloatArray
 
@@ -125,7 +139,7 @@ def _images_at(
     dropped.update(str(text) for text in reason[reason != ""])
     row = np.flatnonzero(branch != "")
     points = field.positions(rotations, row, image)
-    seen = view.camera.visible(points, view.dome).all(axis=1)
+    seen = view.camera.visible(points, view.skin).all(axis=1)
     if not seen.all():
         dropped[UNSEEN] += int((~seen).sum())
     row, points = row[seen], points[seen]
@@ -140,7 +154,7 @@ def _images_at(
 
 
 def _refuse_unseen_at_rest(rest: FloatArray, view: _View) -> None:
-    unseen = np.flatnonzero(~view.camera.visible(rest, view.dome))
+    unseen = np.flatnonzero(~view.camera.visible(rest, view.skin))
     if len(unseen):
         shown = ", ".join(str(number) for number in unseen[:5])
         raise PalpateError(

@@ -13,7 +13,7 @@ from palpate.core import PalpateError, refuse_outside_links
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.generate_dataset import DATASET_VERSION
 from palpate.dataset.spec import DatasetSpec
-from palpate.design import TILT_DEPTH
+from palpate.design import PoseSpace
 
 _COLUMNS = {
     "images_px": (("image", "marker", "pixel_axis"), "px", "clean marker positions"),
@@ -24,7 +24,6 @@ _COLUMNS = {
     "travel_mm": (("image",), "mm", "mean distance of the markers from rest"),
     "rest_px": (("marker", "pixel_axis"), "px", "markers of the undeformed dome"),
 }
-_LABELS = {"pixel_axis": ("u_px", "v_px"), "pose_axis": TILT_DEPTH.names}
 
 
 def write_dataset(path: Path, dataset: Dataset) -> None:
@@ -38,10 +37,12 @@ def write_dataset(path: Path, dataset: Dataset) -> None:
         images, markers = dataset.images_px.shape[:2]
         _write_dimension(file, "image", np.arange(images))
         _write_dimension(file, "marker", np.arange(markers))
-        for name, labels in _LABELS.items():
+        for name, labels in {"pixel_axis": ("u_px", "v_px"), "pose_axis": dataset.space.names}.items():
             _write_dimension(file, name, np.array(labels, dtype=h5py.string_dtype()))
         for name, (dimensions, unit, meaning) in _COLUMNS.items():
             column = file.create_dataset(name, data=_storable(getattr(dataset, name)), track_times=False)
+            if name == "poses" and not dataset.space.tilts:
+                unit, meaning = "mm, mm, mm", "place of the obstacle and depth"
             column.attrs["units"] = unit
             column.attrs["long_name"] = meaning
             for axis, dimension in enumerate(dimensions):
@@ -84,6 +85,7 @@ def _read(file: h5py.File) -> Dataset:
         image_size_px=(width, height),
         solved_presses=int(file.attrs["solved_presses"]),
         dropped=json.loads(file.attrs["dropped"]),
+        space=PoseSpace.named(file["pose_axis"].asstr()[...]),
     )
 
 

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError
 from palpate.dataset.field import MarkerField
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-
 
 ANGLE_STEP_DEG = 0.25
 

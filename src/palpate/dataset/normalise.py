@@ -37,5 +37,12 @@ class Normalisation:
 
 
 def draw_jitter(images_px: FloatArray, jitter_px: float, rng: np.random.Generator) -> FloatArray:
-    """Images (..., 2) with every coordinate moved by an independent uniform draw from ±`jitter_px`."""
+    """Images (..., 2) with every coordinate moved by an independent uniform draw from ±`jitter_px`.
+
+    Examples
+    --------
+    >>> moved = draw_jitter(np.zeros((2, 3, 2)), 0.5, np.random.default_rng(0))
+    >>> moved.shape, bool(np.abs(moved).max() <= 0.5)
+    ((2, 3, 2), True)
+    """
     return images_px + rng.uniform(-jitter_px, jitter_px, images_px.shape)

@@ -1,10 +1,10 @@
-"""Poses of the wall: evenly over the disc of tilts, or as the paper printed them."""
+"""Poses of the obstacle: evenly over the disc of tilts or offsets, or as the paper printed them."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from palpate.core import FloatArray, generator
+from palpate.core import FloatArray, PalpateError, generator
 from palpate.dataset.spec import DatasetSpec
 from palpate.design import rotation_vector
 
@@ -16,28 +16,44 @@ PAPER_TILTS_DEG = np.arange(0.0, 12.1, 2.0)
 PAPER_AZIMUTHS_DEG = {"paper-91": np.arange(0.0, 60.1, 5.0), "paper-504": np.arange(0.0, 359.9, 5.0)}
 
 
-def sample_poses(spec: DatasetSpec) -> FloatArray:
-    """Rotation of the wall in each virtual press.
+def sample_poses(spec: DatasetSpec, offset: float | None = None) -> FloatArray:
+    """First two components of the pose in each virtual press.
 
     Parameters
     ----------
     spec
         Protocol, number of presses and seed.
+    offset
+        Greatest offset of an obstacle that does not tilt, mm; `None` for a wall.
 
     Returns
     -------
     FloatArray
-        (n, 2): rx and ry in degrees. The paper's protocols repeat the straight press once an azimuth.
+        (n, 2): rx and ry in degrees, or x and y in mm. The paper's protocols repeat the straight press once an
+        azimuth.
+
+    Raises
+    ------
+    PalpateError
+        If a protocol of the paper, which is of tilts, is asked for an obstacle that does not tilt.
+
+    Examples
+    --------
+    >>> poses = sample_poses(DatasetSpec(n_presses=100))
+    >>> poses.shape, bool(np.hypot(*poses.T).max() <= 12.0)
+    ((100, 2), True)
     """
     if spec.poses == "disc":
-        return _disc(spec.n_presses, spec.max_tilt_deg, spec.seed)
+        return _disc(spec.n_presses, spec.max_tilt_deg if offset is None else offset, spec.seed)
+    if offset is not None:
+        raise PalpateError(f"The protocol {spec.poses} is one of tilts.", "Choose the poses 'disc'.")
     tilt, azimuth = np.meshgrid(PAPER_TILTS_DEG, PAPER_AZIMUTHS_DEG[spec.poses], indexing="ij")
     return rotation_vector(tilt.ravel(), np.deg2rad(azimuth.ravel()))
 
 
-def _disc(n: int, max_tilt_deg: float, seed: int) -> FloatArray:
+def _disc(n: int, radius: float, seed: int) -> FloatArray:
     """Evenly by area: a Kronecker sequence on the unit square, shifted at random, bent into a disc."""
     start = generator(seed, "poses").random(2)
     steps = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
     square = (start + np.arange(n)[:, None] * steps) % 1.0
-    return rotation_vector(max_tilt_deg * np.sqrt(square[:, 0]), np.deg2rad(360.0 * square[:, 1]))
+    return rotation_vector(radius * np.sqrt(square[:, 0]), np.deg2rad(360.0 * square[:, 1]))

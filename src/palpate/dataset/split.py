@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, generator
+from palpate.design import TILT_DEPTH, PoseSpace
 
-SAME_POSE_DEG = 1e-6
+SAME_POSE = 1e-6
+"""Poses nearer than this are one, degrees or mm."""
 
 
 class LeakageError(PalpateError):
@@ -22,9 +24,9 @@ class LeakageError(PalpateError):
         super().__init__(what, "Split by press: hold out all images of a press, or none.")
 
 
-def number_presses(rotations_deg: FloatArray) -> IntArray:
-    """Number the presses (n, 2) of rx and ry so that two with the same pose get the same number."""
-    rounded = np.round(rotations_deg / SAME_POSE_DEG).astype(np.int64)
+def number_presses(places: FloatArray) -> IntArray:
+    """Number the presses (n, 2) of rx and ry, or x and y, so that two with the same pose get the same number."""
+    rounded = np.round(places / SAME_POSE).astype(np.int64)
     _, first, number = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))
@@ -47,6 +49,11 @@ def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     -------
     BoolArray
         (n,) whether each image is for validation.
+
+    Examples
+    --------
+    >>> int(hold_out(np.array([0, 0, 1, 1, 2, 2]), 0.3, seed=0).sum())
+    2
     """
     distinct = np.unique(press)
     if len(distinct) < 2:
@@ -56,7 +63,7 @@ def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     return np.isin(press, chosen)
 
 
-def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray) -> None:
+def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, space: PoseSpace = TILT_DEPTH) -> None:
     """Check that no press and no pose has images on both sides.
 
     Parameters
@@ -64,21 +71,24 @@ def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray) ->
     press
         (n,) number of the press of each image.
     poses
-        (n, 3) rx and ry (degrees), depth (mm).
+        (n, 3) rx and ry (degrees), depth (mm), or what `space` says.
     validation
         (n,) whether each image is for validation.
+    space
+        What the columns of the poses are.
 
     Raises
     ------
     LeakageError
-        If a press, or two presses with the same rotation of the wall, stand on both sides.
+        If a press, or two presses with the same place of the obstacle, stand on both sides.
     """
     shared = np.intersect1d(press[validation], press[~validation])
     if len(shared):
         raise LeakageError(f"Press {shared[0]} has images in training and in validation ({len(shared)} such).")
-    rounded = np.round(poses[:, :2] / SAME_POSE_DEG).astype(np.int64)
+    rounded = np.round(poses[:, :2] / SAME_POSE).astype(np.int64)
     held_out = {tuple(pose) for pose in rounded[validation]}
     for pose in rounded[~validation]:
         if tuple(pose) in held_out:
-            rx, ry = pose * SAME_POSE_DEG
-            raise LeakageError(f"The pose rx {rx:.3f}°, ry {ry:.3f}° is in training and in validation.")
+            parts = zip(space.components, pose * SAME_POSE, strict=False)
+            shown = ", ".join(f"{item.axis} {value:.3f}{item.sign}" for item, value in parts)
+            raise LeakageError(f"The pose {shown} is in training and in validation.")

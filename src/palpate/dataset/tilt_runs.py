@@ -13,16 +13,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
-
-if TYPE_CHECKING:
-    from palpate.fea import Press
+from palpate.fea import Press
 
 SAME_TILT_DEG = 1e-9
 SAME_DEPTH_MM = 1e-6

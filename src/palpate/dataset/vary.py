@@ -14,19 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.camera import Camera, build_camera
 from palpate.core import FloatArray, PalpateError, TextArray, generator
 from palpate.dataset.field import MarkerField, build_field
+from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-    from palpate.design import MarkerLayout
-    from palpate.fea import Press
+from palpate.design import MarkerLayout
+from palpate.fea import Press
 
 _STEP = 0.2
 """Distance h of the points from which the surface's motion beside a dot is taken, mm."""
@@ -117,9 +115,9 @@ class VariedField:
 
 
 def vary_field(
-    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec, count: int
+    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec
 ) -> VariedField:
-    """Draw a unit for each of `count` virtual presses.
+    """Draw a unit for each virtual press.
 
     Parameters
     ----------
@@ -129,8 +127,6 @@ def vary_field(
         Presses of units that differ.
     spec
         Seed, and what varies.
-    count
-        Number of virtual presses.
 
     Raises
     ------
@@ -147,6 +143,7 @@ def vary_field(
                 f"design's at {base.depths_mm.max(initial=0.0):g} mm.",
                 "Press less deep, or vary less.",
             )
+    count = len(sample_poses(spec, base.offset))
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
     off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
     return VariedField(base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off)
@@ -169,8 +166,6 @@ def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
 
 def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> Camera:
     """The camera under the unit of one virtual press."""
-    from palpate.camera import build_camera
-
     rng, nominal = generator(seed, "camera", press), camera.spec
     ways = dict(zip(("offset_x", "offset_y", "tilt_x_deg", "tilt_y_deg"), rng.uniform(-1.0, 1.0, 4), strict=True))
     sizes = {"offset": spec.camera_offset, "tilt": spec.camera_tilt_deg}
@@ -198,7 +193,7 @@ def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec)
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()
-    dome = presses[0].mesh.skin
-    _, along, around = dome.tangents(layout.positions)
-    moved = [dome.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
+    skin = presses[0].mesh.skin
+    _, along, around = skin.tangents(layout.positions)
+    moved = [skin.nearest(layout.positions + _STEP * tangent) for tangent in (along, around)]
     return tuple(build_field(presses, replace(layout, positions=points)) for points in moved)

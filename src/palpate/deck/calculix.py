@@ -3,7 +3,7 @@
 The elements are 20-node bricks with 2 × 2 × 2 points (C3D20R), the contact is node to surface by a penalty. What
 CalculiX does not give is nan: contact energy, tension of the hold. Stored energy is that of its displacement at the
 2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes), work that
-of the images' axial force by monotone cubics. Contact area and apex gap are measured on its displaced surface, as
+of the increments' axial force by monotone cubics. Contact area and apex gap are measured on its displaced surface, as
 for our own solver.
 """
 
@@ -21,7 +21,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from palpate.core import FloatArray, PalpateError, Spec, parameter
-from palpate.deck.read_results import CalculixImages, read_counts, read_images
+from palpate.deck.read_results import CalculixIncrements, read_counts, read_increments
 from palpate.deck.spec import DeckSpec, Dialect
 from palpate.deck.write_deck import deck_depths, deck_text
 from palpate.fea import Branch, ObstacleSpec, Press, PressSolver, WallSpec
@@ -74,13 +74,13 @@ def solve_press_calculix(
     -------
     Press
         At the 27-node mesh: face and centre nodes are interpolated. `contact_energy`, `dissipation` and
-        `hold_tension` are nan, `negative_pivots` -1; `jump_depth` is the first image whose apex has left the wall.
-        Its `solved_by` says ``calculix``.
+        `hold_tension` are nan, `negative_pivots` -1; `jump_depth` is the first increment whose apex has left the
+        wall. Its `solved_by` says ``calculix``.
 
     Raises
     ------
     PalpateError
-        If ``ccx`` is missing, takes too long, or leaves no image; the last two name the folder with its log.
+        If ``ccx`` is missing, takes too long, or leaves no increment; the last two name the folder with its log.
     """
     wall, spec = wall or WallSpec(), spec or CalculixSpec()
     program = find_ccx()
@@ -88,17 +88,17 @@ def solve_press_calculix(
     folder = Path(tempfile.mkdtemp(prefix="palpate-ccx-"))
     (folder / "press.inp").write_text(text)
     cpu_s, code = _run(program, folder, spec.timeout)
-    images = read_images(folder / "press.dat", len(mesh.nodes))
-    if len(images.depth) == 0:
+    found = read_increments(folder / "press.dat", len(mesh.nodes))
+    if len(found.depth) == 0:
         raise PalpateError(
-            f"CalculiX left no image (exit code {code}): {_last_error(folder / 'press.log')}",
+            f"CalculiX left no increment (exit code {code}): {_last_error(folder / 'press.log')}",
             f"Its deck and log are in {folder}.",
         )
     unknowns, iterations = read_counts(folder / "press.log", folder / "press.cvg")
-    ended, message = _reason(images, mesh, wall, folder)
+    ended, message = _reason(found, mesh, wall, folder)
     if ended is not Ended.NOT_CONVERGED:
         shutil.rmtree(folder)
-    fields = _fields(images, mesh, material, wall)
+    fields = _fields(found, mesh, material, wall)
     inverted = fields["branch"] == str(Branch.INVERTED)
     return Press(
         mesh=mesh,
@@ -171,9 +171,9 @@ def _last_error(log: Path) -> str:
     return errors[-1].removeprefix("*ERROR").strip() if errors else "it says no reason"
 
 
-def _reason(images: CalculixImages, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[Ended, str]:
+def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[Ended, str]:
     goals = deck_depths(mesh, wall)
-    last = float(images.depth[-1])
+    last = float(found.depth[-1])
     if last < goals[-1] - 1e-4 * goals[-1]:
         why = _last_error(folder / "press.log")
         return Ended.NOT_CONVERGED, f"CalculiX stopped after {last:.4g} mm: {why} Its deck and log are in {folder}."
@@ -182,15 +182,15 @@ def _reason(images: CalculixImages, mesh: Mesh, wall: ObstacleSpec, folder: Path
     return Ended.DEPTH_REACHED, ""
 
 
-def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: ObstacleSpec) -> dict[str, Any]:
-    """Arrays of the `Press`: rest, then every image."""
+def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: ObstacleSpec) -> dict[str, Any]:
+    """Arrays of the `Press`: rest, then every increment."""
     half = not mesh.spec.whole
     parts = 2.0 if half else 1.0
     side = np.array([0.0, 1.0, 1.0]) if half else np.ones(3)
-    depth = np.concatenate([[0.0], images.depth])
-    moved = fill_nodes(mesh.cells, images.displacement)
+    depth = np.concatenate([[0.0], found.depth])
+    moved = fill_nodes(mesh.cells, found.displacement)
     displacement = np.concatenate([np.zeros((1, *mesh.nodes.shape)), moved])
-    force = np.concatenate([np.zeros((1, 3)), parts * side * images.wall_force]) @ wall.turn(mesh).T
+    force = np.concatenate([np.zeros((1, 3)), parts * side * found.wall_force]) @ wall.turn(mesh).T
     gap, area = _contact(mesh, wall, depth, displacement)
     nothing = np.full(len(depth), np.nan)
     return {
@@ -202,7 +202,7 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: Obstac
         "dissipation": nothing,
         "work": PchipInterpolator(depth, force[:, 2]).antiderivative()(depth),
         "branch": np.where(gap > _INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
-        "peak_stress": np.concatenate([[0.0], images.peak_stress]),
+        "peak_stress": np.concatenate([[0.0], found.peak_stress]),
         "contact_area": parts * area,
         "apex_gap": gap,
         "hold_tension": nothing,
@@ -213,7 +213,7 @@ def _fields(images: CalculixImages, mesh: Mesh, material: Material, wall: Obstac
 def _contact(
     mesh: Mesh, wall: ObstacleSpec, depth: FloatArray, displacement: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every image."""
+    """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every increment."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
     obstacle, touched = wall.at_touch(mesh)

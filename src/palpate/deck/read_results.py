@@ -1,4 +1,4 @@
-"""Read what CalculiX printed: the text results (.dat) of a deck, image by image, and the counts of its log.
+"""Read what CalculiX printed: the text results (.dat) of a deck, increment by increment, and the counts of its log.
 
 A block of a ``.dat`` file is a line of text that ends with the time, then rows of numbers::
 
@@ -46,8 +46,8 @@ class Block:
 
 
 @dataclass(frozen=True)
-class CalculixImages:
-    """Images that CalculiX left.
+class CalculixIncrements:
+    """Increments that CalculiX left.
 
     Attributes
     ----------
@@ -67,29 +67,29 @@ class CalculixImages:
     peak_stress: FloatArray
 
 
-def read_images(path: Path, nodes: int) -> CalculixImages:
-    """Read the images of a ``.dat`` file; one whose blocks are not all there is left out.
+def read_increments(path: Path, nodes: int) -> CalculixIncrements:
+    """Read the increments of a ``.dat`` file; one whose blocks are not all there is left out.
 
     Parameters
     ----------
     path
-        The file; none at all counts as no image.
+        The file; none at all counts as no increment.
     nodes
         Number of nodes of the palpate mesh; node k of it is k + 1 there.
     """
     found: dict[float, dict[str, FloatArray]] = {}
     for block in read_blocks(path):
         found.setdefault(block.time, {})[block.quantity] = block.rows
-    whole = {time: image for time, image in sorted(found.items()) if {*image} >= {*_QUANTITIES}}
+    whole = {time: blocks for time, blocks in sorted(found.items()) if {*blocks} >= {*_QUANTITIES}}
     displacement = np.full((len(whole), nodes, 3), np.nan)
-    for k, image in enumerate(whole.values()):
-        rows = image["displacements"]
+    for k, blocks in enumerate(whole.values()):
+        rows = blocks["displacements"]
         displacement[k, rows[:, 0].astype(int) - 1] = rows[:, 1:4]
-    return CalculixImages(
+    return CalculixIncrements(
         depth=np.array([*whole]),
         displacement=displacement,
-        wall_force=-np.array([image["total force"][0] for image in whole.values()]).reshape(-1, 3),
-        peak_stress=np.array([von_mises(image["stresses"][:, _STRESS]).max() for image in whole.values()]),
+        wall_force=-np.array([blocks["total force"][0] for blocks in whole.values()]).reshape(-1, 3),
+        peak_stress=np.array([von_mises(blocks["stresses"][:, _STRESS]).max() for blocks in whole.values()]),
     )
 
 

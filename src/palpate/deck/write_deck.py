@@ -48,7 +48,7 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
     material
         The elastomer.
     wall
-        Tilt, azimuth, depth, image step and contact law.
+        Tilt, azimuth, depth, step between increments and contact law.
     spec
         Dialect, element and contact penalty.
 
@@ -81,21 +81,21 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
 
 
 def deck_depths(mesh: Mesh, wall: ObstacleSpec) -> list[float]:
-    """Depths in mm of the images of a deck, up to where the wall reaches the clamped rim."""
+    """Depths in mm of the increments that a deck writes, up to where the wall reaches the clamped rim."""
     return increment_depths(wall, min(wall.depth, wall.clamp_depth(mesh)))
 
 
 def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
-    dome = mesh.skin
+    skin = mesh.skin
     part = "whole dome" if mesh.spec.whole else "half dome x >= 0 (forces and energies of the whole are twice these)"
     yield "*HEADING"
-    yield f"palpate {provenance()['palpate']}: {dome.name}, pressed by a rigid obstacle"
+    yield f"palpate {provenance()['palpate']}: {skin.name}, pressed by a rigid obstacle"
     yield "** Units: mm, N, MPa, mJ; pseudo-time is the travel of the wall in mm"
     yield "** Frame: origin in the middle of the base plane, z along the axis to the apex"
     yield f"** Made by palpate {provenance()['palpate']} for {spec.dialect}, element {spec.element}"
     yield (
-        f"** skin: {dome.name}, height {dome.height:g} mm, base radius {dome.base_radius:g} mm, thickness "
-        f"{dome.thickness:g} mm (inner radius {dome.radius:.6g} mm); {part}"
+        f"** skin: {skin.name}, height {skin.height:g} mm, base radius {skin.base_radius:g} mm, thickness "
+        f"{skin.thickness:g} mm (inner radius {skin.radius:.6g} mm); {part}"
     )
     yield f"** mesh: {mesh.spec.model_dump_json()}"
     yield f"** material: {material.name}"

@@ -13,7 +13,7 @@ from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
 from palpate.design.pose_space import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
 from palpate.design.revolved import RevolvedSkin
-from palpate.design.rings import markers_in_rings, ring_count, ring_diameters
+from palpate.design.rings import markers_in_rings, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 
@@ -48,7 +48,6 @@ __all__ = [
     "read_points",
     "read_skin",
     "refuse_errors",
-    "ring_count",
     "ring_diameters",
     "rotation_vector",
     "skin_from_data",

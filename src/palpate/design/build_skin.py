@@ -25,7 +25,7 @@ def build_skin(spec: SkinSpec) -> Skin:
     --------
     >>> from palpate.design import DomeSpec
     >>> skin = build_skin(DomeSpec(height=30))
-    >>> round(skin.radius, 2), skin.shape
+    >>> round(skin.radius, 2), str(skin.shape)
     (21.67, 'spherical cap')
     """
     return spec.build()

@@ -12,22 +12,29 @@ from palpate.design.markers import MarkerLayout
 from palpate.design.skin import Skin
 
 
-def check_design(dome: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
+def check_design(skin: Skin, markers: MarkerLayout) -> tuple[Finding, ...]:
     """Report the limits that a dome and its markers meet.
 
     Parameters
     ----------
-    dome
-        The dome.
+    skin
+        The skin.
     markers
         Its markers.
 
     Returns
     -------
     tuple of Finding
-        Errors first; empty where nothing is to be said.
+        Errors first; empty where nothing is wrong.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+    >>> skin = build_skin(DomeSpec(height=30))
+    >>> [finding.code for finding in check_design(skin, place_markers(skin, MarkerSpec()))]
+    ['undercut']
     """
-    findings = [*_check_wall(dome), *_check_markers(dome, markers)]
+    findings = [*_check_wall(skin), *_check_markers(skin, markers)]
     order = list(Severity)
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
 
@@ -45,25 +52,25 @@ def refuse_errors(findings: Iterable[Finding]) -> None:
             raise PalpateError(finding.message, finding.remedy)
 
 
-def _check_wall(dome: Skin) -> Iterator[Finding]:
-    if dome.thickness >= dome.radius:
+def _check_wall(skin: Skin) -> Iterator[Finding]:
+    if skin.thickness >= skin.radius:
         yield Finding(
             Severity.WARNING,
             "wall-thicker-than-radius",
-            f"The wall is {dome.thickness:g} mm thick, its inner radius only {dome.radius:.4g} mm.",
-            f"Take less than {dome.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a shell.",
+            f"The wall is {skin.thickness:g} mm thick, its inner radius only {skin.radius:.4g} mm.",
+            f"Take less than {skin.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a shell.",
         )
-    if dome.bulges:
+    if skin.bulges:
         yield Finding(
             Severity.WARNING,
             "undercut",
-            f"The dome bulges over its base: {2 * dome.widest[0]:.4g} mm wide at z = {dome.widest[1]:.4g} mm, "
-            f"{2 * dome.base_radius:g} mm at the base.",
-            f"A rigid core cannot be pulled: use a soft or split core, or a height up to {dome.base_radius:g} mm.",
+            f"The dome bulges over its base: {2 * skin.widest[0]:.4g} mm wide at z = {skin.widest[1]:.4g} mm, "
+            f"{2 * skin.base_radius:g} mm at the base.",
+            f"A rigid core cannot be pulled: use a soft or split core, or a height up to {skin.base_radius:g} mm.",
         )
 
 
-def _check_markers(dome: Skin, markers: MarkerLayout) -> Iterator[Finding]:
+def _check_markers(skin: Skin, markers: MarkerLayout) -> Iterator[Finding]:
     outside = ~markers.on_dome
     if outside.any():
         farthest = float(np.hypot(markers.positions[outside, 0], markers.positions[outside, 1]).max())
@@ -71,8 +78,8 @@ def _check_markers(dome: Skin, markers: MarkerLayout) -> Iterator[Finding]:
             Severity.ERROR,
             "ring-outside-dome",
             f"{int(outside.sum())} markers are up to {farthest:.4g} mm from the axis, outside the dome, "
-            f"which reaches {dome.widest[0]:.4g} mm.",
-            f"Keep ring diameters below {2 * dome.widest[0]:.4g} mm.",
+            f"which reaches {skin.widest[0]:.4g} mm.",
+            f"Keep ring diameters below {2 * skin.widest[0]:.4g} mm.",
         )
     pair = markers.closest_pair()
     if pair is not None and pair[2] < markers.diameter:
@@ -82,7 +89,7 @@ def _check_markers(dome: Skin, markers: MarkerLayout) -> Iterator[Finding]:
             f"Markers {pair[0]} and {pair[1]} are {pair[2]:.3g} mm apart, but a dot is {markers.diameter:g} mm wide.",
             f"Print dots below {pair[2]:.3g} mm, or spread the markers.",
         )
-    room = dome.distance_to_rim(markers.positions[~outside])
+    room = skin.distance_to_rim(markers.positions[~outside])
     near = room < markers.diameter / 2.0
     if near.any():
         yield Finding(

@@ -36,7 +36,7 @@ class Ellipsoid(RevolvedSkin):
     Attributes
     ----------
     height, base_radius, thickness
-        As of every `Skin`, mm.
+        See `Skin`, mm.
     aspect
         k, semi-axis along the axis over that across: below 1 flatter at the apex than a sphere.
     """

@@ -50,15 +50,15 @@ class Module:
 
     def outline(self) -> Outline:
         """Half the section of the module, (x, z) mm."""
-        dome = self.dome
+        skin = self.dome
         return [
-            (0.0, dome.outer_height),
-            *dome.meridian(dome.thickness, down=True),
+            (0.0, skin.outer_height),
+            *skin.meridian(skin.thickness, down=True),
             (self.flange_radius, 0.0),
             (self.flange_foot, self.foot),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
-            *dome.meridian(0.0, down=False),
+            *skin.meridian(0.0, down=False),
         ]
 
     def outside(self) -> Outline:
@@ -75,23 +75,30 @@ class Module:
         ]
 
 
-def build_module(dome: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
+def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     """Lay out a module.
 
     Parameters
     ----------
-    dome
+    skin
         Its dome.
     mount
         Its flange.
     scale
         Factor on every length, for a mold whose part shrinks.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, build_skin
+    >>> module = build_module(build_skin(DomeSpec(height=20)), MountSpec())
+    >>> module.foot, module.outline()[0]
+    (-3.0, (0.0, 22.0))
     """
-    dome = dome.scaled(scale)
+    skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness
-    outer = dome.outer_base_radius + scale * mount.flange_width
+    outer = skin.outer_base_radius + scale * mount.flange_width
     draft = thickness * float(np.tan(np.radians(mount.draft_deg)))
-    return Module(dome, thickness, outer, dome.base_radius, outer + draft, dome.base_radius + draft)
+    return Module(skin, thickness, outer, skin.base_radius, outer + draft, skin.base_radius + draft)
 
 
 def build_solid(module: Module) -> CadSolid:

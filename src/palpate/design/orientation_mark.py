@@ -17,15 +17,23 @@ _CLEARANCE = 1.4
 """Distance from the outermost dots, over the diameter of a dot, where the dome has room."""
 
 
-def place_orientation_mark(dome: Skin, layout: MarkerLayout) -> FloatArray:
+def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     """Place the mark beyond the outermost dots, or half way from them to the rim where there is less room.
 
     Returns
     -------
     ndarray
         (3,) mm, centre of the mark.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+    >>> skin = build_skin(DomeSpec())
+    >>> mark = place_orientation_mark(skin, place_markers(skin, MarkerSpec(count=37)))
+    >>> round(float(np.degrees(np.arctan2(mark[1], mark[0]))), 6)
+    15.0
     """
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
-    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + dome.base_radius) / 2)
-    point: FloatArray = dome.inner_point(outermost, np.radians(AZIMUTH_DEG))
+    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.base_radius) / 2)
+    point: FloatArray = skin.inner_point(outermost, np.radians(AZIMUTH_DEG))
     return point

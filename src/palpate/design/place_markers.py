@@ -14,13 +14,13 @@ from palpate.design.skin import Skin
 from palpate.design.spec import MarkerSpec
 
 
-def place_markers(dome: Skin, spec: MarkerSpec) -> MarkerLayout:
+def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
     """Place the markers of `spec` on the inner surface, carried there along the dome's axis.
 
     Parameters
     ----------
-    dome
-        The dome.
+    skin
+        The skin.
     spec
         Rings or a free layout. Every ring starts at azimuth 0.
 
@@ -35,11 +35,18 @@ def place_markers(dome: Skin, spec: MarkerSpec) -> MarkerLayout:
     PalpateError
         If the file of a free layout cannot be read, does not lie on the dome, or has another number of
         markers than the spec asks for.
+
+    Examples
+    --------
+    >>> from palpate.design import DomeSpec, build_skin
+    >>> layout = place_markers(build_skin(DomeSpec(height=20)), MarkerSpec(count=7))
+    >>> layout.positions[0].round(6).tolist(), len(layout)
+    ([0.0, 0.0, 20.0], 7)
     """
     if spec.file is None:
-        diameters = spec.ring_diameters or ring_diameters(spec.count, dome.base_radius)
-        return MarkerLayout(positions=_rings(dome, diameters), diameter=spec.diameter)
-    positions = read_points(spec.file, dome)
+        diameters = spec.ring_diameters or ring_diameters(spec.count, skin.base_radius)
+        return MarkerLayout(positions=_rings(skin, diameters), diameter=spec.diameter)
+    positions = read_points(spec.file, skin)
     if "count" in spec.model_fields_set and spec.count != len(positions):
         raise PalpateError(
             f"{spec.file} has {len(positions)} markers, but count is {spec.count}.",
@@ -48,8 +55,8 @@ def place_markers(dome: Skin, spec: MarkerSpec) -> MarkerLayout:
     return MarkerLayout(positions=positions, diameter=spec.diameter)
 
 
-def _rings(dome: Skin, diameters: Sequence[float]) -> FloatArray:
+def _rings(skin: Skin, diameters: Sequence[float]) -> FloatArray:
     counts = [1, *(6 * k for k in range(1, len(diameters) + 1))]
     rho = np.repeat([0.0, *diameters], counts) / 2.0
     azimuth = np.concatenate([2.0 * np.pi * np.arange(count) / count for count in counts])
-    return dome.inner_point(rho, azimuth)
+    return skin.inner_point(rho, azimuth)

@@ -14,14 +14,14 @@ ON_SURFACE = 0.05
 """A point given with its height must lie this near the inner surface, mm."""
 
 
-def read_points(path: Path, dome: Skin) -> FloatArray:
+def read_points(path: Path, skin: Skin) -> FloatArray:
     """Read points of the inner surface from a CSV file with a header.
 
     Parameters
     ----------
     path
         File with the columns ``x_mm, y_mm`` and, if wished, ``z_mm``, in any order.
-    dome
+    skin
         The dome that carries the points. Without ``z_mm`` a point is carried up along the axis.
 
     Returns
@@ -37,14 +37,14 @@ def read_points(path: Path, dome: Skin) -> FloatArray:
     """
     table = _read_table(path)
     if table.shape[1] == 2:
-        return dome.inner_point(np.hypot(table[:, 0], table[:, 1]), np.arctan2(table[:, 1], table[:, 0]))
-    off = np.abs(dome.distance(table))
-    below = dome.distance_to_rim(table) < -ON_SURFACE
+        return skin.inner_point(np.hypot(table[:, 0], table[:, 1]), np.arctan2(table[:, 1], table[:, 0]))
+    off = np.abs(skin.distance(table))
+    below = skin.distance_to_rim(table) < -ON_SURFACE
     for row in np.flatnonzero((off > ON_SURFACE) | below):
         where = "below the base plane" if below[row] else f"{off[row]:.3g} mm off the inner surface"
         raise PalpateError(
             f"{path}: point {row + 1} ({', '.join(f'{value:g}' for value in table[row])}) mm is {where}.",
-            f"The inner surface is that of {dome.name}, z >= 0; leave out z_mm to have points carried there.",
+            f"The inner surface is that of {skin.name}, z >= 0; leave out z_mm to have points carried there.",
         )
     return table
 

@@ -27,6 +27,11 @@ def wall_normal(rx: float, ry: float) -> FloatArray:
     """Outward normal (3,) of the wall for its rotation vector (rx, ry) in radians.
 
     ``n = cos(t) e_z + sin(t) (ry, -rx, 0) / t`` with ``t = |(rx, ry)|``: e_z turned by the rotation vector.
+
+    Examples
+    --------
+    >>> wall_normal(np.radians(30), 0.0).round(3).tolist()
+    [0.0, -0.5, 0.866]
     """
     tilt = float(np.hypot(rx, ry))
     if tilt == 0.0:
@@ -35,6 +40,12 @@ def wall_normal(rx: float, ry: float) -> FloatArray:
 
 
 def turn_about_axis(azimuth: float) -> FloatArray:
-    """Rotation (3, 3) about z by an angle in rad, ``turned_from_plain``: its columns are the turned frame's axes."""
+    """Rotation (3, 3) about z by an angle in rad, ``turned_from_plain``: its columns are the turned frame's axes.
+
+    Examples
+    --------
+    >>> (turn_about_axis(np.pi / 2) @ [1.0, 0.0, 0.0]).round(9).tolist()
+    [0.0, 1.0, 0.0]
+    """
     cos, sin = np.cos(azimuth), np.sin(azimuth)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -5,12 +5,14 @@ Networks, intervals, readings, tables, grids and the metadata of models read the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, PalpateError
+from palpate.design.pose import rotation_vector
 
 
 class PoseComponent(NamedTuple):
@@ -38,6 +40,11 @@ class PoseComponent(NamedTuple):
         """Column of tables, e.g. ``rx_deg``."""
         return f"{self.axis}_{self.unit}"
 
+    @property
+    def sign(self) -> str:
+        """Unit as it stands behind a number: ``°`` or `` mm``."""
+        return "°" if self.unit == "deg" else f" {self.unit}"
+
 
 @dataclass(frozen=True)
 class PoseSpace:
@@ -49,10 +56,37 @@ class PoseSpace:
         First the two that turn with the azimuth, then the depth.
     polar
         Name of the length of the first two, e.g. ``angle``.
+    turn_deg
+        Turn of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
     """
 
     components: tuple[PoseComponent, ...]
     polar: str
+    turn_deg: float
+
+    @staticmethod
+    def named(names: Sequence[str]) -> PoseSpace:
+        """The space whose components have these names, as a file gives them; one of another package has no bounds.
+
+        Raises
+        ------
+        PalpateError
+            If there are fewer than three, or a name is not an axis and a unit.
+        """
+        for space in (TILT_DEPTH, OFFSET_DEPTH):
+            if space.names == tuple(names):
+                return space
+        parts = [name.rpartition("_") for name in names]
+        if len(parts) < 3 or not all(axis and unit for axis, _, unit in parts):
+            raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
+        anything = (float("-inf"), float("inf"))
+        components = tuple(PoseComponent(axis, unit, axis, anything) for axis, _, unit in parts)
+        return PoseSpace(components, OFFSET_DEPTH.polar, OFFSET_DEPTH.turn_deg)
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the first two components are those of a wall's rotation vector."""
+        return self.polar == TILT_DEPTH.polar
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,9 +100,13 @@ class PoseSpace:
 
     @property
     def errors(self) -> tuple[tuple[str, tuple[int, ...], str], ...]:
-        """What errors are told of: name, columns of the poses, unit; the polar quantity first."""
+        """What errors are measured: name, columns of the poses, unit; the polar quantity first."""
         joint = (self.polar, (0, 1), self.components[0].unit)
         return (joint, *((item.axis, (k,), item.unit) for k, item in enumerate(self.components)))
+
+    def part(self, radial: float, turn_deg: float) -> FloatArray:
+        """First two components (2,) of an obstacle from its `radial` and its `turn_deg`."""
+        return rotation_vector(radial, np.radians(turn_deg - self.turn_deg))
 
     def error(self, estimates: FloatArray, poses: FloatArray) -> FloatArray:
         """Length (n,) of the error in the first two components, of poses (n, k): degrees of an angle, or mm."""
@@ -83,9 +121,12 @@ TILT_DEPTH = PoseSpace(
         _DEPTH,
     ),
     "angle",
+    turn_deg=0.0,
 )
 """A flat wall: the components of its rotation vector, and how far it came."""
 OFFSET_DEPTH = PoseSpace(
-    (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH), "offset"
+    (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH),
+    "offset",
+    turn_deg=-90.0,
 )
 """An obstacle beside the axis: where it stands, and how far it came."""

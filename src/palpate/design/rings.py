@@ -61,6 +61,13 @@ def ring_diameters(count: int, base_radius: float = PRESET_BASE_RADIUS) -> tuple
     ------
     PalpateError
         If `count` is not a ring number.
+
+    Examples
+    --------
+    >>> ring_diameters(37)
+    (10.0, 20.0, 30.0)
+    >>> ring_diameters(37, base_radius=10)
+    (5.0, 10.0, 15.0)
     """
     if count in PRESET_DIAMETERS:
         scale = base_radius / PRESET_BASE_RADIUS

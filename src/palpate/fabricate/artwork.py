@@ -50,33 +50,33 @@ class Artwork:
     mapping: PadMapping
 
 
-def draw_artwork(dome: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
+def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
     """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
-    rim = float(np.abs(flatten(dome, dome.inner_point([dome.base_radius], [0.0]), mapping)).max())
+    rim = float(np.abs(flatten(skin, skin.inner_point([skin.base_radius], [0.0]), mapping)).max())
     reach = rim + _MARGIN
     return Artwork(
-        dots=flatten(dome, layout.positions, mapping),
+        dots=flatten(skin, layout.positions, mapping),
         diameter=layout.diameter,
-        mark=flatten(dome, place_orientation_mark(dome, layout)[None], mapping)[0] if mark else None,
+        mark=flatten(skin, place_orientation_mark(skin, layout)[None], mapping)[0] if mark else None,
         crosses=np.array([[reach, 0.0], [0.0, reach], [-reach, 0.0], [0.0, -reach]]),
         rim=rim,
         mapping=mapping,
     )
 
 
-def flatten(dome: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
+def flatten(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 3) mm of the inner surface to the page (n, 2) mm."""
     rho = np.hypot(points[:, 0], points[:, 1])
     if mapping is PadMapping.ARC:
-        length = dome.arc_length(points)
+        length = skin.arc_length(points)
         scale = np.divide(length, rho, out=np.ones_like(rho), where=rho > 0)
     else:
         scale = np.ones_like(rho)
     return np.asarray(points[:, :2] * scale[:, None] * [-1.0, 1.0])
 
 
-def carry_to_dome(dome: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
+def carry_to_dome(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
     reach = np.hypot(page[:, 0], page[:, 1])
-    rho = dome.at_arc_length(reach) if mapping is PadMapping.ARC else reach
-    return dome.inner_point(rho, np.arctan2(page[:, 1], -page[:, 0]))
+    rho = skin.at_arc_length(reach) if mapping is PadMapping.ARC else reach
+    return skin.inner_point(rho, np.arctan2(page[:, 1], -page[:, 0]))

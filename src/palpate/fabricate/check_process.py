@@ -37,15 +37,15 @@ _PEEL_UNKNOWN = 2.0
 
 
 def check_process(
-    dome: Skin, layout: MarkerLayout, material: Material, camera: Camera, spec: ProcessSpec
+    skin: Skin, layout: MarkerLayout, material: Material, camera: Camera, spec: ProcessSpec
 ) -> tuple[Finding, ...]:
     """Report what the workshop meets with a design: demolding, dots, pad and camera; errors first."""
     findings = [
-        *check_design(dome, layout),
-        *_check_wall(dome),
-        *_check_peeling(dome, material),
-        *_check_dots(dome, layout, camera, spec),
-        *_check_pad(dome, layout, spec),
+        *check_design(skin, layout),
+        *_check_wall(skin),
+        *_check_peeling(skin, material),
+        *_check_dots(skin, layout, camera, spec),
+        *_check_pad(skin, layout, spec),
     ]
     order = list(Severity)
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
@@ -68,20 +68,20 @@ def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
     )
 
 
-def _check_wall(dome: Skin) -> Iterator[Finding]:
-    if dome.thickness >= dome.radius:
+def _check_wall(skin: Skin) -> Iterator[Finding]:
+    if skin.thickness >= skin.radius:
         yield Finding(
             Severity.ERROR,
             "not-a-shell",
-            f"A wall of {dome.thickness:g} mm on an inner radius of {dome.radius:.4g} mm is no shell to be molded.",
-            f"Take less than {dome.radius:.4g} mm.",
+            f"A wall of {skin.thickness:g} mm on an inner radius of {skin.radius:.4g} mm is no shell to be molded.",
+            f"Take less than {skin.radius:.4g} mm.",
         )
 
 
-def _check_peeling(dome: Skin, material: Material) -> Iterator[Finding]:
-    if not dome.bulges:
+def _check_peeling(skin: Skin, material: Material) -> Iterator[Finding]:
+    if not skin.bulges:
         return
-    stretch, depth = dome.widest[0] / dome.base_radius, dome.widest[0] - dome.base_radius
+    stretch, depth = skin.widest[0] / skin.base_radius, skin.widest[0] - skin.base_radius
     known = np.isfinite(material.stretch_range[1])
     limit = 1 + _PEEL * (material.stretch_range[1] - 1) if known else _PEEL_UNKNOWN
     where = f"the part must stretch {stretch:.3g} times to be peeled off the core (undercut {depth:.3g} mm)"
@@ -90,7 +90,7 @@ def _check_peeling(dome: Skin, material: Material) -> Iterator[Finding]:
             Severity.ERROR,
             "peel-stretch",
             f"The dome bulges over its base, so {where}; it bears {limit:.3g} safely.",
-            f"Take a height below {dome.height * limit / stretch:.3g} mm or a wider base.",
+            f"Take a height below {skin.height * limit / stretch:.3g} mm or a wider base.",
         )
     else:
         yield Finding(
@@ -101,7 +101,7 @@ def _check_peeling(dome: Skin, material: Material) -> Iterator[Finding]:
         )
 
 
-def _check_dots(dome: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessSpec) -> Iterator[Finding]:
+def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessSpec) -> Iterator[Finding]:
     diameter = layout.diameter
     if diameter < spec.smallest_dot:
         yield Finding(
@@ -110,13 +110,13 @@ def _check_dots(dome: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             f"Dots are {diameter:g} mm wide, the pad prints from {spec.smallest_dot:g} mm on.",
             f"Take dots of at least {spec.smallest_dot:g} mm.",
         )
-    sagitta = dome.radius - float(np.sqrt(max(dome.radius**2 - diameter**2 / 4, 0.0)))
+    sagitta = skin.radius - float(np.sqrt(max(skin.radius**2 - diameter**2 / 4, 0.0)))
     if sagitta > _SAGITTA * diameter:
         yield Finding(
             Severity.WARNING,
             "dot-on-curve",
-            f"A dot of {diameter:g} mm is a cap {sagitta:.2g} mm high on a sphere of {dome.radius:.3g} mm.",
-            f"Take dots below {8 * dome.radius * _SAGITTA:.2g} mm, or a flatter dome.",
+            f"A dot of {diameter:g} mm is a cap {sagitta:.2g} mm high on a sphere of {skin.radius:.3g} mm.",
+            f"Take dots below {8 * skin.radius * _SAGITTA:.2g} mm, or a flatter dome.",
         )
     points = layout.positions[layout.on_dome]
     beside = points + np.array([diameter, 0.0, 0.0])
@@ -128,7 +128,7 @@ def _check_dots(dome: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             f"The smallest dot is {size.min():.2g} pixels wide in the camera.",
             f"Take dots of at least {diameter * _SMALLEST_PX / size.min():.2g} mm, or a camera nearer or sharper.",
         )
-    unseen = ~camera.visible(points, dome)
+    unseen = ~camera.visible(points, skin)
     if unseen.any():
         yield Finding(
             Severity.WARNING,
@@ -138,17 +138,17 @@ def _check_dots(dome: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
         )
 
 
-def _check_pad(dome: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
+def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
     points = layout.positions[layout.on_dome]
-    slope = float(np.degrees(np.arccos(np.clip(dome.normal(points)[:, 2], -1, 1))).max())
+    slope = float(np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1, 1))).max())
     if slope > spec.steepest_deg:
         yield Finding(
             Severity.WARNING,
             "pad-reach",
             f"The lowest dots lie on a slope of {slope:.3g}°, a pad reaches {spec.steepest_deg:g}°.",
-            f"Keep dots within {dome.radius * np.sin(np.radians(spec.steepest_deg)):.3g} mm of the axis.",
+            f"Keep dots within {skin.radius * np.sin(np.radians(spec.steepest_deg)):.3g} mm of the axis.",
         )
-    page = flatten(dome, points, spec.mapping)
+    page = flatten(skin, points, spec.mapping)
     if len(page) > 1:
         distance = np.linalg.norm(page[:, None] - page[None], axis=-1)
         np.fill_diagonal(distance, np.inf)

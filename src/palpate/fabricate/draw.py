@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
@@ -25,17 +24,17 @@ def draw_module_section(module: Module) -> Figure:
     """Draw the section of a module with its dimensions."""
     figure, axis = _sheet((6.4, 4.6))
     _fill(axis, follow_outline(module.outline()), SILICONE)
-    dome, foot = module.dome, module.foot
-    top = dome.height + dome.thickness
-    _dimension(axis, (-dome.base_radius, foot - 5), (dome.base_radius, foot - 5), f"2 B = {2 * dome.base_radius:.4g}")
+    skin, foot = module.dome, module.foot
+    top = skin.height + skin.thickness
+    _dimension(axis, (-skin.base_radius, foot - 5), (skin.base_radius, foot - 5), f"2 B = {2 * skin.base_radius:.4g}")
     _dimension(
         axis, (-module.flange_foot, foot - 10), (module.flange_foot, foot - 10), f"{2 * module.flange_foot:.4g}"
     )
     side = module.flange_foot + 5
-    _dimension(axis, (side, 0.0), (side, dome.height), f"H = {dome.height:.4g}")
-    _dimension(axis, (0.0, dome.height), (0.0, top), f"T = {dome.thickness:.4g}", beside=True)
+    _dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
+    _dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
     _dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
-    axis.text(0, dome.height / 2, f"inner radius at the apex {dome.radius:.4g}", ha="center", fontsize=9)
+    axis.text(0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", fontsize=9)
     axis.set_xlim(-side - 14, side + 14)
     axis.set_ylim(foot - 14, top + 5)
     return figure
@@ -60,7 +59,6 @@ def draw_mold_section(module: Module, radius: float, floor: float, plate: float)
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
     """Draw the visible edges of bodies side by side, seen from above at an angle, to one scale."""
     figure = Figure(figsize=(3.4 * len(bodies), 3.4), layout="constrained")
-    FigureCanvasAgg(figure)
     axes = figure.subplots(1, len(bodies), squeeze=False, sharex=True, sharey=True)[0]
     for axis, (name, body) in zip(axes, bodies, strict=True):
         middle = body.bounds.mean(axis=0)
@@ -101,7 +99,6 @@ def _follow_arc(start: FloatArray, arc: Arc) -> FloatArray:
 
 def _sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
     figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
     axis = figure.add_subplot()
     axis.set_aspect("equal")
     axis.set_axis_off()

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
@@ -43,7 +44,7 @@ class Section:
 
 
 def write_instructions(
-    dome: Skin,
+    skin: Skin,
     layout: MarkerLayout,
     material: str,
     made: tuple[Mold, Enclosure, Camera, ProcessSpec],
@@ -53,7 +54,7 @@ def write_instructions(
 
     Parameters
     ----------
-    dome, layout
+    skin, layout
         The design.
     material
         Name of the elastomer.
@@ -66,27 +67,27 @@ def write_instructions(
     volume = mold.hollow() / 1000
     mixed = volume * (1 + spec.excess_percent / 100)
     return [
-        Section("Contact module", tuple(_describe(dome, layout, material, mold))),
+        Section("Contact module", tuple(_describe(skin, layout, material, mold))),
         Section("Material", tuple(_list_material(mixed, mold, spec))),
         Section("Cast", tuple(_cast(mixed, mold)), steps=True),
         Section(
             "Print the markers",
-            tuple(_print_markers(layout, spec, has_template=not dome.bulges)),
+            tuple(_print_markers(layout, spec, has_template=not skin.bulges)),
             steps=True,
         ),
-        Section("Inspect", tuple(_inspect(dome, layout))),
+        Section("Inspect", tuple(_inspect(skin, layout))),
         Section("Enclosure", tuple(_assemble(enclosure, camera, spec)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
     ]
 
 
-def _describe(dome: Skin, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
+def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
     return [
-        f"{dome.shape}: H = {dome.height:g} mm, B = {dome.base_radius:g} mm, T = {dome.thickness:g} mm, "
-        f"inner radius {dome.radius:.5g} mm.",
+        f"{skin.shape}: H = {skin.height:g} mm, B = {skin.base_radius:g} mm, T = {skin.thickness:g} mm, "
+        f"inner radius {skin.radius:.5g} mm.",
         f"{len(layout)} markers of {layout.diameter:g} mm on the inner surface. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
-        f"(factor {mold.module.dome.height / dome.height:.5f}).",
+        f"(factor {mold.module.dome.height / skin.height:.5f}).",
     ]
 
 
@@ -136,11 +137,11 @@ def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: boo
     ]
 
 
-def _inspect(dome: Skin, layout: MarkerLayout) -> list[str]:
+def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
     return [
-        f"Thickness at the apex and at four places half way down: {dome.thickness:g} ± "
-        f"{max(0.05, 0.05 * dome.thickness):.2g} mm.",
-        f"Inner height over the base: {dome.height:g} ± 0.2 mm.",
+        f"Thickness at the apex and at four places half way down: {skin.thickness:g} ± "
+        f"{max(0.05, 0.05 * skin.thickness):.2g} mm.",
+        f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
         f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
         f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate inspect` tells from an image.",
         "No bubble above 0.5 mm; inner surface matt and even.",
@@ -194,10 +195,11 @@ def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:
         tall = width * height / wide
         bottom -= tall
         drawing.set_dpi(_DRAWING_DPI)
-        drawing.canvas.draw()
+        canvas = FigureCanvasAgg(drawing)
+        canvas.draw()  # type: ignore[no-untyped-call]
         place = (0.5 * (1 - width / _A4[0]), bottom / _A4[1], width / _A4[0], tall / _A4[1])
         axis = page.add_axes(place)
-        axis.imshow(drawing.canvas.buffer_rgba())  # type: ignore[attr-defined]
+        axis.imshow(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
         axis.set_axis_off()
     return page
 

@@ -15,7 +15,7 @@ THICKNESS = 1.2
 """Of the shell, mm."""
 
 
-def build_template(dome: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
+def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> SurfaceMesh:
     """Build the shell, a gap smaller than the dome's inside, with a hole along the normal at every marker.
 
     Raises
@@ -23,13 +23,13 @@ def build_template(dome: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     PalpateError
         If it could not be set into a dome that bulges, or neighbouring holes would leave too little between them.
     """
-    if dome.bulges:
+    if skin.bulges:
         raise PalpateError(
-            f"A template {2 * dome.widest[0]:.4g} mm wide does not pass a base of {2 * dome.base_radius:g} mm.",
+            f"A template {2 * skin.widest[0]:.4g} mm wide does not pass a base of {2 * skin.base_radius:g} mm.",
             "Print by the pad.",
         )
     pair = layout.closest_pair()
-    web = np.inf if pair is None else pair[2] * (1 - THICKNESS / dome.radius) - layout.diameter
+    web = np.inf if pair is None else pair[2] * (1 - THICKNESS / skin.radius) - layout.diameter
     if web < spec.printer_wall / 2:
         raise PalpateError(
             f"Holes of a template would stand {web:.2g} mm apart; the printer needs {spec.printer_wall / 2:g} mm.",
@@ -37,12 +37,12 @@ def build_template(dome: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         )
     points = layout.positions
     if spec.orientation_mark:
-        points = np.vstack([points, place_orientation_mark(dome, layout)])
-    out, top = dome.normal(points), -spec.clearance
-    outside = dome.meridian(top, down=True)
-    foot = follow_outline([(0.0, 0.0), *dome.meridian(top - THICKNESS, down=True)])[-1]
+        points = np.vstack([points, place_orientation_mark(skin, layout)])
+    out, top = skin.normal(points), -spec.clearance
+    outside = skin.meridian(top, down=True)
+    foot = follow_outline([(0.0, 0.0), *skin.meridian(top - THICKNESS, down=True)])[-1]
     shell = revolve(
-        [(0.0, dome.height + top), *outside, (float(foot[0]), 0.0), *dome.meridian(top - THICKNESS, down=False)]
+        [(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *skin.meridian(top - THICKNESS, down=False)]
     ).mesh()
     start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out
     return drill(shell, start, end, layout.diameter)

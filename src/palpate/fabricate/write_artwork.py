@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
@@ -71,7 +70,6 @@ def write_pdf(path: Path, artwork: Artwork, title: str) -> None:
 def draw_page(artwork: Artwork, title: str) -> Figure:
     """Draw the page at 1:1."""
     figure = Figure(figsize=(PAGE[0] / MM_PER_INCH, PAGE[1] / MM_PER_INCH))
-    FigureCanvasAgg(figure)
     axis = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axis.set_xlim(-PAGE[0] / 2, PAGE[0] / 2)
     axis.set_ylim(-PAGE[1] / 2, PAGE[1] / 2)

@@ -48,7 +48,7 @@ _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 class _Made:
     """Everything that a pack shows."""
 
-    dome: Skin
+    skin: Skin
     layout: MarkerLayout
     module: Module
     mold: Mold
@@ -78,13 +78,13 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     PalpateError
         If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
     """
-    dome = build_skin(spec.dome)
-    layout = place_markers(dome, spec.markers)
+    skin = build_skin(spec.dome)
+    layout = place_markers(skin, spec.markers)
     camera = build_camera(spec.camera)
-    findings = check_process(dome, layout, spec.material, camera, spec.process)
+    findings = check_process(skin, layout, spec.material, camera, spec.process)
     refuse_errors(findings)
     with new_folder(folder) as work:
-        made = _make(spec, dome, layout, camera)
+        made = _make(spec, skin, layout, camera)
         findings = (
             *findings,
             *check_enclosure(made.module, made.enclosure, spec.process),
@@ -99,10 +99,10 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     return FabricationPack(folder, files, volumes, findings)
 
 
-def _make(spec: PackSpec, dome: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
-    module = build_module(dome, spec.mount)
+def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
+    module = build_module(skin, spec.mount)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
-    mold = build_mold(build_module(dome, spec.mount, scale), spec.process)
+    mold = build_mold(build_module(skin, spec.mount, scale), spec.process)
     body = build_solid(module)
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
@@ -112,9 +112,9 @@ def _make(spec: PackSpec, dome: Skin, layout: MarkerLayout, camera: Camera) -> _
     enclosure = build_enclosure(module, spec.camera.distance, spec.process)
     refuse_interference(mold.parts)
     refuse_interference({**enclosure.parts, "module": body}, intended=frozenset(("clamp_ring", "module")))
-    artwork = draw_artwork(dome, layout, spec.process.mapping, mark=spec.process.orientation_mark)
+    artwork = draw_artwork(skin, layout, spec.process.mapping, mark=spec.process.orientation_mark)
     solids = {"module": body, **mold.parts, **enclosure.parts}
-    return _Made(dome, layout, module, mold, enclosure, artwork, camera, solids)
+    return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids)
 
 
 def _write_solids(
@@ -126,7 +126,7 @@ def _write_solids(
     write_step(work / "enclosure.step", "enclosure", {**made.enclosure.parts, "module": made.solids["module"]})
     meshes = {name: _for_printer(name, solid.mesh()) for name, solid in made.solids.items()}
     try:
-        meshes["template"] = build_template(made.dome, made.layout, spec.process)
+        meshes["template"] = build_template(made.skin, made.layout, spec.process)
     except PalpateError as error:
         findings = (*findings, Finding(Severity.NOTE, "no-template", error.what, error.remedy))
     for name, mesh in meshes.items():
@@ -156,8 +156,8 @@ def _write_print(work: Path, made: _Made) -> None:
 
 
 def _title(made: _Made) -> str:
-    dome = made.dome
-    return f"H {dome.height:g}  T {dome.thickness:g}  B {dome.base_radius:g} mm, {len(made.layout)} markers"
+    skin = made.skin
+    return f"H {skin.height:g}  T {skin.thickness:g}  B {skin.base_radius:g} mm, {len(made.layout)} markers"
 
 
 def _write_sheets(
@@ -177,7 +177,7 @@ def _write_sheets(
     for name, figure in figures.items():
         figure.savefig(work / f"{name}.png", dpi=120)
     sections = write_instructions(
-        made.dome, made.layout, spec.material.name, (mold, made.enclosure, made.camera, process), findings
+        made.skin, made.layout, spec.material.name, (mold, made.enclosure, made.camera, process), findings
     )
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
     write_sheet(work / "instructions.pdf", sections, [*figures.values()], draw_page(made.artwork, _title(made)))

@@ -76,7 +76,7 @@ def study_convergence(
     cells
         Cells from pole to rim, at least two different numbers.
     on_press
-        Told of every press when it is solved.
+        Called with every press when it is solved.
 
     Returns
     -------

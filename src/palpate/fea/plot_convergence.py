@@ -23,11 +23,9 @@ def plot_convergence(results: Sequence[MeshResult]) -> Figure:
     results
         From the coarsest to the finest mesh, at least two.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # here, because matplotlib is slow to load
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # here, because matplotlib is slow to load
 
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
-    FigureCanvasAgg(figure)
     stress, errors = figure.subplots(1, 2)
     elements = [result.elements for result in results]
     stress.plot(elements, [result.peak_stress for result in results], "o-", color="C0")

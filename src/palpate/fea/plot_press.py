@@ -26,11 +26,9 @@ _DRAWN = 4
 
 def plot_press(press: Press) -> Figure:
     """Draw a press: its section in the plane of the tilt as it is flattened, and the force over the depth."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
-    FigureCanvasAgg(figure)
     section, curve = figure.subplots(1, 2)
     chosen = np.unique(np.linspace(0, len(press.depth) - 1, _DRAWN).astype(int))
     for increment, shade in zip(chosen, np.linspace(0.75, 0.1, len(chosen)), strict=True):

@@ -8,7 +8,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from palpate.grid.panel import CurvePanel, Panel
@@ -80,15 +79,10 @@ def draw_travel(panels: Sequence[Panel], title: str, label: str = "mean marker t
         for number, (height, travel) in enumerate(zip(panel.heights_mm, panel.values, strict=True)):
             mark = MARKS[number % len(MARKS)]
             axis.plot(panel.thicknesses_mm, travel, color=colours[number], marker=mark, label=f"H = {height:g} mm")
-        axis.set_title(panel.title, fontsize=10)
         axis.set_xlabel("thickness T (mm)")
         axis.set_xticks(panel.thicknesses_mm)
         axis.margins(x=0.15)
-        axis.grid(alpha=0.3)
-        axis.spines[["top", "right"]].set_visible(False)
-    greatest = max((float(np.nanmax(p.values)) for p in panels if np.isfinite(p.values).any()), default=1.0)
-    axes[0].set_ylim(0.0, 1.1 * greatest)
-    axes[0].set_ylabel(label)
+    _finish(axes, panels, label)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", frameon=False)
     figure.suptitle(title.replace(", ", "\n"), fontsize=11)
     return figure
@@ -120,13 +114,8 @@ def draw_curves(panels: Sequence[CurvePanel], title: str, across: str, label: st
             style = {"linestyle": LINES[number % len(LINES)], "marker": MARKS[number % len(MARKS)], "markersize": 4}
             colour = colours[heights.index(dome[0])]
             lines[dome] = axis.plot(panel.places, errors, color=colour, linewidth=1.2, **style)[0]
-        axis.set_title(panel.title, fontsize=10)
         axis.set_xlabel(across)
-        axis.grid(alpha=0.3)
-        axis.spines[["top", "right"]].set_visible(False)
-    greatest = max((float(np.nanmax(p.values)) for p in panels if np.isfinite(p.values).any()), default=1.0)
-    axes[0].set_ylim(0.0, 1.1 * greatest)
-    axes[0].set_ylabel(label)
+    _finish(axes, panels, label)
     labels = [f"H {height:g}, T {thickness:g} mm" for height, thickness in domes]
     figure.legend([lines[dome] for dome in domes], labels, loc="outside right upper", frameon=False, fontsize=9)
     figure.suptitle(title.replace(", ", "\n"), fontsize=11)
@@ -141,9 +130,17 @@ def write_picture(path: Path, figure: Figure) -> None:
 
 
 def _empty_figure(width: float, height: float) -> Figure:
-    figure = Figure(figsize=(max(width, TITLE_INCH), height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    return Figure(figsize=(max(width, TITLE_INCH), height), layout="constrained")
+
+
+def _finish(axes: Sequence[Any], panels: Sequence[Panel | CurvePanel], label: str) -> None:
+    for axis, panel in zip(axes, panels, strict=True):
+        axis.set_title(panel.title, fontsize=10)
+        axis.grid(alpha=0.3)
+        axis.spines[["top", "right"]].set_visible(False)
+    greatest = max((float(np.nanmax(p.values)) for p in panels if np.isfinite(p.values).any()), default=1.0)
+    axes[0].set_ylim(0.0, 1.1 * greatest)
+    axes[0].set_ylabel(label)
 
 
 def _write_number(axis: Any, place: tuple[int, int], value: float, colour: tuple[float, ...]) -> None:

@@ -121,8 +121,8 @@ def _row(design: DesignResult) -> dict[str, Cell]:
 
 def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
     return {
-        f"rmse{suffix}_deg": metrics.angle.rmse if metrics else None,
-        f"max_error{suffix}_deg": metrics.angle.max if metrics else None,
+        f"rmse{suffix}_deg": metrics.pooled.rmse if metrics else None,
+        f"max_error{suffix}_deg": metrics.pooled.max if metrics else None,
     }
 
 
@@ -165,7 +165,7 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
         return {}
     found: dict[str, Cell] = {}
     for axis, _, unit in TILT_DEPTH.errors:
-        summary = getattr(metrics, axis)
+        summary = metrics.by_axis[axis]
         for figure in ("rmse", "mae", "max", "sd", "bias"):
             if axis == "angle" and figure in ("rmse", "max"):
                 continue  # these two are the grid's main columns

@@ -109,10 +109,22 @@ def rows_of(table: Sequence[Row], design: int) -> tuple[Row, ...]:
 
 
 def name_row(row: Row) -> str:
-    """Name of a design in words, e.g. ``"H20 T2, 169 markers"``."""
+    """Name of a design in words, e.g. ``"H20 T2, 169 markers"``.
+
+    Examples
+    --------
+    >>> name_row({"height_mm": 20.0, "thickness_mm": 2.0, "markers": 169})
+    'H20 T2, 169 markers'
+    """
     return f"H{row['height_mm']:g} T{row['thickness_mm']:g}, {row['markers']} markers"
 
 
 def unit_of(column: str) -> str:
-    """Unit of a column by its suffix; empty for a pure number or a word."""
+    """Unit of a column by its suffix; empty for a pure number or a word.
+
+    Examples
+    --------
+    >>> unit_of("rmse_depth_mm"), unit_of("markers")
+    ('mm', '')
+    """
     return next((unit for suffix, unit in UNITS.items() if column.endswith(suffix)), "")

@@ -95,7 +95,7 @@ def draw_grid(grid: SpecificationGrid, metric: str = "rmse_deg", kind: str = "he
 
 
 def draw_plot(grid: SpecificationGrid, kind: str, metric: str) -> Figure:
-    """Draw one metric of a grid; `kind` and `metric` as of `plot_grid`, the grid has at least one row."""
+    """Draw one metric of a grid; for `kind` and `metric` see `plot_grid`, the grid has at least one row."""
     from palpate.grid.draw import draw_curves, draw_heat_maps, draw_travel
 
     title, unit = TITLES.get(metric, _words(metric)), unit_of(metric)

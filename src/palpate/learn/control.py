@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.core import BoolArray, generator
+from palpate.core import generator
 from palpate.dataset import Dataset
 from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainSpec
@@ -57,7 +57,9 @@ def compare_splits(
     drawn[generator(seed, "split by image").permutation(len(drawn))[: len(held.poses)]] = True
     return SplitComparison(
         by_press=_errors(kept, held, spec, seed),
-        by_image=_errors(_rows(dataset, ~drawn, held_out=False), _rows(dataset, drawn, held_out=True), spec, seed),
+        by_image=_errors(
+            dataset.choose(~drawn, validation=False), dataset.choose(drawn, validation=True), spec, seed
+        ),
     )
 
 
@@ -77,17 +79,5 @@ def shuffle_labels(dataset: Dataset, seed: int = 0) -> Dataset:
 
 
 def _errors(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int) -> Metrics:
-    return measure_errors(train_on(kept, held, spec, seed).predict(held.images_px), held.poses)
-
-
-def _rows(dataset: Dataset, rows: BoolArray, *, held_out: bool) -> Dataset:
-    """Some images, all on one side, as a dataset of their own."""
-    return replace(
-        dataset,
-        images_px=dataset.images_px[rows],
-        poses=dataset.poses[rows],
-        press=dataset.press[rows],
-        validation=np.full(int(rows.sum()), held_out),
-        branch=dataset.branch[rows],
-        travel_mm=dataset.travel_mm[rows],
-    )
+    estimates = train_on(kept, held, spec, seed).predict(held.images_px)
+    return measure_errors(estimates, held.poses, held.space)

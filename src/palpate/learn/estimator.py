@@ -1,4 +1,4 @@
-"""The noun of the stage: a trained map from marker positions to the pose of the wall."""
+"""The noun of the stage: a trained map from marker positions to the pose of the obstacle."""
 
 from __future__ import annotations
 
@@ -10,13 +10,11 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.dataset import Normalisation
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.learn.interval import Interval, Prediction
 
 LEARN_VERSION = "5"
 """Version of the code that decides what an estimator predicts; part of an artefact's key."""
-
-OUTPUTS = TILT_DEPTH.names
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +30,7 @@ class Estimator:
     activation
         ``"relu"`` or ``"silu"``, after each layer but the last.
     output_mean, output_sd
-        (3,) of rx and ry (degrees), depth (mm).
+        (3,) of the components of `space`, in their units.
     rest_px
         (m, 2) markers of the undeformed dome (px): the order in which the markers must come.
     seed
@@ -50,6 +48,8 @@ class Estimator:
         Half-widths and trained range (`calibrate`); `None` where nothing is promised.
     version
         `LEARN_VERSION` of the code that trained it.
+    space
+        What it estimates.
     """
 
     normalisation: Normalisation
@@ -67,6 +67,7 @@ class Estimator:
     repeat_rmse_deg: tuple[float, ...] = ()
     interval: Interval | None = None
     version: str = LEARN_VERSION
+    space: PoseSpace = TILT_DEPTH
 
     @property
     def members(self) -> int:
@@ -84,7 +85,7 @@ class Estimator:
         Returns
         -------
         FloatArray
-            (n, 3): rx and ry (degrees), depth (mm); the mean over the members.
+            (n, 3) by `space`: rx and ry (degrees), depth (mm); the mean over the members.
 
         Raises
         ------

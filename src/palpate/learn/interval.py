@@ -141,7 +141,7 @@ class Interval:
         return self.trained.score(displacement_px, member_poses.mean(axis=0), self.scale(member_poses))
 
     def outside(self, displacement_px: FloatArray, member_poses: FloatArray) -> BoolArray:
-        """Whether images are out of the trained range; parameters as of `score`."""
+        """Whether images are out of the trained range; for parameters see `score`."""
         flags: BoolArray = self.score(displacement_px, member_poses) > self.trained.threshold
         return flags
 

@@ -46,18 +46,18 @@ def describe_interval(interval: Interval) -> dict[str, Any]:
     return {"level": interval.level, "presses": list(interval.presses), "trained_range": trained}
 
 
-def read_interval(said: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Interval:
+def read_interval(content: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Interval:
     """The interval from its description and the arrays of the graph."""
     trained: dict[str, Any] = {name: arrays[f"range_{name}"].astype(float) for name in _VECTORS}
-    trained |= {name: float(said["trained_range"][name]) for name in _SCALARS}
+    trained |= {name: float(content["trained_range"][name]) for name in _SCALARS}
     depths = arrays["error_depths"].astype(float)
     return Interval(
-        level=float(said["level"]),
+        level=float(content["level"]),
         factor=arrays["factor"].astype(float),
         depths_mm=depths,
         error=_from_hinges(depths, arrays["error_first"].astype(float), arrays["error_hinges"].astype(float)),
         trained=TrainedRange(**trained),
-        presses=tuple(said["presses"]),
+        presses=tuple(content["presses"]),
     )
 
 

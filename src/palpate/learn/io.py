@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray, MissingExtraError, PalpateError
 from palpate.dataset import Normalisation
-from palpate.design import TILT_DEPTH
-from palpate.learn.estimator import OUTPUTS, Estimator
+from palpate.design import PoseSpace
+from palpate.learn.estimator import Estimator
 from palpate.learn.interval_graph import (
     HALF_WIDTH,
     MEMBERS,
@@ -81,7 +81,7 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
         ir_version=IR_VERSION,
         producer_name="palpate",
         producer_version=estimator.version,
-        doc_string="Pose of the wall (rx deg, ry deg, depth mm) from marker positions in pixels.",
+        doc_string=f"Pose of the {_pose_text(estimator.space)} from marker positions in pixels.",
     )
     helper.set_model_props(model, _metadata(estimator))
     path.write_bytes(model.SerializeToString(deterministic=True))
@@ -178,8 +178,8 @@ def _tensor(name: str, values: NDArray[Any]) -> Any:
 def _metadata(estimator: Estimator) -> dict[str, str]:
     content: dict[str, Any] = {
         "inputs": ["u_px", "v_px"],
-        "outputs": list(OUTPUTS),
-        "units": {INPUT: "px", **{item.name: item.unit for item in TILT_DEPTH.components}},
+        "outputs": list(estimator.space.names),
+        "units": {INPUT: "px", **{item.name: item.unit for item in estimator.space.components}},
         "marker_order_px": estimator.rest_px.tolist(),
         "activation": estimator.activation,
         "offset_px": estimator.normalisation.offset_px,
@@ -202,28 +202,34 @@ def _read(model: ModelProto, metadata: dict[str, str]) -> Estimator:
     from onnx import TensorProto, numpy_helper
 
     if any(item.data_location == TensorProto.EXTERNAL for item in model.graph.initializer):
-        raise ValueError("its weights are said to lie in another file")
+        raise ValueError("its weights lie in another file")
     arrays = {item.name: numpy_helper.to_array(item) for item in model.graph.initializer}
-    said = {name: json.loads(text) for name, text in metadata.items() if not name.startswith("format")}
+    facts = {name: json.loads(text) for name, text in metadata.items() if not name.startswith("format")}
     layers = range(sum(name.startswith("weight_") for name in arrays))
     weights = tuple(arrays[f"weight_{number}"].astype(float) for number in layers)
     biases = [arrays[f"bias_{number}"].astype(float)[:, 0, :] for number in layers]
-    normalisation = Normalisation(tuple(said["offset_px"]), tuple(said["scale_px"]))
+    normalisation = Normalisation(tuple(facts["offset_px"]), tuple(facts["scale_px"]))
     biases[0] = biases[0] - _rest_input(normalisation, arrays["rest_px"]) @ weights[0]
     return Estimator(
         normalisation=normalisation,
         weights=weights,
         biases=tuple(biases),
-        activation=said["activation"],
+        activation=facts["activation"],
         output_mean=arrays["output_mean"].astype(float),
         output_sd=arrays["output_sd"].astype(float),
         rest_px=arrays["rest_px"],
-        seed=said["seed"],
-        made_by=said["made_by"],
-        training_images=said["training_images"],
-        validation_images=said["validation_images"],
-        history=tuple(tuple(errors) for errors in said["history"]),
-        repeat_rmse_deg=tuple(said["repeat_rmse_deg"]),
-        interval=read_interval(said["interval"], arrays) if "interval" in said else None,
-        version=said["version"],
+        seed=facts["seed"],
+        made_by=facts["made_by"],
+        training_images=facts["training_images"],
+        validation_images=facts["validation_images"],
+        history=tuple(tuple(errors) for errors in facts["history"]),
+        repeat_rmse_deg=tuple(facts["repeat_rmse_deg"]),
+        interval=read_interval(facts["interval"], arrays) if "interval" in facts else None,
+        version=facts["version"],
+        space=PoseSpace.named(facts["outputs"]),
     )
+
+
+def _pose_text(space: PoseSpace) -> str:
+    parts = ", ".join(f"{item.axis} {item.unit}" for item in space.components)
+    return f"{'wall' if space.tilts else 'obstacle'} ({parts})"

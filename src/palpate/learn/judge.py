@@ -74,7 +74,7 @@ def compare_with_limit(jittered: Metrics, limits: Sequence[DepthLimit]) -> tuple
     pooled = pool_limits(limits, {_depth(errors.depth_mm): errors.images for errors in judged})
     if pooled is None or pooled.least_squares_deg == 0:
         return None
-    square = sum(errors.images * errors.angle.rmse**2 for errors in judged) / sum(errors.images for errors in judged)
+    square = sum(errors.images * errors.pooled.rmse**2 for errors in judged) / sum(errors.images for errors in judged)
     return pooled, math.sqrt(square) / pooled.least_squares_deg
 
 
@@ -100,7 +100,7 @@ def find_leak(jittered: Metrics, limits: Sequence[DepthLimit], spec: DatasetSpec
         errors = measured.get(_depth(limit.depth_mm))
         if errors is None:
             continue
-        rmse = errors.angle.rmse
+        rmse = errors.pooled.rmse
         uncertain = math.hypot(limit.floor_error_deg, rmse / (2 * math.sqrt(errors.images)))
         if rmse < limit.floor_deg - STANDARD_ERRORS * uncertain:
             return (

@@ -5,7 +5,7 @@ Jitter is uniform in ±a in each of the 2m pixel coordinates, so its variance is
 * *least squares*: covariance (a²/3) (JᵀJ)⁻¹, the best of the linear unbiased estimators;
 * *Pitman*: mean square error of the posterior mean under a flat prior. Uniform noise has hard edges, so with
   many markers this lies far below least squares (∝ 1/m, not 1/√m);
-* *floor*: the same for one who is told the depth and knows that poses fill the disc of tilts evenly. No estimator
+* *floor*: the same for one who knows the depth and that poses fill the disc of tilts evenly. No estimator
   of one image can have a lower mean square error over these poses, whatever it was trained on; an error
   below it means leakage. (Pitman's is no floor where it comes near the radius of the disc, as with 7 markers: there
   an estimator gains from knowing the disc.)
@@ -16,17 +16,13 @@ Both posterior means are those of the image's linear model about the true pose.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.dataset import DatasetSpec, MarkerField, image_jacobian, sample_poses
 from palpate.learn.posterior import BURN_IN, walk_polytopes
-
-if TYPE_CHECKING:
-    from palpate.camera import Camera
-
 
 LIMIT_VERSION = "1"
 """Version of the code that decides a limit; part of an artefact's key."""
@@ -77,7 +73,7 @@ class DepthLimit:
 
 
 def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int = 0) -> tuple[DepthLimit, ...]:
-    """Bound the angle's error at every depth of a dataset.
+    """Bound the angle's error at every depth of a dataset; that of the offset, in mm, where a field is of offsets.
 
     Parameters
     ----------
@@ -99,12 +95,12 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
     limits: list[DepthLimit] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()
-    sampled = np.hypot(*sample_poses(spec).T)
+    sampled = np.hypot(*sample_poses(spec, field.offset).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
-        radius = min(spec.max_tilt_deg, _reach(field, image))
+        radius = min(spec.max_tilt_deg if field.offset is None else field.offset, _reach(field, image))
         if radius <= 0:
             continue
-        poses = sample_poses(DatasetSpec(n_presses=POSES, max_tilt_deg=radius, seed=seed))
+        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius)
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]

@@ -5,19 +5,19 @@ The paper judges a design by its angles alone. With the errors e of n images in 
     RMSE = sqrt( Σ (e_rx² + e_ry²) / 2n )        max = max( |e_rx|, |e_ry| )
 
 so one number pools both components, and the maximum is that of a single component, not of the angle between
-the two normals. Depth is estimated as well and reported by itself.
+the two normals. Depth is estimated as well and reported by itself. So it is for the place (x, y) of an obstacle.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_DEPTH, PoseSpace
 
 TILT_STEP_DEG = 2.0
 """Width of the intervals of tilt, as the paper's step."""
@@ -65,21 +65,21 @@ class DepthErrors:
     Attributes
     ----------
     depth_mm
-        Depth of the wall (mm).
+        Depth of the obstacle (mm).
     images
         Number of images.
-    angle, rx, ry
-        Errors of both components pooled, and of each (degrees).
-    depth
-        Errors of the estimated depth (mm).
+    by_axis
+        See `Metrics`.
     """
 
     depth_mm: float
     images: int
-    angle: ErrorSummary
-    rx: ErrorSummary
-    ry: ErrorSummary
-    depth: ErrorSummary
+    by_axis: Mapping[str, ErrorSummary]
+
+    @property
+    def pooled(self) -> ErrorSummary:
+        """Errors of the first two components, pooled."""
+        return next(iter(self.by_axis.values()))
 
 
 @dataclass(frozen=True)
@@ -101,6 +101,11 @@ class TiltErrors:
     images: int
     angle: ErrorSummary
 
+    @property
+    def pooled(self) -> ErrorSummary:
+        """See `Metrics.pooled`."""
+        return self.angle
+
 
 @dataclass(frozen=True)
 class Metrics:
@@ -110,66 +115,69 @@ class Metrics:
     ----------
     images
         Number of images.
-    angle
-        Errors of rx and ry pooled: the paper's RMSE and Max.Abs.Error (degrees).
-    rx, ry
-        Errors of each component (degrees).
-    depth
-        Errors of the estimated depth (mm).
+    by_axis
+        By the names of `PoseSpace.errors`: ``angle`` pools rx and ry, the paper's RMSE and Max.Abs.Error, then ``rx``
+        and ``ry`` (degrees) and ``depth`` (mm).
     by_depth
         The same for the images of each depth, by rising depth.
     by_tilt
         The angle's errors in intervals of `TILT_STEP_DEG`, by rising tilt; an interval without images is left out.
+        Empty where the obstacle does not tilt.
     """
 
     images: int
-    angle: ErrorSummary
-    rx: ErrorSummary
-    ry: ErrorSummary
-    depth: ErrorSummary
+    by_axis: Mapping[str, ErrorSummary]
     by_depth: tuple[DepthErrors, ...]
     by_tilt: tuple[TiltErrors, ...]
 
     @property
+    def pooled(self) -> ErrorSummary:
+        """Errors of the first two components, pooled: the angle (degrees), or the offset (mm)."""
+        return next(iter(self.by_axis.values()))
+
+    @property
     def rmse_deg(self) -> float:
         """The paper's RMSE, over both components of the angle (degrees)."""
-        return self.angle.rmse
+        return self.pooled.rmse
 
     @property
     def max_error_deg(self) -> float:
         """The paper's Max.Abs.Error, of a single component of the angle (degrees)."""
-        return self.angle.max
+        return self.pooled.max
 
     def as_dict(self) -> dict[str, Any]:
         """Plain JSON data; `from_dict` reads it back."""
-        return asdict(self)
+        by_depth = [
+            {"depth_mm": part.depth_mm, "images": part.images, **_plain(part.by_axis)} for part in self.by_depth
+        ]
+        by_tilt = [asdict(part) for part in self.by_tilt]
+        return {"images": self.images, **_plain(self.by_axis), "by_depth": by_depth, "by_tilt": by_tilt}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """Read what `as_dict` wrote."""
-        summaries = {name: ErrorSummary(**data[name]) for name in _AXES}
-        by_depth = tuple(
-            DepthErrors(
-                depth_mm=item["depth_mm"],
-                images=item["images"],
-                **{name: ErrorSummary(**item[name]) for name in _AXES},
-            )
-            for item in data["by_depth"]
-        )
+        by_depth = tuple(DepthErrors(item["depth_mm"], item["images"], _read(item)) for item in data["by_depth"])
         by_tilt = tuple(TiltErrors(**{**item, "angle": ErrorSummary(**item["angle"])}) for item in data["by_tilt"])
-        return cls(images=data["images"], by_depth=by_depth, by_tilt=by_tilt, **summaries)
+        return cls(data["images"], _read(data), by_depth, by_tilt)
 
 
-_AXES = tuple(name for name, _, _ in TILT_DEPTH.errors)
+def _plain(by_axis: Mapping[str, ErrorSummary]) -> dict[str, dict[str, float]]:
+    return {name: asdict(summary) for name, summary in by_axis.items()}
 
 
-def measure_errors(estimates: FloatArray, poses: FloatArray) -> Metrics:
+def _read(data: Mapping[str, Any]) -> dict[str, ErrorSummary]:
+    return {name: ErrorSummary(**value) for name, value in data.items() if isinstance(value, dict)}
+
+
+def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = TILT_DEPTH) -> Metrics:
     """Compare estimates with the truth.
 
     Parameters
     ----------
     estimates, poses
-        (n, 3) each: rx and ry (degrees), depth (mm).
+        (n, 3) each: rx and ry (degrees), depth (mm), or what `space` says.
+    space
+        What the columns are.
 
     Returns
     -------
@@ -180,6 +188,12 @@ def measure_errors(estimates: FloatArray, poses: FloatArray) -> Metrics:
     ------
     PalpateError
         If there is no image, or an estimate is not a number.
+
+    Examples
+    --------
+    >>> errors = measure_errors(np.array([[1.0, 0.0, 4.1]]), np.array([[0.0, 0.0, 4.0]]))
+    >>> round(errors.rmse_deg, 4), errors.max_error_deg, round(errors.by_axis["depth"].rmse, 6)
+    (0.7071, 1.0, 0.1)
     """
     if estimates.shape != poses.shape:
         raise PalpateError(f"{estimates.shape} estimates cannot be compared with {poses.shape} poses.")
@@ -191,12 +205,12 @@ def measure_errors(estimates: FloatArray, poses: FloatArray) -> Metrics:
         )
     depths = np.round(poses[:, 2], 6)
     by_depth = tuple(
-        DepthErrors(depth_mm=float(depth), images=int((depths == depth).sum()), **_by_axis(errors[depths == depth]))
+        DepthErrors(float(depth), int((depths == depth).sum()), _by_axis(errors[depths == depth], space))
         for depth in np.unique(depths)
     )
-    every = _by_axis(errors)
-    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1])))
-    return Metrics(images=len(errors), by_depth=by_depth, by_tilt=by_tilt, **every)
+    every = _by_axis(errors, space)
+    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1]))) if space.tilts else ()
+    return Metrics(len(errors), every, by_depth, by_tilt)
 
 
 def _by_tilt(errors: FloatArray, tilt_deg: FloatArray) -> Iterator[TiltErrors]:
@@ -208,8 +222,8 @@ def _by_tilt(errors: FloatArray, tilt_deg: FloatArray) -> Iterator[TiltErrors]:
         yield TiltErrors(*ends, images=len(angle), angle=ErrorSummary.of(angle))
 
 
-def _by_axis(errors: FloatArray) -> dict[str, ErrorSummary]:
+def _by_axis(errors: FloatArray, space: PoseSpace) -> dict[str, ErrorSummary]:
     return {
         name: ErrorSummary.of(errors[:, columns] if len(columns) > 1 else errors[:, columns[0]])
-        for name, columns, _ in TILT_DEPTH.errors
+        for name, columns, _ in space.errors
     }

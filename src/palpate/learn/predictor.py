@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError, load_extra
+from palpate.design import PoseSpace
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
@@ -27,11 +28,14 @@ class Predictor:
         Number of markers that it reads.
     level
         Share of true values that its intervals cover; `None` for a model without any.
+    space
+        What it estimates.
     """
 
     session: Any
     markers: int
     level: float | None
+    space: PoseSpace
 
     def predict(self, images_px: FloatArray) -> Prediction:
         """Estimate poses, how far they may be wrong, and whether the markers moved as the training knew.
@@ -77,17 +81,18 @@ def open_predictor(path: Path) -> Predictor:
     onnxruntime = load_extra("onnxruntime", "predict")
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 4  # what is wrong is said below, once
+    options.log_severity_level = 4  # what is wrong is reported below, once
     nowhere = str(path / "nowhere")  # else the runtime reads weights from any file that the model names
     options.add_session_config_entry("session.model_external_initializers_file_folder_path", nowhere)
     try:
         providers = ["CPUExecutionProvider"]
         session = onnxruntime.InferenceSession(path.read_bytes(), options, providers, enable_fallback=0)
-        said = check_format(path, session.get_modelmeta().custom_metadata_map)
+        metadata = check_format(path, session.get_modelmeta().custom_metadata_map)
         markers = int(session.get_inputs()[0].shape[1])
-        level = float(json.loads(said["interval"])["level"]) if "interval" in said else None
+        level = float(json.loads(metadata["interval"])["level"]) if "interval" in metadata else None
+        space = PoseSpace.named(json.loads(metadata["outputs"]))
     except PalpateError:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
         raise PalpateError(f"{path} is not an estimator: {type(error).__name__}.", AGAIN) from error
-    return Predictor(session, markers, level)
+    return Predictor(session, markers, level, space)

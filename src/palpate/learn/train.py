@@ -49,7 +49,7 @@ def train(
 
 
 def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, device: str = "cpu") -> Estimator:
-    """Train on the images of `kept` and judge epochs and repeats by those of `held`; the rest as of `train`.
+    """Train on the images of `kept` and judge epochs and repeats by those of `held`; for the rest see `train`.
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
     """
@@ -85,6 +85,7 @@ def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, devic
         training_images=len(kept.poses),
         validation_images=len(held.poses),
         history=trained.history,
+        space=kept.space,
     )
     estimator = replace(estimator, repeat_rmse_deg=_judge_members(estimator, held))
     if spec.members == "all":
@@ -104,6 +105,23 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     ----------
     dataset
         Clean images with their poses and split; the held-out ones are not used.
+
+    Examples
+    --------
+    >>> from palpate.dataset import Dataset, DatasetSpec, Normalisation
+    >>> rng = np.random.default_rng(0)
+    >>> poses = np.column_stack([rng.uniform(-9, 9, (40, 2)), np.full(40, 4.0)])
+    >>> moved = (poses @ rng.normal(size=(3, 8))).reshape(40, 4, 2)
+    >>> dataset = Dataset(
+    ...     spec=DatasetSpec(jitter_px=0.1), images_px=100 + moved, poses=poses, press=np.arange(40),
+    ...     validation=np.arange(40) % 5 == 0, branch=np.full(40, "flat"), travel_mm=np.ones(40),
+    ...     rest_px=np.full((4, 2), 100.0), image_size_px=(346, 260), solved_presses=1, dropped={},
+    ... )
+    >>> estimator = fit_ridge(dataset)
+    >>> bool(np.abs(estimator.predict(dataset.images_px) - poses).max() < 0.1)
+    True
+    >>> evaluate(estimator, dataset).images
+    8
     """
     kept = dataset.part(validation=False)
     inputs = _normalised(dataset, kept.images_px)
@@ -125,6 +143,7 @@ def fit_ridge(dataset: Dataset) -> Estimator:
         made_by={"method": "ridge"},
         training_images=len(kept.poses),
         validation_images=int(dataset.validation.sum()),
+        space=dataset.space,
     )
 
 
@@ -144,12 +163,15 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     images = held.images_px
     if jitter_seed is not None:
         images = draw_jitter(images, dataset.spec.jitter_px, generator(jitter_seed, "evaluate"))
-    return measure_errors(estimator.predict(images), held.poses)
+    return measure_errors(estimator.predict(images), held.poses, held.space)
 
 
 def _judge_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
     """RMSE of the angle of every member by itself (degrees) on clean images."""
-    return tuple(measure_errors(poses, held.poses).rmse_deg for poses in estimator.predict_members(held.images_px))
+    return tuple(
+        measure_errors(poses, held.poses, held.space).pooled.rmse
+        for poses in estimator.predict_members(held.images_px)
+    )
 
 
 def _normalised(dataset: Dataset, images_px: FloatArray) -> FloatArray:

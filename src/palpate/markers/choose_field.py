@@ -2,8 +2,8 @@
 
 Every size and polarity is tried (on the image shrunk where the dots allow it). A clean field is the one with the most
 dots that agree in size and contrast, and the fewest things that do not. Before a room in clutter no size is clean;
-there dots are told by their order: in a printed field most dots lie half way between two neighbours, which of dots
-strewn at random one in eleven does.
+there dots are recognised by their order: in a printed field most dots lie half way between two neighbours, which of
+dots strewn at random one in eleven does.
 """
 
 from __future__ import annotations

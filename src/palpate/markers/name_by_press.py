@@ -29,7 +29,7 @@ _APART_PX = 0.12
 _SURE = 0.2
 """How much nearer to one motion than to the other the dots must lie, over the distance of both; 0.5 is all of it."""
 _EXPLAINED = 0.35
-"""Greatest misfit of the best numbering over the motion: above it the press is not the one that was said."""
+"""Greatest misfit of the best numbering over the motion: above it the press is not the one that was given."""
 _LEAST_MOTION_PX = 1.0
 
 

@@ -4,7 +4,7 @@
 2. From the best of these, nearest neighbours and a smooth map (similarity, then affine, then polynomial) improve each
    other, as in iterated closest points; the map with the most markers on dots is kept.
 3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it
-   the numbers are given for the smallest turn and said to be ambiguous.
+   the numbers are given for the smallest turn and marked as ambiguous.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Two dots that run into one: told by area, length and a waist, and parted half way.
+"""Two dots that run into one: recognised by area, length and a waist, and parted half way.
 
 Two equal discs of radius R, a distance d apart, have the variances R²/4 + d²/4 along and R²/4 across, so the blob's
 own moments give d = 2 √(v₁ - v₂). A long single dot has no waist: it is widest in the middle.

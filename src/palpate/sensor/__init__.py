@@ -8,6 +8,7 @@ from palpate.sensor.known_press import KnownPress
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
+from palpate.sensor.report import made_by, table_lines, write_report
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
 from palpate.sensor.sensor import Rest, Sensor, check_model, open_sensor, read_rest, run_sensor
 from palpate.sensor.spec import RigSpec
@@ -40,6 +41,7 @@ __all__ = [
     "draw_inspection",
     "find_zero",
     "inspect_unit",
+    "made_by",
     "open_sensor",
     "read_readings",
     "read_rest",
@@ -47,6 +49,8 @@ __all__ = [
     "register_dome",
     "run_sensor",
     "score_readings",
+    "table_lines",
     "write_acceptance",
     "write_readings",
+    "write_report",
 ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from palpate.sensor.inspect_unit import Inspection
@@ -21,7 +20,6 @@ def draw_inspection(inspection: Inspection) -> Figure:
         What was found.
     """
     figure = Figure(figsize=(6.4, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
     axis = figure.add_subplot()
     x, y = inspection.unit.layout.positions[:, :2].T
     azimuth = np.arctan2(y, x)

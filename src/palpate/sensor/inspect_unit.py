@@ -110,16 +110,16 @@ def inspect_unit(
     )
 
 
-def _on_dome(camera: Camera, dome: Skin, pixels: FloatArray) -> FloatArray:
+def _on_dome(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
     """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
-    return dome.hit(camera.origin, camera.back_project(pixels))
+    return skin.hit(camera.origin, camera.back_project(pixels))
 
 
-def _scale(camera: Camera, dome: Skin, pixels: FloatArray) -> FloatArray:
+def _scale(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
     """(m,) greatest motion on the surface that a pixel stands for, mm."""
     half = 0.5
     steps = [
-        (_on_dome(camera, dome, pixels + step) - _on_dome(camera, dome, pixels - step)) / (2.0 * half)
+        (_on_dome(camera, skin, pixels + step) - _on_dome(camera, skin, pixels - step)) / (2.0 * half)
         for step in (np.array([half, 0.0]), np.array([0.0, half]))
     ]
     return np.asarray(np.linalg.svd(np.nan_to_num(np.stack(steps, axis=1)), compute_uv=False)[:, 0])

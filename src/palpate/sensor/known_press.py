@@ -82,7 +82,7 @@ def ask_press(naming: Naming, pressed_px: FloatArray, positions: FloatArray, uni
     Raises
     ------
     PalpateError
-        If a numbering cannot be registered, or as of `palpate.markers.name_by_press`.
+        If a numbering cannot be registered, or where `palpate.markers.name_by_press` fails.
     """
     nominal = unit.lens or unit.nominal or CameraSpec()
     choices = (naming, *naming.alternatives)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Sighting
 
 
@@ -19,16 +21,16 @@ class Flag(StrEnum):
 
 @dataclass(frozen=True)
 class Reading:
-    """Pose of the wall from one image.
+    """Pose of the obstacle from one image; ``reading["rx_deg"]`` is one number of it.
 
     Attributes
     ----------
     image
         Number of the image since the rest image.
-    rx_deg, ry_deg, depth_mm
-        Estimate; NaN where there is none.
+    pose
+        Estimate by the names and units of `space`; NaN where there is none.
     half_width
-        Half-widths of the intervals of rx, ry (degrees) and depth (mm); infinite where nothing is promised.
+        Half-widths of their intervals; infinite where nothing is promised.
     touching
         Whether the dome is touched.
     found
@@ -41,21 +43,30 @@ class Reading:
         What went wrong with an unreadable image.
     sighting
         Where the markers were seen that the pose comes from; `None` without one.
+    space
+        What the numbers of the pose are: those that the model was trained for.
     """
 
     image: int
-    rx_deg: float
-    ry_deg: float
-    depth_mm: float
-    half_width: tuple[float, float, float]
+    pose: tuple[float, ...]
+    half_width: tuple[float, ...]
     touching: bool
     found: int
     flags: tuple[Flag, ...]
     latency_ms: float
     reason: str = ""
     sighting: Sighting | None = field(default=None, compare=False, repr=False)
+    space: PoseSpace = TILT_DEPTH
+
+    def __getitem__(self, name: str) -> float:
+        return self.pose[self.space.names.index(name)]
 
     @property
-    def tilt_deg(self) -> float:
-        """Angle between the wall's normal and the dome's axis."""
-        return float((self.rx_deg**2 + self.ry_deg**2) ** 0.5)
+    def depth_mm(self) -> float:
+        """Depth since first touch."""
+        return self.pose[-1]
+
+    @property
+    def radial(self) -> float:
+        """Length of the first two components: tilt of a wall (degrees), or offset from the axis (mm)."""
+        return math.hypot(*self.pose[:2])

@@ -77,7 +77,7 @@ class _Fit:
 def register_dome(
     naming: Naming,
     layout: MarkerLayout,
-    dome: Skin,
+    skin: Skin,
     nominal: CameraSpec | None = None,
     refine_lens: bool = False,
 ) -> Registration:
@@ -87,7 +87,7 @@ def register_dome(
     ----------
     naming
         Markers and their dots.
-    layout, dome
+    layout, skin
         What was printed, on what.
     nominal
         The lens, and about where the camera is.
@@ -110,7 +110,7 @@ def register_dome(
             "The image is mirrored: left is right.", "Flip it before it is read, or turn off the mirror."
         )
     points, seen = layout.positions[naming.found], naming.positions_px[naming.found]
-    normals = dome.normal(points)
+    normals = skin.normal(points)
     edges = dot_edges(points, normals, layout.diameter)
     start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
     start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
@@ -133,7 +133,7 @@ def register_dome(
 def _fit(
     nominal: CameraSpec, start: FloatArray, where: tuple[FloatArray, FloatArray, FloatArray], dot_px: float = 0.0
 ) -> _Fit:
-    """Fit the pose to dots, and the lens as well where it is said how far dots are off; it counts as three more."""
+    """Fit the pose to dots, and the lens as well where it is known how far dots are off; it counts as three more."""
     points, seen, bias = where
     free = len(start) if dot_px else len(_POSE)
     refined = np.array(list(LENSES.get(nominal.lens).refinable.values()))

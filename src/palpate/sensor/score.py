@@ -75,6 +75,13 @@ def score_readings(truth: FloatArray, estimates: FloatArray, press: IntArray, se
     ------
     PalpateError
         If no image has an estimate.
+
+    Examples
+    --------
+    >>> truth = np.zeros((4, 3))
+    >>> roll, pitch, depth = score_readings(truth, truth + [0.5, 0.0, 0.1], np.array([0, 0, 1, 1]))
+    >>> roll.component, roll.errors.rmse, roll.presses
+    ('roll', 0.5, 2)
     """
     read = np.isfinite(estimates).all(axis=1)
     errors, press = (estimates - truth)[read], press[read]

@@ -4,7 +4,7 @@ The model was trained for the nominal camera. A dot seen by the real one is carr
 marker at rest, or to the wall where that is lower, and projected by the nominal camera; the same is done with the
 rest image, and the model reads its own rest plus the difference. So roll, tilt, focal length and distortion of the
 real camera are taken out exactly, print and seating errors at rest vanish, and an offset is taken out as far as the
-dome follows the wall. The wall is that of a first estimate.
+dome follows the wall. The wall is that of a first estimate; of another obstacle only the heights at rest are used.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
-from palpate.design import MarkerLayout, Skin, place_orientation_mark, wall_normal
+from palpate.design import MarkerLayout, PoseSpace, Skin, place_orientation_mark, wall_normal
 from palpate.learn import Predictor
 from palpate.markers import (
     Detector,
@@ -37,7 +37,6 @@ from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 
-_NOWHERE = (float("inf"),) * 3
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
 
@@ -88,7 +87,8 @@ class Sensor:
         rays = self._look(sighting.positions_px)
         moved = self._carry(rays) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
-        if not self._same:  # now that the wall is about known, so is how far the markers sank
+        if not self._same and self.predictor.space.tilts:
+            # now that the wall is about known, so is how far the markers sank
             moved = self._carry(rays, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         touching = bool(np.sqrt(np.mean(moved**2)) > self.spec.touch_px)
@@ -96,24 +96,22 @@ class Sensor:
         flags += (
             [Flag.OUTSIDE] if touching and prediction.outside[0] else []
         )  # at rest there is no pose to be outside
-        rx, ry, depth = (float(value) for value in prediction.poses[0])
         return Reading(
             image=self._count,
-            rx_deg=rx,
-            ry_deg=ry,
-            depth_mm=depth,
-            half_width=tuple(float(value) for value in prediction.half_width[0]),  # type: ignore[arg-type]
+            pose=tuple(prediction.poses[0].tolist()),
+            half_width=tuple(prediction.half_width[0].tolist()),
             touching=touching,
             found=found,
             flags=tuple(flags),
             latency_ms=(time.perf_counter() - start) * 1e3,
             sighting=sighting,
+            space=self.predictor.space,
         )
 
     def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:
-        nan = float("nan")
-        latency = (time.perf_counter() - start) * 1e3
-        return Reading(self._count, nan, nan, nan, _NOWHERE, False, found, flags, latency, reason)
+        space, latency = self.predictor.space, (time.perf_counter() - start) * 1e3
+        none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
+        return Reading(self._count, none, anything, False, found, flags, latency, reason, space=space)
 
     def _look(self, pixels: FloatArray) -> FloatArray:
         """(m, 3) directions in which the real camera looks at its pixels, in the dome's frame."""
@@ -213,7 +211,7 @@ def open_sensor(
     Raises
     ------
     PalpateError
-        If the model is that of another design, or as of `read_rest`.
+        If the model is that of another design, or where `read_rest` fails.
     """
     check_model(predictor, unit.layout)
     spec = spec or RigSpec()
@@ -221,12 +219,17 @@ def open_sensor(
     return Sensor(unit, predictor, spec, seen.detector, seen.naming, seen.registration)
 
 
-def check_model(predictor: Predictor, layout: MarkerLayout) -> None:
-    """Refuse a model that reads another number of markers than the design has, with a `PalpateError`."""
+def check_model(predictor: Predictor, layout: MarkerLayout, space: PoseSpace | None = None) -> None:
+    """Refuse a model of another number of markers than the design has, or of another pose, with a `PalpateError`."""
     if predictor.markers != len(layout):
         raise PalpateError(
             f"The model reads {predictor.markers} markers, the design has {len(layout)}.",
             "Use the model of this design.",
+        )
+    if space is not None and predictor.space != space:
+        raise PalpateError(
+            f"The model estimates {', '.join(predictor.space.names)}, not {', '.join(space.names)}.",
+            "Use a model that was trained on presses of the same obstacle.",
         )
 
 

@@ -52,6 +52,12 @@ def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4
     ------
     PalpateError
         If fewer than three images count.
+
+    Examples
+    --------
+    >>> sensor, robot = np.array([2.5, 3.5, 4.5]), np.array([3.5, 4.4, 5.6])
+    >>> round(find_zero(sensor, robot).offset, 6)
+    1.0
     """
     counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= least_depth)
     if counts.sum() < LEAST_IMAGES:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from palpate.core import provenance, writing
+from palpate.core import writing
 from palpate.sensor.accept import Acceptance, AcceptanceCheck
+from palpate.sensor.report import made_by, table_lines, write_report
 from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 
 _A4 = (8.27, 11.69)
@@ -25,22 +24,14 @@ def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
     PalpateError
         If they cannot be written.
     """
+    write_report(folder, "accept", {"unit": title, **found.as_dict()}, acceptance_page(found, title))
     with writing(folder, "Choose another folder."):
-        folder.mkdir(parents=True, exist_ok=True)
-        text = json.dumps({"unit": title, **found.as_dict()}, indent=2).replace("NaN", "null")
-        (folder / "accept.json").write_text(text + "\n", encoding="utf-8")
-        (folder / "accept.md").write_text(acceptance_page(found, title), encoding="utf-8")
         draw_acceptance(found, title).savefig(folder / "accept.pdf")
 
 
 def acceptance_page(found: Acceptance, title: str) -> str:
     """The report as Markdown."""
-    checks: list[tuple[str, ...]] = [("figure", "value", f"{LEVEL:.0%} interval", "tolerance", "")]
-    checks += [("---",) * 5, *(_row(check) for check in found.checks)]
-    table: list[tuple[str, ...]] = [
-        ("", "RMSE", "MAE", "max", "SD", "bias", "the paper's RMSE / MAE / max / SD"),
-        ("---",) * 7,
-    ]
+    table = []
     for score in found.scores:
         errors, paper = score.errors, PAPER_TABLE_3[score.component]
         figures = (errors.rmse, errors.mae, errors.max, errors.sd, errors.bias)
@@ -52,13 +43,13 @@ def acceptance_page(found: Acceptance, title: str) -> str:
             "",
             f"**{verdict(found)}**",
             "",
-            *(f"| {' | '.join(row)} |" for row in checks),
+            *table_lines(("figure", "value", f"{LEVEL:.0%} interval", "tolerance", ""), map(_row, found.checks)),
             "",
-            *(f"| {' | '.join(row)} |" for row in table),
+            *table_lines(("", "RMSE", "MAE", "max", "SD", "bias", "the paper's RMSE / MAE / max / SD"), table),
             "",
             *basis(found),
             "",
-            "Made by " + ", ".join(f"{name} {version}" for name, version in provenance().items()) + ".",
+            made_by(),
             "",
         ]
     )
@@ -89,7 +80,6 @@ def basis(found: Acceptance) -> list[str]:
 def draw_acceptance(found: Acceptance, title: str) -> Figure:
     """One sheet of A4: verdict, tolerances, and every error against its truth and its depth."""
     figure = Figure(figsize=_A4, layout="constrained")
-    FigureCanvasAgg(figure)
     rows = len(found.scores)
     top, bottom = np.asarray(figure.subfigures(2, 1, height_ratios=[0.8, rows]))
     axis = top.subplots()
@@ -125,5 +115,5 @@ def _scatter(axis: Axes, truth: np.ndarray, error: np.ndarray, name: str) -> Non
 def _row(check: AcceptanceCheck) -> tuple[str, str, str, str, str]:
     unit = "" if check.unit == "1" else f" {check.unit}"
     interval = f"{check.interval[0]:.3f} to {check.interval[1]:.3f}" if check.interval else ""
-    said = "within" if check.passed else "OUTSIDE"
-    return check.what, f"{check.value:.3f}{unit}", interval, f"{check.limit:g}{unit}", said
+    result = "within" if check.passed else "OUTSIDE"
+    return check.what, f"{check.value:.3f}{unit}", interval, f"{check.limit:g}{unit}", result

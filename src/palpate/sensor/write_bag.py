@@ -1,8 +1,8 @@
 """Readings as a rosbag2: poses of the wall for ROS, and every reading as JSON.
 
-`/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion and the depth
-as the wall's z below first touch, in metres; an image without a pose has none. `/palpate/reading` (std_msgs/String)
-holds every reading by the columns of the other files.
+`/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion, or the place
+(x, y) of an obstacle that does not tilt, and the depth as its z below first touch, in metres; an image without a pose
+has none. `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
 """
 
 from __future__ import annotations
@@ -56,11 +56,12 @@ class Bag:
 
     def _pose_of(self, reading: Reading, now: int) -> Any:
         types = self._store.types
-        rotation = np.radians([reading.rx_deg, reading.ry_deg, 0.0])
+        first = np.array([*reading.pose[:2], 0.0])
+        rotation, offset = (np.radians(first), np.zeros(3)) if reading.space.tilts else (np.zeros(3), first / 1e3)
         angle = float(np.linalg.norm(rotation))
         vector = 0.5 * np.sinc(angle / (2.0 * np.pi)) * rotation
         stamp = types["builtin_interfaces/msg/Time"](sec=now // 10**9, nanosec=now % 10**9)
-        place = types["geometry_msgs/msg/Point"](x=0.0, y=0.0, z=-reading.depth_mm / 1e3)
+        place = types["geometry_msgs/msg/Point"](x=float(offset[0]), y=float(offset[1]), z=-reading.depth_mm / 1e3)
         turned = types["geometry_msgs/msg/Quaternion"](*(float(v) for v in vector), w=float(np.cos(angle / 2.0)))
         return types["geometry_msgs/msg/PoseStamped"](
             header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="dome"),

@@ -10,30 +10,26 @@ from pathlib import Path
 from typing import Any
 
 from palpate.core import PalpateError, writing
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
 
 KINDS = (".csv", ".jsonl", ".rosbag2")
 """Endings of what readings can be written to."""
 
-COLUMNS = (
-    "image",
-    *TILT_DEPTH.names,
-    *TILT_DEPTH.half_width_names,
-    "touching",
-    "found",
-    "flags",
-    "latency_ms",
-    "reason",
-)
+_STATE = ("touching", "found", "flags", "latency_ms", "reason")
+
+
+def reading_columns(space: PoseSpace) -> tuple[str, ...]:
+    """Columns of readings whose poses are of a space."""
+    return ("image", *space.names, *space.half_width_names, *_STATE)
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:
-    """A reading as plain data by `COLUMNS`; numbers that are not finite become `None`."""
+    """A reading as plain data by `reading_columns`; numbers that are not finite become `None`."""
     values = (
         reading.image,
-        *(reading.rx_deg, reading.ry_deg, reading.depth_mm),
+        *reading.pose,
         *reading.half_width,
         reading.touching,
         reading.found,
@@ -42,11 +38,13 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         reading.reason,
     )
     finite = (None if isinstance(value, float) and not math.isfinite(value) else value for value in values)
-    return dict(zip(COLUMNS, finite, strict=True))
+    return dict(zip(reading_columns(reading.space), finite, strict=True))
 
 
-def write_readings(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]:
-    """Write readings as they come, to a .csv or .jsonl file or a new .rosbag2 folder, and hand them on.
+def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_DEPTH) -> Iterator[Reading]:
+    """Write readings with poses of one space as they come, to a .csv or .jsonl file or a new .rosbag2 folder.
+
+    They are handed on.
 
     Raises
     ------
@@ -59,12 +57,12 @@ def write_readings(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]
         raise PalpateError(f"{path.name} is neither {', '.join(KINDS[:-1])} nor {KINDS[-1]}.", "Choose one of these.")
     if path.suffix == ".rosbag2":
         return write_bag(path, ((reading, describe_reading(reading)) for reading in readings))
-    return _write_text(path, readings)
+    return _write_text(path, readings, reading_columns(space))
 
 
-def _write_text(path: Path, readings: Iterable[Reading]) -> Iterator[Reading]:
+def _write_text(path: Path, readings: Iterable[Reading], columns: tuple[str, ...]) -> Iterator[Reading]:
     with writing(path), path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS)
+        table = csv.DictWriter(file, columns)
         if path.suffix == ".csv":
             table.writeheader()
         for reading in readings:

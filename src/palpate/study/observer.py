@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 
 class Observer(ABC):
-    """Told how a study goes; costs are expected seconds on one core, for bars and remaining time."""
+    """Called as a study goes; costs are expected seconds on one core, for bars and remaining time."""
 
     @abstractmethod
     def planned(self, tasks: int, reused: int, cost: float) -> None:

@@ -19,7 +19,7 @@ class Plan:
     Attributes
     ----------
     designs
-        The last task of each design; the others hang on it.
+        The last task of each design; it depends on the others.
     """
 
     designs: tuple[LearningTask, ...]
@@ -57,15 +57,15 @@ def plan_study(study: Study) -> Plan:
     """
     study = study.seeded()
     designs = []
-    for dome in study.designs.skins():
-        presses = tuple(_plan_presses(study, dome))
-        relatives = tuple(tuple(group) for group in _plan_relatives(study, dome))
+    for skin in study.designs.skins():
+        presses = tuple(_plan_presses(study, skin))
+        relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         inverted = replace(min(presses, key=lambda press: press.wall.radial), branch=Branch.INVERTED)
         for markers in study.designs.markers:
             dataset = DatasetTask(
                 presses=presses,
-                skin=dome,
-                markers=_checked(dome, markers),
+                skin=skin,
+                markers=_checked(skin, markers),
                 camera=study.camera,
                 spec=study.dataset,
                 relatives=relatives,
@@ -74,10 +74,10 @@ def plan_study(study: Study) -> Plan:
     return Plan(designs=tuple(designs))
 
 
-def _plan_presses(study: Study, dome: SkinSpec) -> Iterator[PressTask]:
+def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     for tilt_deg in study.tilts_deg:
         yield PressTask(
-            skin=dome,
+            skin=skin,
             mesh=study.mesh,
             material=study.material.material(),
             wall=study.wall.model_copy(update={"tilt_deg": tilt_deg}),
@@ -85,25 +85,25 @@ def _plan_presses(study: Study, dome: SkinSpec) -> Iterator[PressTask]:
         )
 
 
-def _plan_relatives(study: Study, dome: SkinSpec) -> Iterator[Iterator[PressTask]]:
+def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:
     """Presses of units that differ from the design, as `RandomiseSpec` asks for: frictions, thinner, thicker."""
     varied = study.dataset.randomise
     if varied is None:
         return
     for friction in varied.frictions:
         wall = study.wall.model_copy(update={"contact": friction})
-        yield _plan_presses(study.model_copy(update={"wall": wall}), dome)
+        yield _plan_presses(study.model_copy(update={"wall": wall}), skin)
     for step in (-varied.thickness, varied.thickness) if varied.thickness else ():
-        other = type(dome).model_validate(dome.model_dump() | {"thickness": dome.thickness + step})
+        other = type(skin).model_validate(skin.model_dump() | {"thickness": skin.thickness + step})
         yield _plan_presses(study, other)
 
 
 def _checked(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     """The layout with its number of markers counted, after the design was found buildable."""
-    dome = build_skin(dome_spec)
-    layout = place_markers(dome, markers)
+    skin = build_skin(dome_spec)
+    layout = place_markers(skin, markers)
     try:
-        refuse_errors(check_design(dome, layout))
+        refuse_errors(check_design(skin, layout))
     except PalpateError as error:
         raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy) from None
     return markers.model_copy(update={"count": len(layout)})

@@ -48,6 +48,12 @@ def read_study(source: str | Path) -> Study:
     ------
     PalpateError
         If there is no such file or preset, or the file is no valid study; the message names file and line.
+
+    Examples
+    --------
+    >>> study = read_study("first")
+    >>> len(study.designs.skins()), study.tilts_deg[:3]
+    (2, (0.0, 2.0, 4.0))
     """
     path = Path(source)
     if not path.exists() and str(source) in list_presets():

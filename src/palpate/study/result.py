@@ -44,13 +44,13 @@ class PressSummary:
     ended, ended_depth_mm
         Reason of the end, and the wall's depth at that moment (mm).
     force_n, peak_stress_mpa
-        Norm of the wall's force in the deepest image (N), and greatest von Mises Cauchy stress in any (MPa).
+        Norm of the wall's force in the deepest increment (N), and greatest von Mises Cauchy stress in any (MPa).
     branch
-        ``"flat"`` or ``"inverted"`` in the deepest image.
+        ``"flat"`` or ``"inverted"`` in the deepest increment.
     displacement_max_mm, displacement_mean_mm
-        Greatest and mean displacement of the mesh's nodes in the deepest image (mm).
+        Greatest and mean displacement of the mesh's nodes in the deepest increment (mm).
     apex_gap_mm
-        Distance between the wall and the point that it touched first, in the deepest image (mm).
+        Distance between the wall and the point that it touched first, in the deepest increment (mm).
     """
 
     tilt_deg: float
@@ -80,9 +80,9 @@ class DesignResult:
     travel_mm
         Distance in space of a marker from rest at the greatest depth, mean over markers and sampled poses (mm).
     force_n
-        Norm of the wall's force in the deepest image of the straight press, the one of least tilt (N).
+        Norm of the wall's force in the deepest increment of the straight press, the one of least tilt (N).
     peak_stress_mpa
-        Greatest von Mises Cauchy stress in any image of any press (MPa).
+        Greatest von Mises Cauchy stress in any increment of any press (MPa).
     bistable_from_mm
         Depth from which the dome has a second, inverted state at the least tilt (mm); nan where none was found. A
         design that works deeper can answer one pose by two marker maps.

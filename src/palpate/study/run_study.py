@@ -55,7 +55,7 @@ def run_study(
     workers
         Number of worker processes; without one, as many as there are cores.
     observer
-        Told how it goes.
+        Called as it goes.
     limit_s
         How long one task may take, s; without it, an hour and 200 times its expected cost.
     cluster

@@ -67,7 +67,7 @@ class Schedule:
         return None
 
     def close(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
-        """Note how a task ended, and end all that hang on a failed one; yields each with its outcome."""
+        """Note how a task ended, and end all that depend on a failed one; yields each with its outcome."""
         key = task.recipe.key
         self.outcomes[key] = outcome
         yield task, outcome
@@ -165,7 +165,7 @@ def do_tasks(
     crew
         Who does them.
     observer
-        Told of every start and end.
+        Called at every start and end.
     limit_s
         How long a task may take, s; without it, as `time_limit` says.
 
@@ -206,7 +206,7 @@ def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
 
 
 def _settle(schedule: Schedule, work: Work, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
-    """Take what a member said; yields the tasks that are over by it, each with its outcome."""
+    """Take what a member reported; yields the tasks that are over by it, each with its outcome."""
     key = task.recipe.key
     if outcome.ended is TaskEnd.BUSY:
         work.busy.append((time.monotonic() + BUSY_S, task))

@@ -169,7 +169,7 @@ class _Member:
         return f" ({signal.Signals(-code).name})" if -code in set(signal.Signals) else f" (exit code {code})"
 
     def trace(self) -> str:
-        """What the process has said about where it stands."""
+        """What the process has reported about where it stands."""
         with suppress(OSError):
             return self._traces.read_text(errors="replace")
         return ""

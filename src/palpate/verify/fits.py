@@ -74,8 +74,8 @@ def treloar_quality() -> list[Row]:
                 at.append(f"{label}, on {on}")
     scale = np.maximum(np.abs(printed), 1.0)
     unique = np.array(["ogden3" not in text for text in at])
-    told = np.where(unique, ours, np.minimum(ours, printed))
-    return [compare("R²; of Ogden's fits where it is below the reference's", told, printed, 1e-4, at, scale)]
+    judged = np.where(unique, ours, np.minimum(ours, printed))
+    return [compare("R²; of Ogden's fits where it is below the reference's", judged, printed, 1e-4, at, scale)]
 
 
 def table_2_recovery() -> list[Row]:

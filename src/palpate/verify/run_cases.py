@@ -14,7 +14,7 @@ from palpate.verify.cases import CASES
 
 @dataclass(frozen=True)
 class CaseOutcome:
-    """What a case said.
+    """What a case found.
 
     Attributes
     ----------

@@ -187,7 +187,7 @@ class DesignPage:
         self._redraw()
 
     def _redraw(self) -> None:
-        """Draw the sketch at rest; what cannot be drawn is said, and the last one stays."""
+        """Draw the sketch at rest; what cannot be drawn is reported, and the last one stays."""
         try:
             self._sketch = Sketch.model_validate(self._chosen)
             self._drawn = draw_sketch(self._sketch)

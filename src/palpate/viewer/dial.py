@@ -58,7 +58,7 @@ def draw_dial(
 
 
 def _point(reading: Reading, scale: float, colour: str) -> str:
-    x, y = scale * reading.rx_deg, -scale * reading.ry_deg
+    x, y = scale * reading.pose[0], -scale * reading.pose[1]
     wide, tall = (scale * min(half, 30.0) if math.isfinite(half) else 0.0 for half in reading.half_width[:2])
     return (
         f'<rect x="{x - wide:.2f}" y="{y - tall:.2f}" width="{2 * wide:.2f}" height="{2 * tall:.2f}" rx="2" '

@@ -25,7 +25,7 @@ class DomeView(Element, component="scripts/dome_view.js", esm={"palpate-stage": 
 
 
 class CameraView(Element, component="scripts/camera_view.js"):
-    """What the camera below the dome sees; `slot` as of `DomeView`."""
+    """What the camera below the dome sees; for `slot` see `DomeView`."""
 
     def __init__(self, slot: str, label: str) -> None:
         super().__init__()

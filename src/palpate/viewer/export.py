@@ -97,9 +97,9 @@ def _markers(design: Design, specimen: Specimen, motion: SurfaceMotion, pose: tu
 
 
 def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: FloatArray) -> Part:
-    dome, normal = specimen.pressed.mesh.skin, wall_normal(np.radians(pose[1]), 0.0)
-    at = dome.touch(normal) - np.array([0.0, 0.0, pose[0]])
-    points, _ = Plane(normal, at).patch(at, 1.2 * dome.outer_widest[0])
+    skin, normal = specimen.pressed.mesh.skin, wall_normal(np.radians(pose[1]), 0.0)
+    at = skin.touch(normal) - np.array([0.0, 0.0, pose[0]])
+    points, _ = Plane(normal, at).patch(at, 1.2 * skin.outer_widest[0])
     return Part("wall", points @ turn.T, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))
 
 

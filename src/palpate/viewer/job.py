@@ -47,7 +47,7 @@ class Job:
         self.done = False
 
     def look(self) -> bool:
-        """Take in what the process said meanwhile; whether it is done."""
+        """Take in what the process sent meanwhile; whether it is done."""
         while not self.done:
             try:
                 if not self._pipe.poll():

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from palpate.camera import Source
 from palpate.core import BoolArray, FloatArray, PalpateError
+from palpate.design import TILT_DEPTH
 from palpate.learn import Predictor
-from palpate.sensor import Reading, Sensor, Unit, describe_reading, open_sensor
+from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor
 from palpate.viewer.results import Design
 
 LONGEST = 100_000
@@ -79,6 +80,7 @@ class Live:
             raise PalpateError("The source has no image.", "Record the untouched dome first.")
         if isinstance(first, PalpateError):
             raise first
+        check_model(predictor, design.layout, TILT_DEPTH)
         unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
         self.size_px = first.shape[:2]
         self.sensor: Sensor = open_sensor([first], unit, predictor)
@@ -111,7 +113,7 @@ def judge(reading: Reading, tolerance_deg: float) -> LiveVerdict:
 
     The interval of the tilt is that of its components, |rx ± a| and |ry ± b|, at their nearest and farthest.
     """
-    if not reading.touching or math.isnan(reading.rx_deg):
+    if not reading.touching or math.isnan(reading.pose[0]):
         return LiveVerdict.NO_TOUCH
     least, most = tilt_interval(reading)
     if most <= tolerance_deg:
@@ -121,7 +123,7 @@ def judge(reading: Reading, tolerance_deg: float) -> LiveVerdict:
 
 def tilt_interval(reading: Reading) -> tuple[float, float]:
     """Least and greatest tilt (degrees) within the intervals of both components."""
-    pairs = [(abs(reading.rx_deg), reading.half_width[0]), (abs(reading.ry_deg), reading.half_width[1])]
+    pairs = [(abs(value), half) for value, half in zip(reading.pose[:2], reading.half_width, strict=False)]
     least = math.hypot(*(max(size - half, 0.0) for size, half in pairs))
     most = math.hypot(*(size + half for size, half in pairs))
     return least, most

@@ -62,7 +62,7 @@ class LivePage:
             with ui.element("section").classes("stage").props('aria-label="Image"'):
                 self._fault = complaint()
                 self._view = LiveView("The sensor's image with its markers")
-                self._told = ui.label("Choose a source and start.").classes("faint").props('role="status"')
+                self._status = ui.label("Choose a source and start.").classes("faint").props('role="status"')
             with ui.element("section").classes("side").props('aria-label="Pose"'):
                 self._build_pose()
         self._timer = ui.timer(_PERIOD_S, self._next, active=False)
@@ -120,11 +120,11 @@ class LivePage:
     async def _start(self) -> None:
         self._stop()
         complain(self._fault, "")
-        self._told.text = "Opening the sensor …"
+        self._status.text = "Opening the sensor …"
         try:
             self._live = await asyncio.to_thread(self._open)
         except PalpateError as error:
-            self._told.text = ""
+            self._status.text = ""
             complain(self._fault, str(error))
             return
         height, width = self._live.size_px
@@ -175,7 +175,7 @@ class LivePage:
             return
         if step is None:
             self._stop()
-            self._told.text = "The recording ended."
+            self._status.text = "The recording ended."
             return
         self._show(step)
 
@@ -185,7 +185,7 @@ class LivePage:
         self._view.show(picture, step.positions_px.round(2).tolist(), step.found.tolist(), stretch)
         reading = step.reading
         found = f"Image {reading.image}: {reading.found} of {len(step.found)} markers found"
-        self._told.text = " · ".join(
+        self._status.text = " · ".join(
             part for part in (found, f"{reading.latency_ms:.0f} ms", "; ".join(reading.flags), reading.reason) if part
         )
         self._show_pose(step)
@@ -233,14 +233,13 @@ class LivePage:
 def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
     reading, truth = step.reading, step.truth
     least, most = tilt_interval(reading)
-    values = (reading.rx_deg, reading.ry_deg, reading.depth_mm)
     rows = [
-        (name, value, half, unit, f"true {truth[i]:.2f}" if truth else "")
-        for i, (name, value, half, unit) in enumerate(
-            zip(("rx", "ry", "depth"), values, reading.half_width, ("°", "°", "mm"), strict=True)
+        (item.axis, value, half, item.sign.strip(), f"true {truth[i]:.2f}" if truth else "")
+        for i, (item, value, half) in enumerate(
+            zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
-    return [*rows, ("tilt", reading.tilt_deg, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
+    return [*rows, ("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
 
 
 def _as_link(image: NDArray[np.uint8]) -> str:

@@ -113,9 +113,9 @@ def read_design(results: Results, number: int) -> Design:
     try:
         sizes = {name: row[f"{name}_mm"] for name in ("height", "base_radius", "thickness")}
         spec = json.loads(str(row.get("spec") or "{}"))
-        dome = build_skin(skin_from_data(spec.get("skin", {}) | sizes))
+        skin = build_skin(skin_from_data(spec.get("skin", {}) | sizes))
         camera = build_camera(CameraSpec(**spec.get("camera", {})))
-        return Design(number, row, dome, _read_layout(results, row, dome), camera, _keys(row, "press"))
+        return Design(number, row, skin, _read_layout(results, row, skin), camera, _keys(row, "press"))
     except (KeyError, TypeError, ValueError, ValidationError) as error:
         raise PalpateError(f"Row {number} of the grid is no design: {error}.", _AGAIN) from None
 
@@ -167,7 +167,7 @@ def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:
     return tuple(str(row.get(f"{kind}_key") or "").split())
 
 
-def _read_layout(results: Results, row: Mapping[str, Cell], dome: Skin) -> MarkerLayout:
+def _read_layout(results: Results, row: Mapping[str, Cell], skin: Skin) -> MarkerLayout:
     """Markers as the dataset has them; without a dataset, the rings of as many markers."""
     spec = json.loads(str(row.get("spec") or "{}"))
     diameter = float(spec.get("markers", {}).get("diameter", MarkerSpec().diameter))
@@ -178,4 +178,4 @@ def _read_layout(results: Results, row: Mapping[str, Cell], dome: Skin) -> Marke
             positions = np.asarray(found, float)
             if positions.ndim == 2 and positions.shape[1] == 3 and len(positions) == row["markers"]:
                 return MarkerLayout(positions, diameter)
-    return place_markers(dome, MarkerSpec.model_validate({"count": row["markers"], "diameter": diameter}))
+    return place_markers(skin, MarkerSpec.model_validate({"count": row["markers"], "diameter": diameter}))

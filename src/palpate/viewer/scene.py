@@ -21,14 +21,14 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
     The triangles lie part after part, see `palpate.viewer.shell.PARTS`.
     """
     pressed, shell = specimen.pressed, specimen.shell
-    dome = pressed.mesh.skin
+    skin = pressed.mesh.skin
     meta = {
         "parts": {name: list(place) for name, place in shell.parts.items()},
-        "height_mm": dome.height,
-        "base_radius_mm": dome.base_radius,
-        "thickness_mm": dome.thickness,
-        "outer_radius_mm": dome.outer_widest[0],
-        "outer_base_radius_mm": dome.outer_base_radius,
+        "height_mm": skin.height,
+        "base_radius_mm": skin.base_radius,
+        "thickness_mm": skin.thickness,
+        "outer_radius_mm": skin.outer_widest[0],
+        "outer_base_radius_mm": skin.outer_base_radius,
         "tilts_deg": pressed.tilts_deg.tolist(),
         "depth_mm": float(pressed.depths_mm[-1]),
         "marker_diameter_mm": layout.diameter,

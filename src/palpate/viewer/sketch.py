@@ -58,20 +58,20 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     PalpateError
         If the dome cannot be built or its markers not be placed on it.
     """
-    dome = build_skin(sketch.dome)
-    layout, camera = place_markers(dome, sketch.markers), build_camera(sketch.camera)
+    skin = build_skin(sketch.dome)
+    layout, camera = place_markers(skin, sketch.markers), build_camera(sketch.camera)
     if not layout.on_dome.all():
         raise PalpateError("Some markers lie outside the dome.", "Use smaller rings, or a wider dome.")
-    mesh = mesh_skin(dome, MeshSpec(cells=REST_CELLS))
-    findings = check_process(dome, layout, sketch.material.material(), camera, ProcessSpec())
-    hidden = int((~camera.visible(layout.positions, dome)).sum())
+    mesh = mesh_skin(skin, MeshSpec(cells=REST_CELLS))
+    findings = check_process(skin, layout, sketch.material.material(), camera, ProcessSpec())
+    hidden = int((~camera.visible(layout.positions, skin)).sum())
     if hidden:
         remedy = "Move the camera further away, or leave the outer ring out."
-        said = f"{hidden} of {len(layout)} markers are out of the camera's sight."
-        findings = (Finding(Severity.WARNING, "markers-out-of-sight", said, remedy), *findings)
+        sentence = f"{hidden} of {len(layout)} markers are out of the camera's sight."
+        findings = (Finding(Severity.WARNING, "markers-out-of-sight", sentence, remedy), *findings)
     order = list(Severity)
     findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
-    design = Design(-1, sketch_row(sketch), dome, layout, camera, ())
+    design = Design(-1, sketch_row(sketch), skin, layout, camera, ())
     return Drawn(design, Specimen(rest_dome(mesh, sketch.wall.tilt_deg), build_shell(mesh)), findings)
 
 

@@ -24,7 +24,7 @@ def press_sketch(sketch: Sketch, report: Report) -> Press:
 
 
 def pack_sketch(sketch: Sketch, report: Report) -> bytes:
-    """The fabrication pack of a sketch as a zip file; how far it is cannot be told."""
+    """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
     spec = PackSpec(
         dome=sketch.dome,
         markers=sketch.markers,

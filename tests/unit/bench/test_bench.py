@@ -92,11 +92,11 @@ def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
     quick = replace(bench, spec=bench.spec.model_copy(update={"tolerance": ToleranceSpec(friction=0, thickness=0)}))
     results = list(run_bench(quick))
     write_bench(tmp_path, quick, results)
-    said = json.loads((tmp_path / "bench.json").read_text())
-    assert said["made_by"]["palpate"]
-    assert said["spec"]["seed"] == 0
-    assert [unit["unit"] for unit in said["units"]] == [0, 1]
-    assert said["as_good_as_the_paper"]["of"] == 1
+    report = json.loads((tmp_path / "bench.json").read_text())
+    assert report["made_by"]["palpate"]
+    assert report["spec"]["seed"] == 0
+    assert [unit["unit"] for unit in report["units"]] == [0, 1]
+    assert report["as_good_as_the_paper"]["of"] == 1
     with (tmp_path / "bench.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["component"] for row in rows[:3]] == ["roll deg", "pitch deg", "depth mm"]

@@ -136,7 +136,7 @@ def test_one_missing_design_of_48_is_named():
     assert set(needs.values()) == {"needs H10 T3 with 91 markers"}
 
 
-def test_one_dome_refutes_what_is_said_of_every_dome():
+def test_one_dome_refutes_what_is_claimed_of_every_dome():
     one = grid(CONTRARY["C6"], keep=lambda h, t, m: (h, t) == (30, 4))
     assert verdict("C6", one) == FAILS
     assert verdict("C6", grid(keep=lambda h, t, m: (h, t) == (30, 4))) == OPEN

@@ -16,9 +16,9 @@ def run(*words):
 
 def test_a_folder_of_photos_gives_the_lens_as_json_and_file(tmp_path, capsys):
     assert run(str(PHOTOS), "--board", "chessboard:9x6:25", "--out", str(tmp_path / "lens.yaml"), "--json") == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["rms_px"] < 0.2
-    assert len(said["images"]) == 13
+    output = json.loads(capsys.readouterr().out)
+    assert output["rms_px"] < 0.2
+    assert len(output["images"]) == 13
     assert (tmp_path / "lens.yaml").read_text().startswith("%YAML:1.0")
 
 
@@ -43,6 +43,6 @@ def test_a_board_is_printed_without_images(tmp_path):
         ((str(PHOTOS), "--board", "charuco"), "0 of 13 images can be used"),
     ],
 )
-def test_bad_input_is_said_in_one_sentence(words, says, capsys):
+def test_bad_input_is_reported_in_one_sentence(words, says, capsys):
     assert run(*words) == 2
     assert says in capsys.readouterr().err

@@ -137,9 +137,9 @@ def test_doctor_tells_of_a_package_that_does_not_load(capsys, monkeypatch, tmp_p
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr("importlib.metadata.requires", lambda name: ["old; extra == 'viz'"])
     assert call("doctor") == 0
-    told = capsys.readouterr().out
-    assert "does not load: removed in 2.0" in told
-    assert 'pip install --upgrade "palpate[viz]"' in told
+    output = capsys.readouterr().out
+    assert "does not load: removed in 2.0" in output
+    assert 'pip install --upgrade "palpate[viz]"' in output
 
 
 def test_doctor_names_the_solver_in_use(capsys: pytest.CaptureFixture[str]) -> None:

@@ -40,7 +40,7 @@ def kinds_of(argument: Argument) -> set[Any]:
 
 
 def refuse(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
-    """What a wrong input is told; empty where it is answered as it must be, else what is wrong with the answer."""
+    """What a wrong input gets; empty where it is answered as it must be, else what is wrong with the answer."""
     before, start = listing(), time.monotonic()
     try:
         main(words)
@@ -48,17 +48,17 @@ def refuse(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
     except SystemExit as left:
         code = left.code
     took, shown, after = time.monotonic() - start, capsys.readouterr(), listing()
-    said = shown.err.strip()
+    message = shown.err.strip()
     wrong = [
         f"exit code {code}" if code != 2 else "",
         "something on standard output" if shown.out else "",
-        f"{len(said.splitlines())} lines" if len(said.splitlines()) > 12 else "",
-        "no sentence" if not said.startswith("Error: ") or len(said) < 20 else "",
+        f"{len(message.splitlines())} lines" if len(message.splitlines()) > 12 else "",
+        "no sentence" if not message.startswith("Error: ") or len(message) < 20 else "",
         f"{took:.1f} s" if took > LONGEST_S else "",
         f"leaves {', '.join(after - before)}" if after - before else "",
     ]
     faults = "; ".join(fault for fault in wrong if fault)
-    return f"{' '.join(words)}: {faults}: {said[:300]}" if faults else ""
+    return f"{' '.join(words)}: {faults}: {message[:300]}" if faults else ""
 
 
 def listing() -> set[str]:

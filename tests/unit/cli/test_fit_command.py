@@ -21,7 +21,7 @@ def call(*words: str | Path) -> int:
     return left.value.code
 
 
-def told(capsys: pytest.CaptureFixture[str], *words: str | Path) -> dict:
+def run_fit(capsys: pytest.CaptureFixture[str], *words: str | Path) -> dict:
     assert call("fit", *words, "--json") == 0
     return json.loads(capsys.readouterr().out)
 
@@ -71,7 +71,7 @@ def test_ten_files_of_a_bench_give_the_material_its_limits_and_the_picture(
 
 
 def test_json_holds_what_the_tables_show(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    shown = told(capsys, *sorted(bench.glob("*.csv")), "--no-figure")
+    shown = run_fit(capsys, *sorted(bench.glob("*.csv")), "--no-figure")
     assert [item["name"] for item in shown["constants"]] == ["C10", "C20", "C30"]
     assert all(item["low"] < item["value"] < item["high"] for item in shown["constants"])
     assert len(shown["samples"]) == 10
@@ -91,7 +91,7 @@ def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.
 
 
 def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = told(capsys, ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "--stable")
+    shown = run_fit(capsys, ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "--stable")
     assert shown["stable"]
     assert shown["stable_fit"] is None
     assert shown["constants"][0]["low"] is None
@@ -108,7 +108,7 @@ def test_files_are_given_to_their_test(tmp_path: Path, capsys: pytest.CaptureFix
     columns = ("--strain", "2", "--strain-unit", "stretch", "--stress", "1", "--stress-unit", "MPa")
     files = ("--uniaxial", MEUNIER / "UT_stress_stretch.txt", "--planar", MEUNIER / "PS_stress_stretch.txt")
     picture = tmp_path / "fit.svg"
-    shown = told(capsys, *files, *columns, "--figure", picture)
+    shown = run_fit(capsys, *files, *columns, "--figure", picture)
     assert [item["test"] for item in shown["samples"]] == ["uniaxial", "planar"]
     assert [item["mode"] for item in shown["unseen"]] == ["equibiaxial"]
     assert "<svg" in picture.read_text()

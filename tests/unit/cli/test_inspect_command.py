@@ -33,9 +33,9 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
     table, picture = tmp_path / "errors.csv", tmp_path / "errors.svg"
     words = ["inspect", str(image), "--markers", "37", "--out", str(table), "--picture", str(picture)]
     assert run(*words, "--json") == 1
-    said = json.loads(capsys.readouterr().out)
-    assert not said["passed"]
-    verdicts = {row["marker"]: row["verdict"] for row in said["markers"]}
+    shown = json.loads(capsys.readouterr().out)
+    assert not shown["passed"]
+    verdicts = {row["marker"]: row["verdict"] for row in shown["markers"]}
     assert [number for number, verdict in verdicts.items() if verdict != "within"] == [20]
     with table.open() as file:
         rows = list(csv.DictReader(file))
@@ -48,7 +48,7 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "shown"),
     [
         (["nothing.png"], "nothing.png"),
         (["IMAGE", "--markers", "169"], "dots"),
@@ -58,6 +58,6 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
         (["IMAGE", "--markers", "37", "--out", "no/such/folder/errors.csv"], "cannot be written"),
     ],
 )
-def test_inspect_refuses_what_cannot_be_inspected(words, said, image, capsys):
+def test_inspect_refuses_what_cannot_be_inspected(words, shown, image, capsys):
     assert run("inspect", *(str(image) if word == "IMAGE" else word for word in words)) == 2
-    assert said in capsys.readouterr().err
+    assert shown in capsys.readouterr().err

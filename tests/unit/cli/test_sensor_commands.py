@@ -71,9 +71,9 @@ def model(tmp_path_factory):
 
 def test_find_counts_the_dots_of_every_image(recording, capsys):
     assert run("find", str(recording), "--json") == 0
-    said = json.loads(capsys.readouterr().out)
-    assert [row["dots"] for row in said] == [38, 38, 38, None]
-    assert "cut off" in said[3]["reason"] or "cannot be read" in said[3]["reason"]
+    shown = json.loads(capsys.readouterr().out)
+    assert [row["dots"] for row in shown] == [38, 38, 38, None]
+    assert "cut off" in shown[3]["reason"] or "cannot be read" in shown[3]["reason"]
     assert run("find", str(recording)) == 0
     assert "dark" in capsys.readouterr().out
 
@@ -81,10 +81,10 @@ def test_find_counts_the_dots_of_every_image(recording, capsys):
 def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_path, capsys):
     words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
     assert run(*words, "--json", "--out", str(tmp_path / "readings.csv")) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert [row["depth_mm"] for row in said[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
-    assert all(row["touching"] for row in said[:2])
-    assert said[2]["flags"] == "the image could not be read"
+    shown = json.loads(capsys.readouterr().out)
+    assert [row["depth_mm"] for row in shown[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
+    assert all(row["touching"] for row in shown[:2])
+    assert shown[2]["flags"] == "the image could not be read"
     assert len((tmp_path / "readings.csv").read_text().splitlines()) == 4
     assert run(*words) == 0
     assert "37 markers named" in capsys.readouterr().err
@@ -129,20 +129,20 @@ def test_live_reads_a_video_that_is_cut_off_and_flags_the_end(recording, model, 
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     words = ["live", "--model", str(model), "--source", str(path), "--markers", "37", "--json"]
     assert run(*words) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said[0]["depth_mm"] == pytest.approx(1.0, abs=0.2)
-    assert said[-1]["flags"] == "the image could not be read"
-    assert "cut off" in said[-1]["reason"]
+    shown = json.loads(capsys.readouterr().out)
+    assert shown[0]["depth_mm"] == pytest.approx(1.0, abs=0.2)
+    assert shown[-1]["flags"] == "the image could not be read"
+    assert "cut off" in shown[-1]["reason"]
     assert run(*words, "--count", "2") == 0
     assert len(json.loads(capsys.readouterr().out)) == 2
 
 
-def test_live_plays_a_simulated_sensor_until_told_to_stop(model, capsys):
+def test_live_plays_a_simulated_sensor_until_asked_to_stop(model, capsys):
     words = ["live", "--model", str(model), "--source", "synthetic", "--markers", "37"]
     assert run(*words, "--rest-images", "3", "--count", "30", "--json") == 0
-    said = json.loads(capsys.readouterr().out)
-    assert not said[2]["touching"]
-    assert said[29]["touching"]
+    shown = json.loads(capsys.readouterr().out)
+    assert not shown[2]["touching"]
+    assert shown[29]["touching"]
 
 
 def test_live_says_what_to_do_without_a_camera(model, capsys):
@@ -164,8 +164,8 @@ def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, ca
     assert "mark was not seen" in capsys.readouterr().err
     known = ["--press-image", str(recording.parent / "press.png"), "--press-pose", "7.7", "2.1", "4"]
     assert run(*words, *known) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert [row["depth_mm"] for row in said[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
+    shown = json.loads(capsys.readouterr().out)
+    assert [row["depth_mm"] for row in shown[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
     assert run(*words, *known[:3], "-7.7", "2.1", "0") == 2
     assert "0 mm deep is none" in capsys.readouterr().err
 
@@ -194,11 +194,11 @@ def test_hostile_images_in_a_recording_are_flagged_and_fill_no_memory(recording,
         assert tracemalloc.get_traced_memory()[1] < 200e6
     finally:
         tracemalloc.stop()
-    said = json.loads(capsys.readouterr().out)
-    assert [bool(row["flags"]) for row in said] == [False, False, True, True, True, True, False]
-    assert "20000 × 20000 px" in said[3]["reason"]
-    assert "1 × 1 px" in said[4]["reason"]
-    assert said[6]["depth_mm"] == pytest.approx(1.0, abs=0.1)
+    shown = json.loads(capsys.readouterr().out)
+    assert [bool(row["flags"]) for row in shown] == [False, False, True, True, True, True, False]
+    assert "20000 × 20000 px" in shown[3]["reason"]
+    assert "1 × 1 px" in shown[4]["reason"]
+    assert shown[6]["depth_mm"] == pytest.approx(1.0, abs=0.1)
     assert run("find", str(recording), "--json") == 0
     found = json.loads(capsys.readouterr().out)
     assert [row["dots"] for row in found] == [38, 38, 38, None, None, None, None, 38]
@@ -215,8 +215,8 @@ def test_a_recording_that_begins_all_black_is_refused(recording, model, capsys):
 def test_a_recording_of_another_design_is_refused(recording, model, design, capsys):
     words = ["live", "--model", str(model), "--source", str(recording), "--markers", "37"]
     assert run(*words, *design) == 2
-    said = capsys.readouterr().err
-    assert "fit the design to" in said or "were found" in said or "mark was not seen" in said
+    shown = capsys.readouterr().err
+    assert "fit the design to" in shown or "were found" in shown or "mark was not seen" in shown
 
 
 def test_a_camera_that_is_unplugged_mid_run_ends_with_a_flagged_reading(
@@ -233,8 +233,8 @@ def test_a_camera_that_is_unplugged_mid_run_ends_with_a_flagged_reading(
     monkeypatch.setattr(cv2, "VideoCapture", lambda _: camera)
     words = ["live", "--model", str(model), "--source", "0", "--markers", "37", "--json"]
     assert run(*words, "--out", str(tmp_path / "out.csv")) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert [row["depth_mm"] is None for row in said] == [False, False, False, True]
-    assert "unplugged" in said[-1]["reason"] or "gives no images any more" in said[-1]["reason"]
+    shown = json.loads(capsys.readouterr().out)
+    assert [row["depth_mm"] is None for row in shown] == [False, False, False, True]
+    assert "unplugged" in shown[-1]["reason"] or "gives no images any more" in shown[-1]["reason"]
     assert len((tmp_path / "out.csv").read_text().splitlines()) == 5
     assert released

@@ -54,9 +54,9 @@ def test_store_gc_says_first_and_removes_then(out: Path, capsys: pytest.CaptureF
 
 
 def test_store_gc_without_a_study_removes_nothing(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    code, _, said = run(capsys, "store", "gc", out)
+    code, _, output = run(capsys, "store", "gc", out)
     assert code == 2
-    assert "Name the studies" in said
+    assert "Name the studies" in output
     assert len(names(out)) == 2
 
 
@@ -64,17 +64,17 @@ def test_store_gc_without_a_study_removes_nothing(out: Path, capsys: pytest.Capt
 def test_a_folder_without_artefacts_is_bad_input(
     tmp_path: Path, words: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, _, said = run(capsys, *words, tmp_path / "none")
+    code, _, output = run(capsys, *words, tmp_path / "none")
     assert code == 2
-    assert "Error: " in said
+    assert "Error: " in output
 
 
 def test_status_says_how_much_is_made(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, shown, _ = run(capsys, "status", "first", "--out", out, "--json")
     assert code == 0
-    said = json.loads(shown)
-    assert (said["made"], said["of"]) == (1, 48)
-    assert said["kinds"]["press"]["made"] == 1
+    output = json.loads(shown)
+    assert (output["made"], output["of"]) == (1, 48)
+    assert output["kinds"]["press"]["made"] == 1
     code, shown, _ = run(capsys, "status", "first", "--out", out)
     assert "press" in shown
 
@@ -95,7 +95,7 @@ def test_status_says_how_much_is_made(out: Path, capsys: pytest.CaptureFixture[s
 def test_run_refuses_hands_that_cannot_be_meant(
     words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, _, said = run(capsys, "run", "first", "--out", tmp_path / "out", *words)
+    code, _, output = run(capsys, "run", "first", "--out", tmp_path / "out", *words)
     assert code == 2
-    assert says in said
+    assert says in output
     assert not (tmp_path / "out").exists()

@@ -60,15 +60,15 @@ def test_a_new_folder_appears_whole_or_not_at_all(tmp_path: Path, there: bool) -
 
 
 @pytest.mark.parametrize("opened", [written_whole, written_into, new_folder])
-def test_what_cannot_be_written_is_said_with_its_reason_and_remedy(tmp_path: Path, opened) -> None:
+def test_what_cannot_be_written_is_reported_with_its_reason_and_remedy(tmp_path: Path, opened) -> None:
     (tmp_path / "file").write_text("")
     path = tmp_path / "file" / "a.txt"
-    said = r"a\.txt cannot be written: .* Name another\."
-    with pytest.raises(PalpateError, match=said), opened(path, "Name another."):
+    expected = r"a\.txt cannot be written: .* Name another\."
+    with pytest.raises(PalpateError, match=expected), opened(path, "Name another."):
         pass
 
 
-def test_an_error_without_a_reason_of_the_system_is_said_as_it_is() -> None:
-    said = r"The grid cannot be written: disk full\. Choose another file\."
-    with pytest.raises(PalpateError, match=said), writing("The grid"):
+def test_an_error_without_a_reason_of_the_system_is_reported_as_it_is() -> None:
+    expected = r"The grid cannot be written: disk full\. Choose another file\."
+    with pytest.raises(PalpateError, match=expected), writing("The grid"):
         raise OSError("disk full")

@@ -114,10 +114,10 @@ def test_list_store_of_nothing_is_empty(tmp_path: Path) -> None:
 def test_clean_store_takes_away_only_what_no_study_needs(store: ArtefactStore) -> None:
     journal = store.path(ONE, ".journal")
     journal.write_text("trials")
-    only_said = clean_store(store.root, [ONE.key], dry_run=True)
+    only_listed = clean_store(store.root, [ONE.key], dry_run=True)
     assert store.find(TWO) is not None
     removed = clean_store(store.root, [ONE.key])
-    assert removed == only_said
+    assert removed == only_listed
     assert {removal.path for removal in removed} == {store.path(TWO), store.path(TWO, ".manifest.json")}
     assert {removal.reason for removal in removed} == {"needed by none of the studies"}
     assert sum(removal.size for removal in removed) > 5

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from palpate.design import Symmetry
+from palpate.design import TILT_DEPTH, Symmetry
 
 RADIUS = 20.0
 STEP = 0.8
@@ -51,7 +51,9 @@ class KinematicPress:
         self.branch = np.where(depth >= self.inverted_from, "inverted", "flat")
         self.mesh = SimpleNamespace(skin=SimpleNamespace(symmetry=Symmetry.REVOLVED))
         self.ended_depth = self.reached
-        self.wall = SimpleNamespace(radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0)
+        self.wall = SimpleNamespace(
+            radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0, pose_space=TILT_DEPTH
+        )
 
     def positions(self, points):
         azimuth = np.deg2rad(self.azimuth_deg)

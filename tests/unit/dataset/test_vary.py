@@ -116,7 +116,7 @@ def test_a_misprinted_dot_moves_as_the_surface_beneath_it_and_looks_as_designed_
     # the displacement itself: that of the surface a little aside, against the closed form
     from palpate.dataset.vary import vary_field
 
-    field = vary_field(presses, layout, VariedPresses(), spec(dot=0.2), 1)
+    field = vary_field(presses, layout, VariedPresses(), spec(dot=0.2))
     step = np.full((1, len(layout.positions), 2), 0.1)
     there = replace(field, off=step)
     rest = there.rest_of(np.array([0]))[0]

@@ -11,7 +11,7 @@ from needs import needs_program
 from palpate.core import PalpateError
 from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.deck.calculix import stored_energy
-from palpate.deck.read_results import read_blocks, read_images
+from palpate.deck.read_results import read_blocks, read_increments
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec, solve_press
 from palpate.material import get_material
@@ -84,7 +84,7 @@ def test_azimuth_turns_the_force() -> None:
     assert turned.force[-1, 1] == pytest.approx(0, abs=1e-9)
 
 
-def test_a_missing_ccx_is_said_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_ccx_is_reported_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     with pytest.raises(PalpateError, match="apt install calculix-ccx"):
         solve_press_calculix(mesh_skin(DOME, MeshSpec(cells=4)), SILICONE)
@@ -139,7 +139,7 @@ DAT = """
 """
 
 
-def test_results_are_read_and_an_unfinished_image_is_left_out(tmp_path: Path) -> None:
+def test_results_are_read_and_an_unfinished_increment_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "press.dat"
     path.write_text(DAT)
     assert [block.quantity for block in read_blocks(path)] == [
@@ -148,16 +148,16 @@ def test_results_are_read_and_an_unfinished_image_is_left_out(tmp_path: Path) ->
         "stresses",
         "displacements",
     ]
-    images = read_images(path, 3)
-    assert images.depth == pytest.approx([0.8])
-    assert images.displacement[0, 2] == pytest.approx([1, 0, 0])
-    assert np.isnan(images.displacement[0, 1]).all()
-    assert images.wall_force == pytest.approx(np.array([[0, -0.005, 0.03]]))
-    assert images.peak_stress == pytest.approx([5e-3])
+    found = read_increments(path, 3)
+    assert found.depth == pytest.approx([0.8])
+    assert found.displacement[0, 2] == pytest.approx([1, 0, 0])
+    assert np.isnan(found.displacement[0, 1]).all()
+    assert found.wall_force == pytest.approx(np.array([[0, -0.005, 0.03]]))
+    assert found.peak_stress == pytest.approx([5e-3])
 
 
-def test_no_results_are_no_images(tmp_path: Path) -> None:
-    assert len(read_images(tmp_path / "none.dat", 3).depth) == 0
+def test_no_results_are_no_increments(tmp_path: Path) -> None:
+    assert len(read_increments(tmp_path / "none.dat", 3).depth) == 0
 
 
 def test_shape_functions_are_one_at_their_node_and_sum_to_one() -> None:

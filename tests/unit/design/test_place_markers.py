@@ -5,7 +5,8 @@ import pytest
 from pydantic import ValidationError
 
 from palpate.core import PalpateError
-from palpate.design import Dome, MarkerLayout, MarkerSpec, place_markers, ring_count, ring_diameters
+from palpate.design import Dome, MarkerLayout, MarkerSpec, place_markers, ring_diameters
+from palpate.design.rings import ring_count
 
 DOME = Dome(20.0, 20.0, 2.0)
 

@@ -31,7 +31,7 @@ def test_the_page_shows_the_dome_from_its_base() -> None:
     assert y == pytest.approx(5.0)
 
 
-def test_draw_artwork_leaves_the_mark_out_when_told() -> None:
+def test_draw_artwork_leaves_the_mark_out_when_asked() -> None:
     dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     assert draw_artwork(dome, layout, PadMapping.AXIS, mark=False).mark is None

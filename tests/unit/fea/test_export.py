@@ -130,7 +130,7 @@ def test_what_cannot_be_written_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_meshio_is_said_with_the_remedy(
+def test_a_missing_meshio_is_reported_with_the_remedy(
     press: Press, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(__import__("sys").modules, "meshio", None)

@@ -32,7 +32,7 @@ def test_a_press_is_a_table_in_a_notebook(press):
     assert "depth reached" in table
 
 
-def test_a_machine_without_graphics_is_told(press, monkeypatch):
+def test_a_machine_without_graphics_is_reported(press, monkeypatch):
     def no_library(name):
         raise OSError(name)
 

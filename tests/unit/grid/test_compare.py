@@ -32,12 +32,15 @@ def test_designs_are_matched_whatever_their_order():
 
 def test_ratio_is_second_over_first_and_empty_without_both():
     good = make_design()
-    clean = replace(good.clean, angle=replace(good.clean.angle, rmse=2 * good.clean.angle.rmse))
+    clean = replace(
+        good.clean,
+        by_axis={**good.clean.by_axis, "angle": replace(good.clean.pooled, rmse=2 * good.clean.pooled.rmse)},
+    )
     (row,) = compare_grids(grid_of(good), grid_of(good, clean=clean)).rows
     assert row["rmse_deg_ratio"] == pytest.approx(2.0)
     assert row["max_error_deg_ratio"] == 1.0
     (row,) = compare_grids(grid_of(good), evaluate_grid([make_design(failure="stopped")])).rows
-    assert (row["rmse_deg_a"], row["rmse_deg_b"], row["rmse_deg_ratio"]) == (good.clean.angle.rmse, None, None)
+    assert (row["rmse_deg_a"], row["rmse_deg_b"], row["rmse_deg_ratio"]) == (good.clean.pooled.rmse, None, None)
 
 
 def test_spec_seeds_and_versions_that_differ_are_named():
@@ -53,7 +56,7 @@ def test_spec_seeds_and_versions_that_differ_are_named():
     }
 
 
-def test_what_differs_between_the_designs_of_one_grid_is_said_to_vary():
+def test_what_differs_between_the_designs_of_one_grid_is_named_as_varying():
     mixed = evaluate_grid([replace(make_design(), seed=1), replace(make_design(markers=7), seed=2)])
     (seed,) = compare_grids(
         mixed, evaluate_grid([replace(make_design(markers=m), seed=1) for m in (169, 7)])

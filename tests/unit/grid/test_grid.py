@@ -57,10 +57,10 @@ def test_a_row_holds_the_figures_of_its_design():
     design = make_design()
     row = evaluate_grid([design]).designs[0]
     assert set(row) >= PROMISED
-    assert row["rmse_deg"] == design.clean.angle.rmse
-    assert row["max_error_jitter_deg"] == design.jittered.angle.max
-    assert row["bias_ry_jitter_deg"] == design.jittered.ry.bias
-    assert row["max_depth_mm"] == design.clean.depth.max
+    assert row["rmse_deg"] == design.clean.pooled.rmse
+    assert row["max_error_jitter_deg"] == design.jittered.pooled.max
+    assert row["bias_ry_jitter_deg"] == design.jittered.by_axis["ry"].bias
+    assert row["max_depth_mm"] == design.clean.by_axis["depth"].max
     assert (row["presses"], row["samples"], row["dropped"], row["seed"]) == (2, 460, 20, 3)
     assert (row["presses_flat"], row["presses_inverted"]) == (1, 1)
     assert row["dropped_reasons"] == "wall reached the clamped rim: 20"
@@ -83,9 +83,9 @@ def test_the_table_by_depth_holds_errors_and_limits():
     shallow, deep = rows_of(evaluate_grid([make_design(markers=7), design]).by_depth, 1)
     assert (shallow["depth_mm"], deep["depth_mm"]) == (2.4, 8.0)
     assert (shallow["limit_deg"], deep["limit_floor_deg"]) == (1.2, 0.05)
-    assert deep["rmse_deg"] == design.clean.by_depth[1].angle.rmse
-    assert deep["max_error_jitter_deg"] == design.jittered.by_depth[1].angle.max
-    assert deep["rmse_over_limit"] == pytest.approx(design.jittered.by_depth[1].angle.rmse / 0.2)
+    assert deep["rmse_deg"] == design.clean.by_depth[1].pooled.rmse
+    assert deep["max_error_jitter_deg"] == design.jittered.by_depth[1].pooled.max
+    assert deep["rmse_over_limit"] == pytest.approx(design.jittered.by_depth[1].pooled.rmse / 0.2)
     assert deep["validation_samples"] == design.clean.by_depth[1].images
 
 
@@ -98,8 +98,8 @@ def test_a_design_without_an_estimator_still_has_its_limit():
 def test_the_table_by_tilt_holds_the_errors_of_every_interval():
     (row,) = evaluate_grid([make_design()]).by_tilt
     assert (row["design"], row["tilt_from_deg"], row["tilt_to_deg"]) == (0, 4, 6)
-    assert row["rmse_deg"] == make_design().clean.by_tilt[0].angle.rmse
-    assert row["max_error_jitter_deg"] == make_design().jittered.by_tilt[0].angle.max
+    assert row["rmse_deg"] == make_design().clean.by_tilt[0].pooled.rmse
+    assert row["max_error_jitter_deg"] == make_design().jittered.by_tilt[0].pooled.max
     assert row["validation_samples"] == 4
 
 
@@ -133,7 +133,7 @@ def test_depths_close_together_keep_a_row_each():
     by_depth = (replace(shallow, depth_mm=2.4), replace(deep, depth_mm=2.45))
     grid = evaluate_grid([replace(design, clean=replace(design.clean, by_depth=by_depth))])
     found = {row["depth_mm"]: row["rmse_deg"] for row in grid.by_depth}
-    assert found == {2.4: shallow.angle.rmse, 2.45: deep.angle.rmse, 8.0: None}
+    assert found == {2.4: shallow.pooled.rmse, 2.45: deep.pooled.rmse, 8.0: None}
 
 
 def test_a_row_with_other_columns_or_of_no_design_is_refused():
@@ -172,7 +172,7 @@ def test_csv_has_one_line_a_design_and_empty_cells_for_nothing(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["name"] for row in rows] == ["H20 T2, 169 markers", "H20 T2, 7 markers"]
     assert [row["markers"] for row in rows] == ["169", "7"]
-    assert float(rows[0]["rmse_deg"]) == make_design().clean.angle.rmse
+    assert float(rows[0]["rmse_deg"]) == make_design().clean.pooled.rmse
     assert rows[1]["rmse_deg"] == ""
 
 
@@ -209,8 +209,8 @@ def test_panels_put_each_figure_at_its_height_and_thickness():
     panels = cut_panels(evaluate_grid(PAPER[::-1]), "rmse_deg")
     assert [panel.title for panel in panels] == ["7 markers", "37 markers", "91 markers", "169 markers"]
     assert panels[3].heights_mm == (10.0, 20.0, 30.0)
-    assert panels[3].values[1, 2] == make_design(20.0, 3.0, 169).clean.angle.rmse
-    assert panels[0].values[2, 0] == make_design(30.0, 1.0, 7).clean.angle.rmse
+    assert panels[3].values[1, 2] == make_design(20.0, 3.0, 169).clean.pooled.rmse
+    assert panels[0].values[2, 0] == make_design(30.0, 1.0, 7).clean.pooled.rmse
 
 
 def test_designs_that_are_missing_leave_empty_cells():
@@ -230,7 +230,7 @@ def test_depth_panels_follow_each_dome_through_its_depths(column, metrics):
     assert panels[3].places == (2.4, 8.0)
     curve = panels[3].values[panels[3].domes_mm.index((30.0, 4.0))]
     errors = getattr(make_design(30.0, 4.0, 169), metrics)
-    assert curve.tolist() == [depth.angle.rmse for depth in errors.by_depth]
+    assert curve.tolist() == [depth.pooled.rmse for depth in errors.by_depth]
 
 
 def test_depth_panels_are_empty_where_the_chain_broke():

@@ -36,7 +36,7 @@ def test_every_kind_gives_png_and_svg(tmp_path, kind, metric, name):
         ("tilt", "limit_deg", "By tilt it has: rmse_deg"),
     ],
 )
-def test_what_cannot_be_drawn_is_said_and_nothing_is_written(tmp_path, kind, metric, says):
+def test_what_cannot_be_drawn_is_reported_and_nothing_is_written(tmp_path, kind, metric, says):
     with pytest.raises(PalpateError, match=says):
         plot_grid(GRID, kind, metric, tmp_path / "new")
     assert not (tmp_path / "new").exists()
@@ -62,13 +62,13 @@ def test_curves_against_markers_have_a_panel_a_height_and_a_line_a_dome():
     assert [panel.title for panel in panels] == ["H = 10 mm", "H = 20 mm", "H = 30 mm"]
     assert panels[1].places == (7.0, 37.0, 91.0, 169.0)
     curve = panels[1].values[panels[1].domes_mm.index((20.0, 3.0))]
-    assert curve.tolist() == [make_design(20.0, 3.0, m).clean.angle.rmse for m in (7, 37, 91, 169)]
+    assert curve.tolist() == [make_design(20.0, 3.0, m).clean.pooled.rmse for m in (7, 37, 91, 169)]
 
 
 def test_curves_against_tilt_stand_at_the_middle_of_each_interval():
     (panel,) = cut_tilt_panels(evaluate_grid([make_design()]), "rmse_deg")
     assert panel.places == (5.0,)
-    assert panel.values.tolist() == [[make_design().clean.by_tilt[0].angle.rmse]]
+    assert panel.values.tolist() == [[make_design().clean.by_tilt[0].pooled.rmse]]
     assert np.isnan(
         cut_tilt_panels(evaluate_grid([make_design(), make_design(markers=7, failure="x")]))[0].values
     ).all()

@@ -55,11 +55,11 @@ def test_file_passes_the_checker_of_onnx_and_is_the_same_every_time(path, tmp_pa
 
 
 def test_file_names_outputs_units_and_the_order_of_the_markers(path):
-    said = {item.key: item.value for item in onnx.load(path).metadata_props}
-    assert json.loads(said["outputs"]) == ["rx_deg", "ry_deg", "depth_mm"]
-    assert json.loads(said["units"]) == {"markers_px": "px", "rx_deg": "deg", "ry_deg": "deg", "depth_mm": "mm"}
-    assert json.loads(said["marker_order_px"]) == make_dataset().rest_px.tolist()
-    assert json.loads(said["scale_px"]) == [173.0, 130.0]
+    report = {item.key: item.value for item in onnx.load(path).metadata_props}
+    assert json.loads(report["outputs"]) == ["rx_deg", "ry_deg", "depth_mm"]
+    assert json.loads(report["units"]) == {"markers_px": "px", "rx_deg": "deg", "ry_deg": "deg", "depth_mm": "mm"}
+    assert json.loads(report["marker_order_px"]) == make_dataset().rest_px.tolist()
+    assert json.loads(report["scale_px"]) == [173.0, 130.0]
 
 
 @pytest.mark.parametrize(("key", "value"), [("format_version", "0"), ("format", "other")])

@@ -27,8 +27,8 @@ def test_angle_pools_both_components_and_leaves_the_depth_out():
     metrics = measure_errors(estimates, poses)
     assert metrics.rmse_deg == pytest.approx(np.sqrt(25 / 4))
     assert metrics.max_error_deg == 4.0
-    assert metrics.rx.max == 3.0
-    assert metrics.depth.rmse == 100.0
+    assert metrics.by_axis["rx"].max == 3.0
+    assert metrics.by_axis["depth"].rmse == 100.0
 
 
 def test_errors_are_sorted_by_true_depth():
@@ -36,8 +36,8 @@ def test_errors_are_sorted_by_true_depth():
     estimates = poses + np.array([[0.1, 0.1, 0], [2, 0, 0], [0, 0, 0]])
     shallow, deep = measure_errors(estimates, poses).by_depth
     assert (shallow.depth_mm, shallow.images, deep.depth_mm, deep.images) == (2.4, 2, 4.8, 1)
-    assert shallow.angle.rmse == pytest.approx(1.0)
-    assert deep.angle.max == pytest.approx(0.1)
+    assert shallow.pooled.rmse == pytest.approx(1.0)
+    assert deep.pooled.max == pytest.approx(0.1)
 
 
 def test_an_estimate_that_is_not_a_number_is_refused():
@@ -60,7 +60,7 @@ def test_errors_are_sorted_into_intervals_of_true_tilt():
     poses = np.array([[0, 0, 2.4], [0, 1.9, 2.4], [2.0, 0, 2.4], [0, -11.0, 2.4], [12.0, 0, 2.4]])
     estimates = poses + np.array([[1, 1, 0], [1, 1, 0], [3, 3, 0], [2, 2, 0], [2, 2, 0]])
     found = [
-        (part.from_deg, part.to_deg, part.images, part.angle.rmse)
+        (part.from_deg, part.to_deg, part.images, part.pooled.rmse)
         for part in measure_errors(estimates, poses).by_tilt
     ]
     assert found == [(0, 2, 2, pytest.approx(1)), (2, 4, 1, pytest.approx(3)), (10, 12, 2, pytest.approx(2))]

@@ -30,7 +30,7 @@ def settings_tried(journal):
 
 @pytest.fixture
 def tabulated(monkeypatch):
-    """Training replaced by a table: how the search walks does not hang on how long a training takes."""
+    """Training replaced by a table: how the search walks does not depend on how long a training takes."""
     module = sys.modules["palpate.learn.search"]
 
     def error(dataset, space, trial, spec):

@@ -218,7 +218,7 @@ def before_clutter(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_dots_before_a_cluttered_room_are_told_by_their_order(seed):
+def test_dots_before_a_cluttered_room_are_recognised_by_their_order(seed):
     image, centres = before_clutter(seed)
     detector = prepare_detector(image)
     assert detector.dark

@@ -161,9 +161,9 @@ def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
     words = ["accept", recording / "truth.csv", "--model", recording / "m.onnx", "--markers", "37"]
     words += ["--least-depth", "2", "--depth-rmse", "0.3"]
     assert run(*words, "--out", tmp_path / "r", "--name", "U1", "--json") == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["passed"]
-    assert said["zero_mm"] == pytest.approx(1.0, abs=0.2)
+    shown = json.loads(capsys.readouterr().out)
+    assert shown["passed"]
+    assert shown["zero_mm"] == pytest.approx(1.0, abs=0.2)
     assert (tmp_path / "r" / "accept.pdf").exists()
     assert run(*words, "--rmse", "0.01") == 1
     assert "OUTSIDE" in capsys.readouterr().out

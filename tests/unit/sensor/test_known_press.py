@@ -1,4 +1,4 @@
-"""Numbers told by a press of known pose, where the print has no mark."""
+"""Numbers decided by a press of known pose, where the print has no mark."""
 
 from dataclasses import replace
 
@@ -76,7 +76,7 @@ def test_a_slanted_press_tells_the_numbers_whatever_the_camera_friction_and_dept
     assert not fit.naming.ambiguous
     assert right(fit.naming, truth)
     assert fit.naming.mirrored == mirror
-    assert 0.55 < fit.gain < 0.85  # 4 mm were pressed, 5 mm were said
+    assert 0.55 < fit.gain < 0.85  # 4 mm were pressed, 5 mm were given
 
 
 @pytest.mark.parametrize("azimuth", [0.0, 30.0])
@@ -93,7 +93,7 @@ def test_a_straight_press_tells_nothing():
     assert len(fit.naming.alternatives) == 11
 
 
-def test_another_press_than_was_said_is_refused(steep):
+def test_another_press_than_was_given_is_refused(steep):
     unit, camera = unit_of(37), build_camera()
     points = steep[0].positions(unit.layout.positions)
     naming = name_markers(camera.project(points[0]), build_pattern(unit.layout.positions, camera.project))

@@ -19,9 +19,9 @@ def test_the_figures_are_those_of_the_specification_grid():
     truth, estimates, press = readings()
     metrics = measure_errors(estimates, truth)
     assert [score.errors for score in score_readings(truth, estimates, press)] == [
-        metrics.rx,
-        metrics.ry,
-        metrics.depth,
+        metrics.by_axis["rx"],
+        metrics.by_axis["ry"],
+        metrics.by_axis["depth"],
     ]
 
 

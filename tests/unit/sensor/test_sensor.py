@@ -9,7 +9,7 @@ import pytest
 from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
 from palpate.core import PalpateError, generator
 from palpate.dataset import Normalisation
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design import TILT_DEPTH, DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.learn import Estimator, Prediction, open_predictor, write_estimator
 from palpate.markers import DetectSpec, build_pattern, name_markers
 from palpate.sensor import (
@@ -97,10 +97,10 @@ def test_a_press_is_read_from_images_whatever_the_camera_and_the_light(predictor
     readings = list(run_sensor(sensor, images))
     assert all(reading.touching and not reading.flags for reading in readings)
     for pose, reading in list(zip(truth, readings, strict=True))[3:]:
-        assert abs(reading.rx_deg - pose[0]) < 1.0
-        assert abs(reading.ry_deg - pose[1]) < 1.0
+        assert abs(reading["rx_deg"] - pose[0]) < 1.0
+        assert abs(reading["ry_deg"] - pose[1]) < 1.0
         assert abs(reading.depth_mm - pose[2]) < 0.3
-        assert reading.tilt_deg == pytest.approx(np.hypot(reading.rx_deg, reading.ry_deg))
+        assert reading.radial == pytest.approx(np.hypot(*reading.pose[:2]))
 
 
 def test_a_press_is_read_through_a_fisheye_by_a_model_of_the_nominal_camera(predictor):
@@ -111,7 +111,7 @@ def test_a_press_is_read_through_a_fisheye_by_a_model_of_the_nominal_camera(pred
     assert sensor.registration.camera.spec.offset_x == pytest.approx(MOVED.offset_x, abs=0.1)
     for pose in ((4.0, -3.0, 4.0), (-3.0, 5.0, 6.0)):
         reading = sensor.read(photograph(pose, fisheye))
-        assert (reading.rx_deg, reading.ry_deg) == pytest.approx(pose[:2], abs=1.0)
+        assert reading.pose[:2] == pytest.approx(pose[:2], abs=1.0)
         assert reading.depth_mm == pytest.approx(pose[2], abs=0.3)
 
 
@@ -245,7 +245,7 @@ def test_several_rest_images_are_averaged(predictor):
 
 def test_motion_outside_the_training_is_flagged_only_while_touched(predictor):
     class Outside:
-        markers, level = 91, 0.9
+        markers, level, space = 91, 0.9, TILT_DEPTH
 
         def predict(self, images_px):
             return Prediction(np.zeros((1, 3)), np.ones((1, 3)), np.ones(1, bool))

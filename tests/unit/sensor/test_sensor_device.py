@@ -46,9 +46,9 @@ def test_a_device_is_connected_before_it_is_asked_and_says_when_it_ends(simulate
 
 
 def readings():
-    good = Reading(1, 3.0, -4.0, 5.0, (0.2, 0.2, 0.1), True, 37, (), 3.0)
+    good = Reading(1, (3.0, -4.0, 5.0), (0.2, 0.2, 0.1), True, 37, (), 3.0)
     nan = float("nan")
-    return [good, Reading(2, nan, nan, nan, (np.inf,) * 3, False, 0, (Flag.UNREADABLE,), 1.0, "cut off")]
+    return [good, Reading(2, (nan,) * 3, (np.inf,) * 3, False, 0, (Flag.UNREADABLE,), 1.0, "cut off")]
 
 
 def test_readings_become_a_bag_that_ros_reads(tmp_path):

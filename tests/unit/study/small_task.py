@@ -1,4 +1,4 @@
-"""Small tasks with real files, that fail as they are told, and a crew that does them."""
+"""Small tasks with real files, that fail on demand, and a crew that does them."""
 
 import os
 import signal
@@ -17,7 +17,7 @@ from palpate.study.worker_pool import LocalWorkers
 
 @dataclass(frozen=True)
 class Sum(Task):
-    """Adds the numbers of the tasks it needs to its own; or fails as told."""
+    """Adds the numbers of the tasks it needs to its own; or fails on demand."""
 
     label: str
     number: float

@@ -167,9 +167,9 @@ def test_a_full_disk_ends_the_run_with_the_reason_and_loses_nothing(small_disk: 
     _fill(ballast)
     rest = [Sum(f"task {i}", 1.0, after=(first,)) for i in range(4)]
     outcomes = do(rest, [first.recipe.key], store, 1)
-    said = reasons(outcomes, *rest)
-    assert "No space left on device" in said[0]
-    assert all(reason.startswith("not tried: ") for reason in said[1:])
+    report = reasons(outcomes, *rest)
+    assert "No space left on device" in report[0]
+    assert all(reason.startswith("not tried: ") for reason in report[1:])
     assert not list(small_disk.rglob(".writing-*"))
     ballast.unlink()
     assert read(store, first) == 1.0
@@ -188,9 +188,9 @@ def test_a_read_only_store_is_read_and_not_written(small_disk: Path) -> None:
     broken = store.path(one.recipe)
     subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
     assert store.find(one.recipe) == broken
-    said = reasons(do([two], [], store, 1), two)[0]
-    assert "cannot be written: Read-only file system" in said
-    assert "--out" in said
+    report = reasons(do([two], [], store, 1), two)[0]
+    assert "cannot be written: Read-only file system" in report
+    assert "--out" in report
 
 
 def test_a_broken_artefact_in_a_read_only_store_is_not_read(small_disk: Path) -> None:

@@ -52,12 +52,12 @@ def test_work_gives_its_result_and_says_how_far_it_is():
     assert (errand.result, errand.share, errand.fault) == (4, 1.0, "")
 
 
-@pytest.mark.parametrize(("work", "said"), [(refuse, "thicker"), (stumble, "ZeroDivisionError"), (die, "died")])
-def test_work_that_fails_says_why(work, said):
+@pytest.mark.parametrize(("work", "shown"), [(refuse, "thicker"), (stumble, "ZeroDivisionError"), (die, "died")])
+def test_work_that_fails_says_why(work, shown):
     errand = Job(work)
     wait_for(errand)
     assert errand.result is None
-    assert said in errand.fault
+    assert shown in errand.fault
 
 
 def test_work_can_be_called_off():

@@ -128,7 +128,7 @@ def test_a_token_that_is_none_is_refused(token):
         open_door(ServeSpec(port=0, token=token))
 
 
-def test_a_second_viewer_at_the_same_port_is_told():
+def test_a_second_viewer_at_the_same_port_is_refused():
     door, listener = open_door(ServeSpec(port=0))
     with pytest.raises(PalpateError, match="Another viewer"):
         open_door(ServeSpec(port=door.port))
@@ -149,6 +149,6 @@ def test_only_loopback_is_this_machine_alone(host, own):
     assert is_loopback(host) is own
 
 
-def test_a_folder_that_is_not_there_is_said_before_a_port_is_taken(tmp_path):
+def test_a_folder_that_is_not_there_is_reported_before_a_port_is_taken(tmp_path):
     with pytest.raises(PalpateError, match="nowhere is no folder"):
         serve(tmp_path / "nowhere", ServeSpec(), pytest.fail)

@@ -15,7 +15,7 @@ pytest.importorskip("PIL")
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import TILT_DEPTH, MarkerSpec, place_markers
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
@@ -30,7 +30,7 @@ DESIGN = Design(0, rows()[1], MESH.skin, LAYOUT, build_camera(), ())
 class MadeUpPredictor:
     """Reads the mean shift of the markers as a pose."""
 
-    markers, level = 19, 0.9
+    markers, level, space = 19, 0.9, TILT_DEPTH
 
     def predict(self, images_px):
         poses = np.tile([1.0, 2.0, 3.0], (len(images_px), 1))
@@ -62,7 +62,7 @@ def touches():
 
 
 def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
-    return Reading(1, rx, ry, 3.0, (half, half, 0.1), touching, 19, (), 5.0)
+    return Reading(1, (rx, ry, 3.0), (half, half, 0.1), touching, 19, (), 5.0)
 
 
 @pytest.mark.parametrize(
@@ -167,7 +167,7 @@ def test_a_video_is_replayed(touches, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["broken.avi", "empty.mp4"])
-def test_a_video_that_cannot_be_opened_is_said(tmp_path, name):
+def test_a_video_that_cannot_be_opened_is_reported(tmp_path, name):
     (tmp_path / name).write_bytes(b"" if name.startswith("empty") else b"no video")
     with pytest.raises(PalpateError, match="cannot be opened"):
         open_source(str(inside(tmp_path, name)))

@@ -1,4 +1,4 @@
-"""What the browser asks for, and what it is told when that cannot be."""
+"""What the browser asks for, and what it gets when that cannot be."""
 
 import csv
 import io
@@ -56,7 +56,7 @@ def test_shell_motion_and_markers_are_served(browser):
         "/data/grid.csv?where=import%20os",
     ],
 )
-def test_what_cannot_be_is_said_and_not_a_fault(browser, path):
+def test_what_cannot_be_is_reported_and_not_a_fault(browser, path):
     assert browser.get(path).status_code in (404, 422)
     assert browser.get("/data/shell/0").status_code == 200
 

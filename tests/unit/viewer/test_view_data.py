@@ -64,7 +64,7 @@ def test_the_first_view_is_the_best_design():
         {"cut": "yes"},
     ],
 )
-def test_what_a_link_gets_wrong_is_left_out_and_said(query):
+def test_what_a_link_gets_wrong_is_left_out_and_reported(query):
     view, complaints = read_link(query, GRID)
     assert view == first_view(GRID)
     assert len(complaints) == 1

@@ -19,7 +19,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.camera.lens import Lens, folded
+from palpate.camera.lens import Lens, fold_of, folded
 from palpate.core import FloatArray
 
 _ITERATIONS = 50
@@ -49,10 +49,7 @@ class Brown(Lens):
     @cached_property
     def limit(self) -> float:
         """Greatest radius on the unit plane up to which the radial part grows; infinite for most lenses."""
-        # in 1/r² the leading coefficient is 1, so vanishing k's do no harm
-        roots = np.roots(np.array([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3]))
-        inverse = max((root.real for root in roots if abs(root.imag) < 1e-12), default=0.0)
-        return float(1.0 / np.sqrt(inverse)) if inverse > 1e-9 else float("inf")
+        return fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3])
 
     def distort(self, points: FloatArray) -> FloatArray:
         x, y = points[..., 0], points[..., 1]

@@ -18,7 +18,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from palpate.camera.lens import Lens, folded
+from palpate.camera.lens import Lens, fold_of, folded
 from palpate.core import FloatArray
 
 _HALVINGS = 60
@@ -47,10 +47,7 @@ class KannalaBrandt(Lens):
     @cached_property
     def widest(self) -> float:
         """Greatest angle to the axis, radians, up to which the image grows; at most 90°."""
-        # in 1/theta² the leading coefficient is 1, so vanishing k's do no harm
-        roots = np.roots([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4])
-        inverse = max((root.real for root in roots if abs(root.imag) < _SMALL), default=0.0)
-        return float(min(1.0 / np.sqrt(inverse), np.pi / 2)) if inverse > 1e-9 else float(np.pi / 2)
+        return min(fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4]), np.pi / 2)
 
     @property
     def limit(self) -> float:

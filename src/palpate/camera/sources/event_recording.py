@@ -14,7 +14,7 @@ from palpate.core import PalpateError, load_extra
 
 @final
 class EventCameraSource(Source):
-    """The images (not the events) of an AEDAT4 recording, as of a DAVIS."""
+    """The images (not the events) of an AEDAT4 recording, as a DAVIS writes it."""
 
     suffixes: ClassVar[tuple[str, ...]] = (".aedat4",)
 
