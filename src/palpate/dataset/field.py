@@ -12,7 +12,7 @@ mm.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_p
 from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Symmetry
 from palpate.fea import Press
+
+SLOPE = "tilt_deg"
+"""Derivative with which presses are interpolated by value and slope, where all of them have it."""
 
 
 @dataclass(frozen=True)
@@ -120,19 +123,23 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
     tilts = np.array([press.wall.radial for press in presses], dtype=float)
     circles = sort_onto_circles(markers.positions)
     series = np.full((len(depths), len(tilts), len(circles.radius), 3, ORDERS), np.nan, dtype=complex)
-    errors = []
+    sloped = all(SLOPE in press.derivatives for press in presses)
+    slopes, errors = np.full_like(series, np.nan), []
     for column, press in enumerate(presses):
         coefficients, error = expand_press(press, circles)
         errors.append(error)
         depth, image = match_depths(depths, press)
         series[depth, column] = coefficients[image]
+        if sloped:
+            change = replace(press, displacement=press.derivatives[SLOPE].displacement)
+            slopes[depth, column] = expand_press(change, circles)[0][image]
     branch, ended = label_presses(presses, depths), [str(press.ended) for press in presses]
     parity = (-1.0) ** np.arange(ORDERS)
     return MarkerField(
         rest=np.asarray(markers.positions, dtype=float),
         circles=circles,
         depths_mm=depths,
-        runs=cut_into_runs(tilts, branch, ended, series, parity * series),
+        runs=cut_into_runs(tilts, branch, ended, series, parity * series, slopes if sloped else None),
         series_error_mm=max(errors),
         space=spaces.pop(),
     )

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
 from palpate.fea import Press
@@ -43,7 +43,7 @@ class TiltRun:
     first_deg: float
     last_deg: float
     branch: str
-    spline: CubicSpline
+    spline: CubicSpline | CubicHermiteSpline
 
     def covers(self, tilt_deg: FloatArray) -> BoolArray:
         """Whether each tilt (n,) lies in the run."""
@@ -123,9 +123,16 @@ class TiltRuns:
 
 
 def cut_into_runs(
-    tilts_deg: FloatArray, branch: TextArray, ended: Sequence[str], values: NDArray[Any], mirrored: NDArray[Any]
+    tilts_deg: FloatArray,
+    branch: TextArray,
+    ended: Sequence[str],
+    values: NDArray[Any],
+    mirrored: NDArray[Any],
+    slopes: NDArray[Any] | None = None,
 ) -> TiltRuns:
     """Runs of presses, with a spline through what each press has at each depth.
+
+    With slopes, the spline is Hermite's; of a run in which one is not finite it is the spline through the values.
 
     Parameters
     ----------
@@ -133,12 +140,15 @@ def cut_into_runs(
         See `TiltRuns`.
     values, mirrored
         (d, t, …) what the presses and their mirror images have, real or complex.
+    slopes
+        (d, t, …) derivative of the values by the tilt, over a degree.
     """
+    rows = zip(branch, values, mirrored, [None] * len(branch) if slopes is None else slopes, strict=True)
     return TiltRuns(
         tilts_deg,
         branch,
         tuple(ended),
-        tuple(_cut(tilts_deg, *row) for row in zip(branch, values, mirrored, strict=True)),
+        tuple(_cut(tilts_deg, *row) for row in rows),
     )
 
 
@@ -181,21 +191,32 @@ def shared_depths(presses: Sequence[Press]) -> FloatArray:
     return depths
 
 
-def _cut(tilts: FloatArray, branch: TextArray, values: NDArray[Any], mirrored: NDArray[Any]) -> tuple[TiltRun, ...]:
-    """Runs of one depth from the labels (t,) and values (t, …) of every solved tilt."""
+def _cut(
+    tilts: FloatArray, branch: TextArray, values: NDArray[Any], mirrored: NDArray[Any], slopes: NDArray[Any] | None
+) -> tuple[TiltRun, ...]:
+    """Runs of one depth from the labels (t,), values (t, …) and slopes of every solved tilt."""
     starts = [0, *(np.flatnonzero(branch[1:] != branch[:-1]) + 1), len(tilts)]
     return tuple(
-        TiltRun(float(tilts[a]), float(tilts[b - 1]), str(branch[a]), _spline(tilts[a:b], values[a:b], mirrored[a:b]))
+        TiltRun(
+            float(tilts[a]),
+            float(tilts[b - 1]),
+            str(branch[a]),
+            _spline(tilts[a:b], values[a:b], mirrored[a:b], None if slopes is None else slopes[a:b]),
+        )
         for a, b in pairwise(starts)
         if branch[a] != ""
     )
 
 
-def _spline(tilts: FloatArray, values: NDArray[Any], mirrored: NDArray[Any]) -> CubicSpline:
+def _spline(
+    tilts: FloatArray, values: NDArray[Any], mirrored: NDArray[Any], slopes: NDArray[Any] | None
+) -> CubicSpline | CubicHermiteSpline:
     """Cubic spline of a run; one that starts at the straight press is continued by its mirror image."""
-    if tilts[0] == 0.0 and len(tilts) > 1:
+    if len(tilts) == 1:  # a constant: the run covers this tilt alone
+        return CubicSpline([tilts[0], tilts[0] + 1.0], np.concatenate([values, values]))
+    if slopes is not None and np.isfinite(slopes).all():
+        return CubicHermiteSpline(tilts, values, slopes)
+    if tilts[0] == 0.0:
         tilts = np.concatenate([-tilts[:0:-1], tilts])
         values = np.concatenate([mirrored[:0:-1], values])
-    if len(tilts) == 1:  # a constant: the run covers this tilt alone
-        tilts, values = np.array([tilts[0], tilts[0] + 1.0]), np.concatenate([values, values])
     return CubicSpline(tilts, values)

@@ -10,7 +10,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray
 from palpate.deck.mesh import node_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
-from palpate.fea import FRICTIONLESS, NO_SLIP, ObstacleSpec
+from palpate.fea import ObstacleSpec
 from palpate.mesh import Mesh
 
 ROUGH_FRICTION = 10.0
@@ -103,9 +103,9 @@ def contact_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
 
 def _friction_lines(wall: ObstacleSpec, spec: DeckSpec) -> Iterator[str]:
     slope = spec.tangential_ratio * spec.penalty
-    if wall.contact == FRICTIONLESS or wall.friction == 0:
+    if wall.friction == 0:
         yield "** frictionless: no *FRICTION"
-    elif wall.contact != NO_SLIP:
+    elif np.isfinite(wall.friction):
         yield f"** Coulomb friction, coefficient {wall.friction:g}"
         yield "*FRICTION"
         yield f"{wall.friction:g}, {slope:.8g}" if spec.dialect is Dialect.CALCULIX else f"{wall.friction:g}"

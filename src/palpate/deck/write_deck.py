@@ -11,7 +11,7 @@ from palpate.deck.mesh import deck_mesh, mesh_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
 from palpate.deck.step import boundary_lines, image_lines, step_lines
 from palpate.deck.wall import ascii_words, contact_lines, deck_wall, wall_lines
-from palpate.fea import ObstacleSpec, contact_text, increment_depths
+from palpate.fea import ObstacleSpec, increment_depths
 from palpate.material import Material
 from palpate.mesh import Mesh
 
@@ -101,7 +101,7 @@ def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) 
     yield f"** material: {material.name}"
     yield (
         f"** obstacle: {ascii_words(wall)}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
-        f"an image every {wall.image_step:g} mm, contact {contact_text(wall.contact)}"
+        f"an image every {wall.image_step:g} mm, contact {wall.contact_text}"
     )
     if not mesh.spec.whole:
         yield "** a half model lies in the tilt plane (y, z): turn its results about z by the azimuth"

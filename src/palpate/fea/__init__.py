@@ -14,7 +14,7 @@ from palpate.fea.plot_press import picture_press, plot_press, tabulate_press
 from palpate.fea.press import FEA_VERSION, Branch, Press
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
 from palpate.fea.solve_press import increment_depths, solve_press
-from palpate.fea.spec import FRICTIONLESS, NO_SLIP, ObstacleSpec, check_contact, contact_text
+from palpate.fea.spec import ObstacleSpec, check_contact
 from palpate.fea.stability import Stability, find_stability
 from palpate.fea.wall import Plane, WallSpec
 from palpate.mechanics import Ended, SolverSpec
@@ -22,8 +22,6 @@ from palpate.mechanics import Ended, SolverSpec
 __all__ = [
     "CELLS",
     "FEA_VERSION",
-    "FRICTIONLESS",
-    "NO_SLIP",
     "OBSTACLES",
     "PRESS_SOLVERS",
     "Ball",
@@ -44,7 +42,6 @@ __all__ = [
     "WallSpec",
     "check_contact",
     "check_export",
-    "contact_text",
     "export_press",
     "find_stability",
     "increment_depths",

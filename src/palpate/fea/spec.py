@@ -68,6 +68,11 @@ class ObstacleSpec(Spec, ABC):
         return self.contact
 
     @property
+    def contact_text(self) -> str:
+        """Contact law as printed: ``frictionless``, ``no-slip`` or the coefficient."""
+        return self.contact if isinstance(self.contact, str) else f"{self.contact:g}"
+
+    @property
     @abstractmethod
     def words(self) -> str:
         """What tells this obstacle from others like it, in words: ``tilt 5°``."""
@@ -104,8 +109,3 @@ class ObstacleSpec(Spec, ABC):
     def turn(self, mesh: Mesh) -> FloatArray:
         """Rotation (3, 3) from the frame of the mesh to the skin's."""
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
-
-
-def contact_text(value: str | float) -> str:
-    """Contact law as printed: ``frictionless``, ``no-slip`` or the coefficient."""
-    return value if isinstance(value, str) else f"{value:g}"

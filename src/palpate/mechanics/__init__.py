@@ -15,7 +15,7 @@ from palpate.mechanics.solid import GAUSS, Body, Solid, State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.stress import cauchy_stress, smallest_stretch, von_mises
 from palpate.mechanics.surface import OuterSurface
-from palpate.mechanics.term import DeadLoad, Share, Term
+from palpate.mechanics.term import DeadLoad, Term
 
 __all__ = [
     "BASE_RADIUS",
@@ -38,7 +38,6 @@ __all__ = [
     "Pattern",
     "Problem",
     "Sensitivity",
-    "Share",
     "SingularMatrixError",
     "Solid",
     "SolverSpec",

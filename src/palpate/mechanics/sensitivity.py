@@ -205,9 +205,9 @@ class Sensitivity:
         """Derivative of the history with which the increment was solved.
 
         What stuck before goes on. A point that touches anew at the depth d_c sticks at its place s there, and
-        ``ds/dq = s_q + s_d d_c,q`` with ``d_c,q = -g_q / g_d`` of its gap g. Ahead of the edge of what sticks, s_q and
-        s_d go as the root of the distance from it, and in the sum the roots cancel: so it may be taken at the last
-        equilibrium.
+        ``ds/dq = s_q + s_d d_c,q`` with ``d_c,q = -g_q / g_d`` of its gap g. Ahead of the edge of what sticks, s_q
+        and s_d go as the root of the distance from it, and in the sum the roots cancel: so it is taken at the last
+        equilibria and carried on to the share of the increment at which the point is reached.
         """
         fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
         reach, place = self._foot_rate(each, step, old.u)
@@ -232,7 +232,7 @@ class Sensitivity:
         return old.history._replace(anchor=anchor, normal=normal)
 
     def _foot_rate(self, each: Variation, step: Advance, u: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of penetration (n_points,) and place (n_points, 3) of the points at the last equilibrium."""
+        """Derivatives of penetration (n_points,) and place (n_points, 3) at the last equilibrium."""
         feet = []
         for side in _SIDES:
             state = State(step.before.u + side * each.step * u, step.before.p)

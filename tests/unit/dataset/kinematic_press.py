@@ -42,6 +42,7 @@ class KinematicPress:
     ended: str = "depth reached"
     depth: np.ndarray = field(init=False)
     branch: np.ndarray = field(init=False)
+    derivatives: dict = field(default_factory=dict)
 
     def __post_init__(self):
         depth = STEP * np.arange(int(self.reached / STEP + 1e-9) + 1)
