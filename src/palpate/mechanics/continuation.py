@@ -42,6 +42,8 @@ _ORDER = 2
 """Order of the predictor."""
 _GROWTH = ((10, 2.0), (15, 1.4))
 """Factor on the next increment after one of at most so many iterations (docs/decisions/0016)."""
+_STIFFENING = 2.0
+"""Exponent of force over depth beyond which a skin stiffens, and increments shrink by its square."""
 _SHRINK = 0.8
 """Factor on the next increment after one of more iterations."""
 _JUMPS = 4
@@ -205,6 +207,9 @@ class Continuation:
             if step <= _RELEASE_STEP * self.unit:
                 return self._jump(depth)
         self._step = step / 2 if found.iterations < self.spec.iterations else step / 3
+        if step <= _RELEASE_STEP * self.unit and (fault := self.monitor.fault(last.state)) is not None:
+            self._end(*fault)
+            return False
         if self._step >= self.spec.smallest_step * self.unit and not (found.converged and step <= jump):
             return True
         return self._jump(last.depth + way * min(step, jump))
@@ -214,8 +219,15 @@ class Continuation:
         largest = self.spec.largest_step * self.unit
         edge = self.spec.edge_share * self.problem.length * self.loading.stride
         advance = edge * np.sqrt(2 * self.last.depth / (BASE_RADIUS * self.unit))  # of a sphere's patch
+        advance *= min(1.0, (_STIFFENING / max(self._exponent, _STIFFENING)) ** 2)
         largest = min(largest, max(advance, self.spec.first_step * self.unit))
         return min(max(step, self._step) * factor, largest)
+
+    @property
+    def _exponent(self) -> float:
+        """Exponent n of the force as a power of the depth, from the last two increments."""
+        (d0, f0), (d1, f1) = ((point.depth, float(point.loads.force[2])) for point in self.increments[-2:])
+        return d1 * (f1 - f0) / ((d1 - d0) * f1) if f1 > 0 else 0.0
 
     def _solve(
         self, depth: float, start: State, damping: Damping | None = None, *, sliding: bool = False

@@ -25,7 +25,7 @@ from palpate.mechanics.solid import State
 from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import DeadLoad, Term
 
-_FRICTIONLESS, _SLIPPING = 1.5, 0.6
+_FRICTIONLESS, _SLIPPING = 1.5, 0.8
 """Strides where contact remembers nothing, and where points slip while others stick."""
 
 

@@ -40,8 +40,8 @@ class SolverSpec(Spec):
     edge_share: float = parameter(
         0.4,
         unit="1",
-        meaning="advance of the patch's edge in an increment over the wall's thickness, at most; half as much "
-        "again without friction, six tenths where points slip",
+        meaning="advance of the patch's edge in an increment over the wall's thickness, at most; 1.5 times "
+        "that without friction, 0.8 times where points slip",
         source="docs/decisions/0063",
         gt=0.01,
         le=10,
@@ -59,5 +59,5 @@ class SolverSpec(Spec):
         meaning="what a press is differentiated by, such as tilt_deg or thickness (palpate.fea.variations)",
     )
     iterations: int = parameter(
-        24, unit="1", meaning="Newton iterations before an increment is shortened", ge=4, le=100
+        16, unit="1", meaning="Newton iterations before an increment is shortened", ge=4, le=100
     )

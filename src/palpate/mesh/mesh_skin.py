@@ -15,6 +15,8 @@ from palpate.mesh.spec import MeshSpec
 
 _CELLS_OF_ONE_RING = 36
 """Most cells of a meridian for which four cells are enough along half a turn (docs/decisions/0063)."""
+_LOW = 0.75
+"""Height over base radius below which a skin is low."""
 _FARTHEST_POLE = 0.35
 """Most that the pole moves, over the radius of the disc: at a half the grid folds."""
 _GRADING_HIGH, _GRADING_LOW = 0.2, -0.3
@@ -47,7 +49,7 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
     if spec.cells is None:
         spec = spec.model_copy(update={"cells": default_cells(skin)})
     cells = spec.cells or 0
-    core = spec.core or default_core(cells, centred=pole is not None)
+    core = spec.core or default_core(skin, cells, centred=pole is not None)
     grid = grid_disc(core, max(cells - core, 1), whole=spec.whole)
     place = _grade(skin, grid.points)
     if pole is not None:
@@ -108,9 +110,14 @@ def _lay(skin: Skin, place: FloatArray, spec: MeshSpec) -> FloatArray:
     return np.concatenate([skin.point(place, layer, spec.rim) for layer in layers])
 
 
-def default_core(cells: int, *, centred: bool) -> int:
-    """Size of the core for as many cells from pole to rim; twice that where the pole is not at the contact."""
-    return (1 + (cells - 1) // _CELLS_OF_ONE_RING) * (1 if centred else 2)
+def default_core(skin: Skin, cells: int, *, centred: bool) -> int:
+    """Size of the core for as many cells from pole to rim; twice that where the pole is not at the contact.
+
+    Of a low skin it is twice that too: the patch reaches so near to the clamp that the press is no body of revolution
+    about the pole.
+    """
+    low = skin.height < _LOW * skin.base_radius
+    return (1 + (cells - 1) // _CELLS_OF_ONE_RING) * (1 if centred and not low else 2)
 
 
 def default_cells(skin: Skin) -> int:

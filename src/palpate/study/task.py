@@ -106,7 +106,7 @@ class PressTask(Task):
     @property
     def cost(self) -> float:
         # an inverted state begins early: what stands on both branches waits for it
-        return (40.0 if self.branch is Branch.INVERTED else 5.0) * self.wall.depth / 8.0
+        return (100.0 if self.branch is Branch.INVERTED else 5.0) * self.wall.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_skin(build_skin(self.skin), self.mesh)

@@ -39,7 +39,8 @@ def test_a_frictionless_wall_pushes_along_its_normal(tilted: Press) -> None:
 
 
 def test_the_wall_works_as_much_as_the_dome_stores(tilted: Press) -> None:
-    assert tilted.work[-1] == pytest.approx(tilted.energy[-1] + tilted.contact_energy[-1], rel=2e-3)
+    stored = tilted.energy[-1] + tilted.contact_energy[-1]
+    assert tilted.work[-1] == pytest.approx(stored, rel=3e-3)  # 10 cells to the rim; 2e-3 on a mesh of default size
 
 
 def test_images_come_at_every_step_and_say_their_branch(tilted: Press) -> None:
