@@ -13,6 +13,7 @@ import palpate.verify.inflation as inflation
 import palpate.verify.laws as laws
 import palpate.verify.material as material
 import palpate.verify.properties as properties
+import palpate.verify.sensitivity as sensitivity
 import palpate.verify.shells as shells
 from palpate.verify.case import Case
 
@@ -87,5 +88,6 @@ CASES: tuple[Case, ...] = (
     Case("scaling", "property", laws.scaling),
     Case("dome_scaling", "property", laws.dome_scaling),
     Case("mirror", "property", laws.mirror),
+    Case("press_derivatives", "property", sensitivity.derivatives),
 )
 """The suite."""
