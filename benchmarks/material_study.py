@@ -80,7 +80,8 @@ def tabulate_images(presses: dict[str, list[Any]]) -> list[dict[str, Any]]:
     import numpy as np
 
     from palpate.camera import CameraSpec, build_camera
-    from palpate.dataset import DatasetSpec, build_field, image_jacobian, sample_poses
+    from palpate.dataset import DatasetSpec, sample_poses
+    from palpate.twin import build_field, image_jacobian
     from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
     from palpate.learn import find_limits
 

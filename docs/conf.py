@@ -38,6 +38,7 @@ STAGES = [
     "deck",
     "camera",
     "markers",
+    "twin",
     "dataset",
     "learn",
     "fabricate",

@@ -4,7 +4,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, build_field
+from palpate.dataset import DatasetSpec
+from palpate.twin import build_field
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import find_limits

@@ -1,7 +1,8 @@
 """From presses to an estimator: dataset, training, its error on presses it never saw, and the limit."""
 
 from palpate.camera import build_camera
-from palpate.dataset import DatasetSpec, build_field, generate_dataset
+from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.twin import build_field
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import TrainSpec, evaluate, find_limits, pool_limits, train

@@ -82,6 +82,7 @@ FRONT_DOORS = {
         "solve_press",
         "write_press",
     },
+    "twin": {"MarkerField", "build_field", "image_jacobian"},
     "dataset": {"DATASET_VERSION", "Dataset", "DatasetSpec", "generate_dataset", "read_dataset", "write_dataset"},
     "learn": {
         "Coverage",

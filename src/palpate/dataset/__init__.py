@@ -1,15 +1,12 @@
 """Datasets: from solved presses and a camera to images of markers with known poses."""
 
 from palpate.dataset.dataset import Dataset
-from palpate.dataset.field import MarkerField, build_field
 from palpate.dataset.generate_dataset import DATASET_VERSION, generate_dataset
 from palpate.dataset.io import read_dataset, write_dataset
-from palpate.dataset.jacobian import image_jacobian
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
-from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.dataset.vary import VariedPresses
 
 __all__ = [
@@ -17,22 +14,14 @@ __all__ = [
     "Dataset",
     "DatasetSpec",
     "LeakageError",
-    "MarkerField",
     "Normalisation",
     "RandomiseSpec",
-    "TiltRuns",
     "VariedPresses",
-    "build_field",
-    "cut_into_runs",
     "draw_jitter",
     "generate_dataset",
     "hold_out",
-    "image_jacobian",
-    "label_presses",
-    "match_depths",
     "read_dataset",
     "refuse_leakage",
     "sample_poses",
-    "shared_depths",
     "write_dataset",
 ]

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from palpate.camera import Camera, build_camera
 from palpate.core import FloatArray, PalpateError, TextArray, generator
-from palpate.dataset.field import MarkerField, build_field
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
 from palpate.design import MarkerLayout
 from palpate.fea import Press
+from palpate.twin import MarkerField, build_field
 
 _STEP = 0.2
 """Distance h of the points from which the surface's motion beside a dot is taken, mm."""

@@ -25,8 +25,9 @@ _INVERTED_GAP = 0.1
 """Gap of the first-touched point over the thickness from which the apex counts as inverted (flat: micrometres)."""
 _PULL, _PULL_FROM = 0.01, 1.5
 """Stabilising spring over the contact penalty, and the travel over the thickness from which there is one."""
-_FOLDING_STRETCH = 0.544
-"""Stretch at which a free surface under plane strain compression is unstable (Biot 1963); it creases from 0.647."""
+_FOLDING_STRETCH = 0.647
+"""Stretch below which a free surface under plane strain compression creases (Hong, Zhao & Suo 2009); smooth, it is
+unstable from 0.544 on (Biot 1963). A branch that is lost below it was lost to a fold."""
 _SHALLOW = 1.0
 """Depth (mm, times the unit) below which the width of a push does not shrink."""
 

@@ -21,8 +21,9 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
-from palpate.dataset import DatasetSpec, MarkerField, image_jacobian, sample_poses
+from palpate.dataset import DatasetSpec, sample_poses
 from palpate.learn.posterior import BURN_IN, walk_polytopes
+from palpate.twin import MarkerField, image_jacobian
 
 LIMIT_VERSION = "1"
 """Version of the code that decides a limit; part of an artefact's key."""

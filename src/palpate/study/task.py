@@ -11,21 +11,14 @@ from typing import Any
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.dataset import (
-    DATASET_VERSION,
-    DatasetSpec,
-    VariedPresses,
-    build_field,
-    generate_dataset,
-    read_dataset,
-    write_dataset,
-)
+from palpate.dataset import DATASET_VERSION, DatasetSpec, VariedPresses, generate_dataset, read_dataset, write_dataset
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import FEA_VERSION, Branch, WallSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import build_field
 
 TASK_VERSION = "3"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""

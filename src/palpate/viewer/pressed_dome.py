@@ -5,7 +5,7 @@ azimuth. A wall tilted by −t is the wall tilted by t seen in the mirror y → 
 
     u(x, y, z; −t) = M u(x, −y, z; t),      M = diag(1, −1, 1)
 
-A spline through a run of tilts (see `palpate.dataset.tilt_runs`) is a weighted sum of its presses and of their mirror
+A spline through a run of tilts (see `palpate.twin.tilt_runs`) is a weighted sum of its presses and of their mirror
 images; here the weights are what is interpolated. Markers are those of the dataset: `build_field` at the same depths.
 """
 
@@ -20,18 +20,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError, TextArray
-from palpate.dataset import (
-    MarkerField,
-    TiltRuns,
-    build_field,
-    cut_into_runs,
-    label_presses,
-    match_depths,
-    shared_depths,
-)
 from palpate.design import MarkerLayout, rotation_vector
 from palpate.fea import Press, nodal_von_mises
 from palpate.mesh import Mesh, mesh_skin
+from palpate.twin import MarkerField, TiltRuns, build_field, cut_into_runs, label_presses, match_depths, shared_depths
 
 Array32 = NDArray[np.float32]
 

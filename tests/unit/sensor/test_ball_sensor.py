@@ -10,13 +10,14 @@ from needs import needs
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import build_camera
 from palpate.core import PalpateError
-from palpate.dataset import DatasetSpec, build_field, generate_dataset, read_dataset, write_dataset
+from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import OFFSET_DEPTH, TILT_DEPTH, DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import BallSpec, WallSpec, solve_press
 from palpate.learn import TrainSpec, calibrate, evaluate, find_limits, open_predictor, train, write_estimator
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, check_model, open_sensor, run_sensor, write_readings
+from palpate.twin import build_field
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))

@@ -6,9 +6,9 @@ from made_up_presses import MESH, made_up_press, moved
 
 from palpate.camera import build_camera
 from palpate.core import PalpateError
-from palpate.dataset import build_field
 from palpate.design import MarkerSpec, place_markers, turn_about_axis
 from palpate.mesh import locate_inner
+from palpate.twin import build_field
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.shell import PARTS, build_shell

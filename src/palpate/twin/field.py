@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import ComplexArray, FloatArray, PalpateError, TextArray
-from palpate.dataset.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
-from palpate.dataset.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Symmetry
 from palpate.fea import Press
+from palpate.twin.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
+from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 
 SLOPE = "tilt_deg"
 """Derivative with which presses are interpolated by value and slope, where all of them have it."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.dataset.tilt_runs import cut_into_runs
+from palpate.twin.tilt_runs import cut_into_runs
 
 TILTS = np.array([0.0, 6.0, 12.0])
 BETWEEN = np.array([1.0, 5.0, 7.0, 11.0])

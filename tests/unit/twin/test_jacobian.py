@@ -3,7 +3,7 @@ import pytest
 from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 
 from palpate.core import PalpateError
-from palpate.dataset import build_field, image_jacobian
+from palpate.twin import build_field, image_jacobian
 
 LAYOUT, CAMERA = rings(), PinholeCamera()
 

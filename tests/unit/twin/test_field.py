@@ -5,7 +5,7 @@ import pytest
 from kinematic_press import KinematicPress, kinematic_positions, rings, solved
 
 from palpate.core import PalpateError
-from palpate.dataset import build_field
+from palpate.twin import build_field
 
 LAYOUT = rings()
 DEEPEST = 9
