@@ -35,6 +35,10 @@ _CLAMPED = 1.5
 """Half width of the ridge over the height above the base at which a point is free of the clamp."""
 _SEED = 0.5
 """Depth over the skin's outer height down to which the mirrored cap's ridge is well off the clamp."""
+_LESS = 0.85
+"""Share of the greatest depth at which it is tried last: a ridge lower down relaxes more easily."""
+_CAME_BACK = "came back to it"
+"""End of the reason where there is no inverted state, nor at any lesser depth."""
 _GAP = 0.2
 """Least gap of the first-touched point over the depth: near the depth less two ridges, and least at the onset."""
 _HOLE = 0.5
@@ -171,10 +175,12 @@ def follow_inverted(path: Continuation, goals: list[float], mesh: Mesh) -> list[
     rest, loading = path.increments[0], path.loading
     assert isinstance(loading, ContactLoading)
     law = loading.law._replace(friction=0.0, stiffness=_SOFTER * loading.law.stiffness)
-    path.loading, reason = replace(loading, law=law), ""
+    path.loading, reason, none_to = replace(loading, law=law), "", 0.0
     for depth in _seeds(mesh, goals[-1]):
-        path.increments = [rest]
-        reason = _seed(path, mesh, depth) or _follow(path, goals, mesh.skin.thickness)
+        if depth > none_to:
+            path.increments = [rest]
+            reason = _seed(path, mesh, depth) or _follow(path, goals, mesh.skin.thickness)
+            none_to = depth if reason.endswith(_CAME_BACK) else none_to
         if not reason:
             break
     if reason:
@@ -189,7 +195,7 @@ def follow_inverted(path: Continuation, goals: list[float], mesh: Mesh) -> list[
 def _seeds(mesh: Mesh, deepest: float) -> list[float]:
     """Depths in mm at which the mirrored skin is relaxed, in turn."""
     first = min(deepest, _SEED * (mesh.skin.height + mesh.skin.thickness))
-    return [first] if first == deepest else [first, (first + deepest) / 2, deepest]
+    return list(dict.fromkeys([first, (first + deepest) / 2, deepest, _LESS * deepest]))
 
 
 def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
@@ -198,9 +204,16 @@ def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
     assert isinstance(monitor, SkinMonitor)
     shape = mirror(mesh, monitor.loading.obstacle(depth))
     start = State(shape, path.problem.body.rest().p)
-    if not path.settle(depth, shape, start, lambda state: monitor.gap(depth, state) > _GAP * depth):
-        return f"the skin mirrored in the wall at {depth:.4g} mm does not rest there"
-    return doubt(monitor, path.last)
+    gap = [np.inf]
+
+    def hopeful(state: State) -> bool:
+        gap[0] = monitor.gap(depth, state)
+        return gap[0] > _GAP * depth
+
+    if path.settle(depth, shape, start, hopeful):
+        return doubt(monitor, path.last)
+    fate = f"did not come to rest, {gap[0]:.3g} mm off it" if gap[0] > _GAP * depth else _CAME_BACK
+    return f"the skin mirrored in the wall at {depth:.4g} mm {fate}"
 
 
 def _follow(path: Continuation, goals: list[float], thickness: float) -> str:
