@@ -212,7 +212,7 @@ def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
 
     if path.settle(depth, shape, start, hopeful):
         return doubt(monitor, path.last)
-    fate = f"did not come to rest, {gap[0]:.3g} mm off it" if gap[0] > _GAP * depth else _CAME_BACK
+    fate = "did not come to rest" if gap[0] > _GAP * depth else _CAME_BACK
     return f"the skin mirrored in the wall at {depth:.4g} mm {fate}"
 
 
