@@ -26,7 +26,7 @@ class SolverSpec(Spec):
     adhesion: float = parameter(
         2e-2,
         unit="1",
-        meaning="tension over E up to which the flat branch is held; beyond it the dome may turn inside out; 0: none",
+        meaning="tension over E up to which the flat branch is held; beyond it the dome may turn inside out",
         ge=0,
         le=0.1,
     )
