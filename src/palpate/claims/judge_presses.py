@@ -68,8 +68,8 @@ def judge_inversion(evidence: Evidence) -> ClaimFinding:
             Verdict.OPEN,
             figures,
             "T = 1 mm keeps its flat state, while the inverted one exists beside it: under no slip by itself, "
-            "without friction by a pull below 0.3 kPa; which a real dome takes depends on the wall, knocks and flaws, which "
-            "the paper does not give",
+            "without friction by a pull below 0.3 kPa; which a real dome takes depends on the wall, "
+            "knocks and flaws, which the paper does not give",
         )
     return ClaimFinding.of(False, figures)
 
