@@ -67,8 +67,9 @@ def judge_inversion(evidence: Evidence) -> ClaimFinding:
         return ClaimFinding(
             Verdict.OPEN,
             figures,
-            "the presses hold the apex to the wall, so that T = 1 mm keeps its flat state, while the inverted one "
-            "exists beside it; which a real dome takes depends on knocks and flaws, which the paper does not give",
+            "T = 1 mm keeps its flat state, while the inverted one exists beside it: under no slip by itself, "
+            "without friction by a pull below 0.3 kPa; which a real dome takes depends on the wall, "
+            "knocks and flaws, which the paper does not give",
         )
     return ClaimFinding.of(False, figures)
 

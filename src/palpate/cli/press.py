@@ -146,6 +146,8 @@ def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, 
             "branch": str(press.branch[i]),
             "peak_stress_mpa": float(press.peak_stress[i]),
             "contact_area_mm2": float(press.contact_area[i]),
+            "apex_gap_mm": float(press.apex_gap[i]),
+            "hold_tension_mpa": float(press.hold_tension[i]),
         }
         for i in range(len(press.depth))
     ]
@@ -186,6 +188,7 @@ def _print_press(press: Press) -> None:
         "work mJ",
         "stress MPa",
         "contact mm²",
+        "pull kPa",
         "branch",
     ]
     rows = [
@@ -196,6 +199,7 @@ def _print_press(press: Press) -> None:
             f"{image['work_mj']:.4f}",
             f"{image['peak_stress_mpa']:.4f}",
             f"{image['contact_area_mm2']:.1f}",
+            f"{1e3 * image['hold_tension_mpa']:.2f}",
             image["branch"],
         ]
         for image in describe_press(press)["images"]

@@ -11,6 +11,9 @@ from palpate.material import Material
 from palpate.mechanics import ContactLaw, ContactLoading, Obstacle, OuterSurface, Solid, SolverSpec
 from palpate.mesh import Mesh
 
+POINTS_PER_SIDE = 6
+"""Gauss points along each side of a face in contact: with four the force ripples as the patch grows past them."""
+
 
 def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid:
     """The skin on its clamped base; half of it symmetric about its mirror plane, or antisymmetric: `across` it."""
@@ -20,10 +23,12 @@ def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid
     return Solid(mesh.nodes, mesh.cells, material, fixed)
 
 
-def load_surface(solver: SolverSpec, mesh: Mesh, material: Material, wall: ObstacleSpec) -> ContactLoading:
-    """The obstacle that comes down on the outer surface from first touch on."""
+def load_surface(
+    solver: SolverSpec, mesh: Mesh, material: Material, wall: ObstacleSpec, points_per_side: int = POINTS_PER_SIDE
+) -> ContactLoading:
+    """The obstacle that comes down on the outer surface from first touch on; Gauss points along a face's side."""
     first = len(mesh.cells) - len(mesh.outer_faces)
-    surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
+    surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)), points_per_side)
     stiffness = solver.penalty_ratio * material.young_modulus / mesh.skin.thickness
     law = ContactLaw(
         stiffness=stiffness,

@@ -71,6 +71,13 @@ class SkinMonitor(Monitor):
     def area(self) -> float:  # type: ignore[override]
         return self.loading.surface.area
 
+    @property
+    def axes(self) -> tuple[FloatArray, FloatArray]:
+        """Unit vectors (3,) across the normal: in the tilt plane, and out of it."""
+        along = np.array([0.0, 1.0, 0.0]) - self.normal[1] * self.normal
+        along /= np.linalg.norm(along)
+        return along, np.cross(self.normal, along)
+
     def gap(self, at: float, state: State) -> float:
         """Distance in mm between the obstacle at a depth and the point that it touched first."""
         met = self.loading.meet(at, state)

@@ -37,7 +37,7 @@ def plot_press(press: Press) -> Figure:
     section.set_xlabel("across, in the plane of the tilt (mm)")
     section.set_ylabel("height (mm)")
     force = np.linalg.norm(press.force, axis=1)
-    for branch, style in (("flat", "o-"), ("inverted", "s--")):
+    for branch, style in (("flat", "o-"), ("inverted", "s--"), ("neither", "^:")):
         here = press.branch == branch
         if here.any():
             curve.plot(press.depth[here], force[here], style, label=branch, color="C0" if branch == "flat" else "C1")

@@ -26,6 +26,10 @@ class Branch(StrEnum):
     INVERTED = "inverted"
 
 
+NEITHER = "neither"
+"""Branch of a state whose apex is off the wall, but which is not proved inverted (see `palpate.fea.inverted`)."""
+
+
 @dataclass(frozen=True)
 class Press:
     """What a press left: one increment at rest, one every increment step, and the last state where it ended early.
@@ -44,7 +48,7 @@ class Press:
         (n,) mJ stored in the whole dome, in the contact penalty and sticking springs, lost to friction since rest,
         and done by the wall.
     branch
-        (n,) `Branch` values.
+        (n,) `Branch` values, or `NEITHER`.
     peak_stress
         (n,) MPa greatest von Mises Cauchy stress at a Gauss point.
     contact_area

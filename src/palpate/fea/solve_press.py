@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from palpate.core import FloatArray
 from palpate.fea.derivative import follow_derivatives, gather_derivatives
-from palpate.fea.loaded_skin import clamp_skin, load_surface
+from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
+from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
-from palpate.fea.press import Branch, Press
+from palpate.fea.press import NEITHER, Branch, Press
 from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import WallSpec
+from palpate.fea.work import integrate_force
 from palpate.material import Material
 from palpate.mechanics import (
     BASE_RADIUS,
@@ -31,9 +31,6 @@ from palpate.mechanics import (
     von_mises,
 )
 from palpate.mesh import Mesh, centre_mesh
-
-_PUSHES = (1.0, 2.0, 3.0)
-"""Pushes of the apex over the thickness that are tried to find the inverted state."""
 
 
 def solve_press(
@@ -59,8 +56,9 @@ def solve_press(
     solver
         How to solve.
     branch
-        Flat: pressed from rest. Inverted: the other state, found at the greatest depth and followed back to where
-        it ends; it has no increment at rest, and its work counts from the energy stored there.
+        Flat: pressed from rest. Inverted: the other state, followed from where it begins to the greatest depth on a
+        mesh a third finer (see `palpate.fea.inverted`); it has no increment at rest, and its work counts from the
+        energy stored in its first.
     observe
         Called with the depth in mm of each increment on the way down as soon as it is solved.
 
@@ -76,16 +74,19 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
-    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
-    path = start_press(mesh, material, wall, solver)
-    followed = follow_derivatives(path, mesh, material, wall)
+    mesh = centre_mesh(refine(mesh) if branch is Branch.INVERTED else mesh, wall.at_touch(mesh)[1])
+    followed = None
     reachable = wall.clamp_depth(mesh)
     goals = increment_depths(wall, min(wall.depth, reachable))
-    increments = _press_down(path, goals, observe)
-    if wall.unload and path.ended is Ended.DEPTH_REACHED:
-        increments += _draw_back(path, goals)
     if branch is Branch.INVERTED:
-        increments = _follow_back(path, goals, mesh.skin.thickness)
+        path = start_press(mesh, material, wall, solver, RING_POINTS)
+        increments = follow_inverted(path, goals, mesh)
+    else:
+        path = start_press(mesh, material, wall, solver)
+        followed = follow_derivatives(path, mesh, material, wall)
+        increments = _press_down(path, goals, observe)
+        if wall.unload and path.ended is Ended.DEPTH_REACHED:
+            increments += _draw_back(path, goals)
     ended, message = path.ended, path.message
     if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP
@@ -98,7 +99,7 @@ def solve_press(
         wall=wall,
         solver=solver,
         **fields,
-        derivatives=gather_derivatives(followed, fields["depth"], mesh, wall),
+        derivatives={} if followed is None else gather_derivatives(followed, fields["depth"], mesh, wall),
         ended=ended,
         ended_depth=path.last.depth,
         jump_depth=jumps[0] if jumps else float("nan"),
@@ -133,24 +134,6 @@ def _draw_back(path: Continuation, goals: list[float]) -> list[int]:
     return increments
 
 
-def _follow_back(path: Continuation, goals: list[float], thickness: float) -> list[int]:
-    """Invert the apex at the depth reached and follow that branch back; its points, and those that are increments."""
-    rest, deepest = path.increments[0], path.last.depth
-    if not any(path.invert(push * thickness) for push in _PUSHES):
-        path.increments = [rest]
-        path.ended, path.message = Ended.NO_BRANCH, f"No inverted state was found at {deepest:.4g} mm."
-        return [0]
-    path.ended, path.message, increments = Ended.DEPTH_REACHED, "", [0]
-    for goal in reversed([goal for goal in goals if goal < deepest - 1e-6]):
-        reached = path.advance(goal)
-        if len(path.increments) - 1 > increments[-1]:
-            increments.append(len(path.increments) - 1)
-        if not reached:
-            break
-    path.increments = [replace(increment, jumped=False) for increment in reversed(path.increments)]
-    return [len(path.increments) - 1 - increment for increment in reversed(increments)]
-
-
 def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
     """Depths in mm of the increments after rest: every increment step, and the deepest."""
     count = int(np.floor(deepest / wall.image_step + 1e-9))
@@ -160,17 +143,22 @@ def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
     return depths
 
 
-def start_press(mesh: Mesh, material: Material, wall: ObstacleSpec, solver: SolverSpec) -> Continuation:
+def start_press(
+    mesh: Mesh, material: Material, wall: ObstacleSpec, solver: SolverSpec, points_per_side: int = POINTS_PER_SIDE
+) -> Continuation:
     """Start the flat branch: the skin at rest with its base fixed, the obstacle at first touch."""
     solid = clamp_skin(mesh, material)
-    loading = load_surface(solver, mesh, material, wall)
+    loading = load_surface(solver, mesh, material, wall, points_per_side)
     obstacle, touched = wall.at_touch(mesh)
     probe = int(np.argmin(np.linalg.norm(loading.surface.points - touched, axis=1)))
     thickness, unit = mesh.skin.thickness, mesh.skin.base_radius / BASE_RADIUS
     monitor = SkinMonitor(solid, loading, probe, obstacle.gap(touched[None]).normal[0], thickness, unit)
     tolerance = solver.tolerance * material.law.shear_modulus * thickness**2
     problem = Problem(solid, make_linear_solver(solver.backend), tolerance, thickness)
-    return Continuation(problem, loading, monitor, solver, unit)
+    path = Continuation(problem, loading, monitor, solver, unit)
+    if solver.adhesion == 0:
+        path.release()
+    return path
 
 
 def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: ObstacleSpec) -> dict[str, Any]:
@@ -185,7 +173,7 @@ def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: Obstacl
         touching = monitor.loading.touching(point.depth, point.state)
         area.append(parts * monitor.loading.surface.current_area(mesh.nodes + point.state.u, touching))
         peak.append(von_mises(cauchy_stress(monitor.solid, point.state)).max())
-    inverted = [monitor.inverted(point.depth, point.state) for point in points]
+    labels = [_label(monitor, point) for point in points]
     force = np.array([parts * side * point.loads.force for point in points]) @ wall.turn(mesh).T
     return {
         "depth": np.array([point.depth for point in points]),
@@ -195,13 +183,20 @@ def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: Obstacl
         "contact_energy": np.array([parts * point.loads.potential for point in points]),
         "dissipation": np.array([parts * point.dissipated for point in points]),
         "work": parts * _work(path.increments)[increments],
-        "branch": np.where(inverted, str(Branch.INVERTED), str(Branch.FLAT)),
+        "branch": np.array(labels),
         "peak_stress": np.array(peak),
         "contact_area": np.array(area),
         "apex_gap": np.array([monitor.gap(point.depth, point.state) for point in points]),
         "hold_tension": np.array([point.tension for point in points]),
         "negative_pivots": np.array([point.negative_pivots for point in points]),
     }
+
+
+def _label(monitor: SkinMonitor, point: Increment) -> str:
+    """Branch of an increment, or `NEITHER`."""
+    if not monitor.inverted(point.depth, point.state):
+        return str(Branch.FLAT)
+    return NEITHER if doubt(monitor, point) else str(Branch.INVERTED)
 
 
 def _work(points: list[Increment]) -> FloatArray:
@@ -215,17 +210,6 @@ def _work(points: list[Increment]) -> FloatArray:
     turns = {k for k in range(1, len(points) - 1) if (depth[k + 1] - depth[k]) * (depth[k] - depth[k - 1]) < 0}
     gained = np.zeros(len(points))
     for first, last in pairwise(sorted({0, len(points) - 1} | jumps | {k - 1 for k in jumps} | turns)):
-        gained[first + 1 : last + 1] = np.diff(_integrate(depth[first : last + 1], force[first : last + 1]))
+        gained[first + 1 : last + 1] = np.diff(integrate_force(depth[first : last + 1], force[first : last + 1]))
     work: FloatArray = sum(points[0].loads[:2]) + np.cumsum(gained)
     return work
-
-
-def _integrate(depth: FloatArray, force: FloatArray) -> FloatArray:
-    """Integral (n,) mJ of a force (n,) N over depths (n,) mm that rise or fall."""
-    if len(depth) <= 3:
-        steps = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
-        return np.concatenate([[0.0], np.cumsum(steps)])
-    way = np.sign(depth[-1] - depth[0])
-    whole = CubicSpline(way * depth, force).antiderivative()(way * depth)
-    result: FloatArray = way * (whole - whole[0])
-    return result

@@ -2,8 +2,8 @@
 
 Past a travel of some 2.6 thicknesses a dome can rest in two ways against the same wall: its apex flat on the wall,
 or turned inside out on a ring. A design that works deeper than that can answer one pose by two marker maps. The
-inverted state is found by pushing the apex off the wall at the greatest depth and letting go, and is then followed
-back until it ends.
+inverted state is found from the mirror image of the skin beyond the wall and followed to where it ends
+(`palpate.fea.inverted`).
 """
 
 from __future__ import annotations

@@ -14,7 +14,8 @@ Lengths of increments are those of the spec times `unit`, so a body ten times as
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from palpate.core import FloatArray
 from palpate.mechanics.friction import ContactHistory
 from palpate.mechanics.loading import PathLoading
 from palpate.mechanics.monitor import Ended, Monitor
-from palpate.mechanics.newton import Equilibrium, Loads, Problem
+from palpate.mechanics.newton import Equilibrium, Loads, Problem, SolveOutcome
 from palpate.mechanics.sensitivity import Advance, Sensitivity
 from palpate.mechanics.solid import State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
@@ -173,22 +174,18 @@ class Continuation:
                 return False
         return True
 
-    def invert(self, push: float) -> bool:
-        """Push the apex off the wall by `push` mm at the depth reached; whether it rests there, inverted.
-
-        On success the path goes on from the inverted state and does not jump.
-        """
-        last = self.last
-        return self.settle(last.depth, self.monitor.pushed(last.depth, last.state, push), last.state)
-
-    def settle(self, depth: float, shape: FloatArray, start: State) -> bool:
+    def settle(
+        self, depth: float, shape: FloatArray, start: State, hopeful: Callable[[State], bool] | None = None
+    ) -> bool:
         """Relax at a depth in mm to the inverted state near a shape (n, 3) mm; whether it rests there.
 
-        On success the path goes on from it and does not jump.
+        It is given up at a state on the way that is not `hopeful`: by default, one that the monitor does not call
+        inverted. On success the path goes on from the state and does not jump.
         """
         self.release()
-        found = self.relax(depth, shape, start)
-        if not found.converged or not self.monitor.inverted(depth, found.state):
+        hopeful = hopeful or (lambda state: self.monitor.inverted(depth, state))
+        found = self.relax(depth, shape, start, hopeful)
+        if not found.converged:
             return False
         self._accept(found, depth, jumped=True)
         self.restart()
@@ -362,14 +359,33 @@ class Continuation:
     def _end(self, ended: Ended, reason: str) -> None:
         self.ended, self.message = ended, f"The press ended at {self.last.depth:.4g} mm, {reason}."
 
-    def relax(self, depth: float, shape: FloatArray, start: State) -> Equilibrium:
-        """Relax from a state to the equilibrium near a `shape` (n, 3) mm, under a viscosity that fades to zero."""
+    def attempt(self, depth: float, start: State) -> bool:
+        """Go on to a depth in mm in one increment from a predicted state; whether it was accepted."""
+        found = self._solve(depth, self._stuck(depth, start))
+        accepted = self._acceptable(found, depth)
+        if accepted:
+            self._accept(found, depth, jumped=False)
+        return accepted
+
+    def relax(
+        self,
+        depth: float,
+        shape: FloatArray,
+        start: State,
+        hopeful: Callable[[State], bool] = lambda state: True,
+    ) -> Equilibrium:
+        """Relax from a state to the equilibrium near a `shape` (n, 3) mm, under a viscosity that fades to zero.
+
+        It is given up at the first state on the way that is not `hopeful`.
+        """
         scale = self.problem.body.shear_modulus / self.monitor.area
         coefficient, origin = _FIRST_VISCOSITY * scale, shape
         for _ in range(_RELAXATIONS):
             found = self._solve(depth, start, Damping(coefficient, origin), sliding=True)
             if found.converged:
                 start, origin = found.state, found.state.u
+                if not hopeful(start):
+                    return replace(found, outcome=SolveOutcome.DIVERGED)
                 if coefficient < _FADED * scale:
                     found = self._solve(depth, start, sliding=True)
                     if found.converged:

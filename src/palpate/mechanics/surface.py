@@ -46,7 +46,7 @@ class OuterSurface:
         Gauss points along each side of a face.
     """
 
-    def __init__(self, nodes: FloatArray, faces: IntArray, cell_of_face: IntArray, points_per_side: int = 6) -> None:
+    def __init__(self, nodes: FloatArray, faces: IntArray, cell_of_face: IntArray, points_per_side: int = 4) -> None:
         points, self._quadrature = gauss_points((points_per_side, points_per_side))
         shape, self._slope = shape_quadrilateral(points)
         faces = np.ascontiguousarray(faces, dtype=np.int64)

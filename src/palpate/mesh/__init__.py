@@ -3,7 +3,7 @@
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
 from palpate.mesh.locate import SurfacePoints, locate_inner, locate_nodes
 from palpate.mesh.mesh import Mesh
-from palpate.mesh.mesh_skin import centre_mesh, mesh_skin, reshape_mesh
+from palpate.mesh.mesh_skin import centre_mesh, default_core, mesh_skin, reshape_mesh
 from palpate.mesh.quality import MeshQuality, measure_quality
 from palpate.mesh.spec import MeshSpec
 
@@ -13,6 +13,7 @@ __all__ = [
     "MeshSpec",
     "SurfacePoints",
     "centre_mesh",
+    "default_core",
     "gauss_points",
     "locate_inner",
     "locate_nodes",

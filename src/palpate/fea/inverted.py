@@ -1,0 +1,294 @@
+"""The inverted state: the skin beyond the wall mirrored in it, relaxed there, followed both ways, and proved.
+
+A thin shell bends without stretching where a cap of it is mirrored in a plane (Pogorelov, *Bendings of Surfaces and
+Stability of Shells*, 1988). Mirrored in the wall's plane it touches the wall on a ring and is nearly an equilibrium
+already: only its ridge has to find its width. So the search does not press from rest. It relaxes the mirrored skin
+at a depth where its ridge is well off the clamp, else deeper, and follows the branch from there, deeper and back to
+its limit point.
+
+A state is called inverted only if `doubt` finds nothing against it, and if the energy of its branch is the work done.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.fea.monitor import SkinMonitor
+from palpate.fea.work import integrate_force
+from palpate.mechanics import ContactLoading, Continuation, Ended, Increment, Obstacle, State
+from palpate.mesh import Mesh, default_core, mesh_skin
+
+RING_POINTS = 12
+"""Contact points along a side of a face: the ring is some tenths of a mm wide, a tenth of a cell."""
+_SOFTER = 0.25
+"""Penalty on the ring over that of a patch: with a stiffer one the load jumps from point to point (the ring enters by
+micrometres)."""
+_FINER = 4 / 3
+"""Cells of a meridian over those of a press from rest: the force of a ring that crosses them varies less."""
+_RIDGE = 0.5
+"""Half width of the mirrored cap's ridge, in height, over sqrt(2 d T): a ridge is as wide as sqrt(R T)."""
+_CLAMPED = 1.5
+"""Half width of the ridge over the height above the base at which a point is free of the clamp."""
+_SEED = 0.5
+"""Depth over the skin's outer height down to which the mirrored cap's ridge is well off the clamp."""
+_LESS = 0.85
+"""Share of the greatest depth at which it is tried last: a ridge lower down relaxes more easily."""
+_CAME_BACK = "came back to it"
+"""End of the reason where there is no inverted state, nor at any lesser depth."""
+_GAP = 0.2
+"""Least gap of the first-touched point over the depth: near the depth less two ridges, and least at the onset."""
+_HOLE = 0.5
+"""Least inner radius of the ring of contact over its outer one."""
+_SECTORS = 6
+"""Sectors of half a turn in each of which the ring must touch."""
+_IMBALANCE = 0.02
+"""Greatest difference of the energy gained along the branch and the work of the wall, over the energy stored."""
+_FEWEST = 3
+"""Fewest increments of a branch: with fewer its energy proves nothing."""
+_ONSET = 0.015
+"""Increment (mm, times the unit) that finds no more of the branch at its end."""
+_FIRST, _LARGEST = 0.1, 0.5
+"""First and largest increment of drawing back over the thickness."""
+_SAME = 1e-9
+"""Difference of depth in mm that counts as none."""
+
+
+class Ring(NamedTuple):
+    """Contact of a state, seen along the obstacle's normal from the point that it touched first.
+
+    Attributes
+    ----------
+    gap
+        mm between that point and the obstacle.
+    inner, outer
+        mm, distances of the nearest and farthest points in contact; nan without contact.
+    closed
+        Whether there is contact in all directions.
+    """
+
+    gap: float
+    inner: float
+    outer: float
+    closed: bool
+
+
+def mirror(mesh: Mesh, obstacle: Obstacle) -> FloatArray:
+    """Displacement (n, 3) mm that mirrors what lies beyond an obstacle in its surface.
+
+    The middle surface at a height h over the obstacle goes to ``-w log(2 cosh(h / w))``: far below it stays, far
+    above it is mirrored, and the ridge between is round over w. The wall keeps its order, for its normal
+    ``a n + b t`` turns to ``a n - b tanh(h / w) t`` and the outer surface faces the obstacle still; and its volume,
+    for where the ridge shortens it, it becomes as much thicker.
+    """
+    thickness = mesh.skin.thickness
+    middle = mesh.skin.point(mesh.inner_disc, 0.5, mesh.spec.rim)
+    normal, offset = mesh.skin.normal(middle), mesh.nodes - middle
+    reach, up, _ = obstacle.gap(middle)
+    width = _RIDGE * np.sqrt(2 * max(float(reach.max()), thickness) * thickness)
+    height = (reach - max(np.log(2) * width - thickness / 2, 0.0)) / width
+    sunk = -width * (np.abs(height) + np.log1p(np.exp(-2 * np.abs(height))) + height)
+    along = np.einsum("ni,ni->n", normal, up)[:, None] * up
+    turned = along - np.tanh(height)[:, None] * (normal - along)
+    turned /= (turned**2).sum(axis=1, keepdims=True)
+    arm = np.einsum("ni,ni->n", offset, normal)[:, None]
+    free = 1 - np.exp(-((_CLAMPED * mesh.nodes[:, 2] / width) ** 2))
+    moved: FloatArray = free[:, None] * (sunk[:, None] * up + arm * (turned - normal))
+    moved[mesh.base] = 0.0
+    moved[mesh.mirror, 0] = 0.0
+    return moved
+
+
+def refine(mesh: Mesh) -> Mesh:
+    """The skin meshed finer along the meridian, as the ring needs it; a mesh whose pole must stay is kept."""
+    spec = mesh.spec
+    if not spec.centred or spec.cells is None:
+        return mesh
+    core = spec.core or default_core(mesh.skin, spec.cells, centred=True)
+    return mesh_skin(mesh.skin, spec.model_copy(update={"cells": round(_FINER * spec.cells), "core": core}))
+
+
+def find_ring(monitor: SkinMonitor, at: float, state: State) -> Ring:
+    """Ring of contact of a state at a depth in mm."""
+    met = monitor.loading.meet(at, state)
+    touching = monitor.loading.touching(at, state)
+    along, across = monitor.axes
+    arm = met.points[touching] - met.points[monitor.probe]
+    x, y = arm @ along, np.abs(arm @ across)
+    away = np.hypot(x, y)
+    sector = np.minimum((np.arctan2(y, x) / np.pi * _SECTORS).astype(int), _SECTORS - 1)
+    closed = len(np.unique(sector)) == _SECTORS
+    none = float("nan")
+    return Ring(
+        monitor.gap(at, state),
+        float(away.min(initial=np.inf) if len(away) else none),
+        float(away.max() if len(away) else none),
+        closed,
+    )
+
+
+def doubt(monitor: SkinMonitor, increment: Increment) -> str:
+    """Why an equilibrium is not the inverted state, in words; empty if it is.
+
+    It is if the first-touched point is off the obstacle by more than `_GAP` of the depth, contact is a closed ring
+    about that point, and no pivot of its tangent is negative.
+    """
+    ring = find_ring(monitor, increment.depth, increment.state)
+    if not ring.gap > _GAP * increment.depth:
+        return f"the point touched first is {ring.gap:.3g} mm off the wall at a depth of {increment.depth:.4g} mm"
+    if not ring.inner > _HOLE * ring.outer:
+        return f"contact reaches to {ring.inner:.3g} mm from the point touched first, and is no ring"
+    if not ring.closed:
+        return "the ring of contact is open"
+    if increment.negative_pivots > 0:
+        return f"it is unstable in {increment.negative_pivots} ways"
+    return ""
+
+
+def follow_inverted(path: Continuation, goals: list[float], mesh: Mesh) -> list[int]:
+    """Find the inverted state and follow it to where it ends, deeper and back.
+
+    Parameters
+    ----------
+    path
+        At rest; afterwards its increments are those of the branch, from the least depth to the greatest, or that at
+        rest alone, with the reason.
+    goals
+        Depths in mm of the increments that are wanted.
+    mesh
+        Of the skin.
+
+    Returns
+    -------
+    list of int
+        The increments that were wanted, and the first and the last of the branch.
+
+    Notes
+    -----
+    Contact slides freely while the skin inverts, and points stick where they come to rest. So every state of the
+    branch is the one that forms at its own depth: in equilibrium under any friction, and the same for all contact
+    laws. What sticks there and is then pressed on or drawn back depends on where it formed.
+    """
+    rest, loading = path.increments[0], path.loading
+    assert isinstance(loading, ContactLoading)
+    law = loading.law._replace(friction=0.0, stiffness=_SOFTER * loading.law.stiffness)
+    path.loading, reason, none_to = replace(loading, law=law), "", 0.0
+    for depth in _seeds(mesh, goals[-1]):
+        if depth > none_to:
+            path.increments = [rest]
+            reason = _seed(path, mesh, depth) or _follow(path, goals, mesh.skin.thickness)
+            none_to = depth if reason.endswith(_CAME_BACK) else none_to
+        if not reason:
+            break
+    if reason:
+        path.increments = [rest]
+        path.ended, path.message = Ended.NO_BRANCH, f"No inverted state was found at {goals[-1]:.4g} mm: {reason}."
+        return [0]
+    at = np.array([point.depth for point in path.increments])
+    wanted = np.flatnonzero(np.abs(at[:, None] - np.array(goals)).min(axis=1) < _SAME)
+    return sorted({0, len(at) - 1, *wanted.tolist()})
+
+
+def _seeds(mesh: Mesh, deepest: float) -> list[float]:
+    """Depths in mm at which the mirrored skin is relaxed, in turn."""
+    first = min(deepest, _SEED * (mesh.skin.height + mesh.skin.thickness))
+    return list(dict.fromkeys([first, (first + deepest) / 2, deepest, _LESS * deepest]))
+
+
+def _seed(path: Continuation, mesh: Mesh, depth: float) -> str:
+    """Relax the mirrored skin at a depth in mm and begin the path there; why it is not inverted, if it is not."""
+    monitor = path.monitor
+    assert isinstance(monitor, SkinMonitor)
+    shape = mirror(mesh, monitor.loading.obstacle(depth))
+    start = State(shape, path.problem.body.rest().p)
+    gap = [np.inf]
+
+    def hopeful(state: State) -> bool:
+        gap[0] = monitor.gap(depth, state)
+        return gap[0] > _GAP * depth
+
+    if path.settle(depth, shape, start, hopeful):
+        return doubt(monitor, path.last)
+    fate = "did not come to rest" if gap[0] > _GAP * depth else _CAME_BACK
+    return f"the skin mirrored in the wall at {depth:.4g} mm {fate}"
+
+
+def _follow(path: Continuation, goals: list[float], thickness: float) -> str:
+    """Follow the branch from its seed back and deeper; why its energy is not proved, if it is not."""
+    seed = path.last
+    _draw_back(path, [goal for goal in reversed(goals) if goal < seed.depth], thickness)
+    back, _ = _proved(path)
+    path.increments, path.ended, path.message = [seed], Ended.DEPTH_REACHED, ""
+    path.restart()
+    for goal in goals:
+        if goal > seed.depth and not path.advance(goal):
+            break
+    deeper, wrong = _proved(path)
+    if wrong:
+        path.ended = Ended.BRANCH_ENDED
+        path.message = f"The inverted state was followed to {deeper[-1].depth:.4g} mm: beyond, {wrong}."
+    path.increments = [replace(point, jumped=False) for point in (*reversed(back[1:]), *deeper)]
+    few = len(path.increments) < _FEWEST
+    return f"what was found at {seed.depth:.4g} mm could not be followed from there" if few else ""
+
+
+def _draw_back(path: Continuation, goals: list[float], thickness: float) -> None:
+    """Follow the branch back from its seed through depths in mm until an increment of `_ONSET` finds no more."""
+    onset, step, goals, monitor = _ONSET * path.unit, _FIRST * thickness, [*goals, 0.0], path.monitor
+    assert isinstance(monitor, SkinMonitor)
+    while goals:
+        known, last = list(path.increments), path.last.depth
+        depth, start = _predict(path, max(goals[0], last - step), onset)
+        if path.attempt(depth, start) and not doubt(monitor, path.last):
+            step = min(2 * (last - depth), _LARGEST * thickness)
+            goals = [goal for goal in goals if goal < depth - _SAME]
+            continue
+        path.increments, step = known, max((last - depth) / 2, onset)
+        if last - depth < onset + _SAME:
+            return
+
+
+def _predict(path: Continuation, depth: float, onset: float) -> tuple[float, State]:
+    """A depth in mm, no farther than a prediction reaches, and the state there, from the last three increments.
+
+    Near a limit point the states go as the gap of the apex, and the depth as a parabola of it: the prediction is a
+    polynomial of the gap where such a parabola is found, and goes three quarters of the way to its end at most, but
+    by `onset` mm at least. Else it is one of the depth, and goes as far as the increment before at most.
+    """
+    monitor, known = path.monitor, path.increments[-3:]
+    assert isinstance(monitor, SkinMonitor)
+    at = np.array([point.depth for point in known])
+    place, to = at, depth
+    if len(known) == 3:
+        gap = np.array([monitor.gap(point.depth, point.state) for point in known])
+        bend, slope, level = np.polyfit(gap, at, 2)
+        least = -slope / (2 * bend)
+        end = level + slope * least / 2
+        if bend > 0 and least < gap[-1] < gap[0]:
+            depth = min(max(depth, end + (at[-1] - end) / 4), at[-1] - min(onset, at[-1] - depth))
+            place, to = gap, least + np.sqrt(max(depth - end, (at[-1] - end) / 16) / bend)
+        else:
+            depth = to = max(depth, 2 * at[-1] - at[-2])
+    weight = np.array([np.prod([(to - b) / (a - b) for b in place if b != a]) for a in place])
+    u = sum(w * point.state.u for w, point in zip(weight, known, strict=True))
+    p = sum(w * point.state.p for w, point in zip(weight, known, strict=True))
+    return depth, State(u, p)
+
+
+def _proved(path: Continuation) -> tuple[list[Increment], str]:
+    """The increments from the first on that are inverted and whose energy is the work, and what is wrong beyond."""
+    monitor, points = path.monitor, path.increments
+    assert isinstance(monitor, SkinMonitor)
+    stored = np.array([sum(point.loads[:2]) for point in points])
+    depth, force = np.array([[point.depth, point.loads.force[2]] for point in points]).T
+    missed = np.abs(stored - stored[0] - integrate_force(depth, force))
+    for k, point in enumerate(points):
+        wrong = doubt(monitor, point)
+        if missed[k] > _IMBALANCE * max(stored[0], stored[k]):
+            wrong = f"the energy gained misses the work of the wall by {missed[k]:.2g} mJ"
+        if wrong:
+            return points[:k], wrong
+    return points, ""
