@@ -27,7 +27,7 @@ def test_find_status_counts_what_is_made_broken_and_left(out: Path) -> None:
     assert (kinds["press"].made, kinds["press"].of, kinds["press"].quarantined) == (1, 2, 1)
     assert (kinds["dataset"].made, kinds["dataset"].of) == (1, 2)
     assert (kinds["learning"].made, kinds["learning"].of) == (0, 2)
-    assert kinds["press"].left_s == 20.0
+    assert kinds["press"].left_s == 5.0
     assert kinds["estimator"].left_s == 80.0
     assert find_status(STUDY, out).failures == ()
 
