@@ -127,7 +127,7 @@ def default_cells(skin: Skin) -> int:
     ones, thicker ones do, for they shear at the edge of the patch.
     """
     thick = max(skin.thickness / skin.radius - _THICK, 0.0)
-    return int(np.clip(round(skin.inner_slope * (_CELLS + _MORE_CELLS * thick)), 18, 48))
+    return int(np.clip(round(skin.inner_slope * (_CELLS + _MORE_CELLS * thick)), 22, 48))
 
 
 def _move_pole(disc: FloatArray, pole: FloatArray) -> FloatArray:
