@@ -2,12 +2,12 @@
 
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset
-from palpate.twin import build_field
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import TrainSpec, evaluate, find_limits, pool_limits, train
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import build_field
 
 
 def main() -> float:

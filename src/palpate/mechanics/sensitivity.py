@@ -274,7 +274,8 @@ def _later(obstacle: Callable[[float], Obstacle], by: float, at: float) -> Obsta
 
 def _moved(history: ContactHistory, rate: ContactHistory, by: float) -> ContactHistory:
     """A history moved along its derivative; what is infinite or zero stays."""
-    limit = np.where(np.isfinite(history.limit) & (history.limit > 0), history.limit + by * rate.limit, history.limit)
+    slips = np.isfinite(history.limit) & (history.limit > 0)
+    limit = np.where(slips, np.maximum(history.limit + by * rate.limit, np.finfo(float).tiny), history.limit)
     return history._replace(
         anchor=history.anchor + by * rate.anchor, normal=history.normal + by * rate.normal, limit=limit
     )

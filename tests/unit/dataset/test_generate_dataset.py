@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 
+from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 from needs import needs
 from palpate.core import PalpateError
 from palpate.dataset import (

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from kinematic_press import RADIUS, KinematicPress, PinholeCamera, kinematic_positions, rings, solved
 from pydantic import ValidationError
 
+from kinematic_press import RADIUS, KinematicPress, PinholeCamera, kinematic_positions, rings, solved
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
 from palpate.dataset import DatasetSpec, RandomiseSpec, VariedPresses, generate_dataset, read_dataset, write_dataset

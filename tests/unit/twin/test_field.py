@@ -2,8 +2,8 @@ import time
 
 import numpy as np
 import pytest
-from kinematic_press import KinematicPress, kinematic_positions, rings, solved
 
+from kinematic_press import KinematicPress, kinematic_positions, rings, solved
 from palpate.core import PalpateError
 from palpate.twin import build_field
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 
+from kinematic_press import PinholeCamera, kinematic_positions, rings, solved
 from palpate.core import PalpateError
 from palpate.twin import build_field, image_jacobian
 
