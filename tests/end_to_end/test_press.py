@@ -30,6 +30,8 @@ def test_the_layout_is_the_agreed_one(pressed: dict[str, object]) -> None:
             "force_n",
             "energy_mj",
             "contact_energy_mj",
+            "hold_tension_mpa",
+            "apex_gap_mm",
             "dissipation_mj",
             "work_mj",
             "branch",
