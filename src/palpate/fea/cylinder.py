@@ -74,6 +74,10 @@ class CylinderSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return self.azimuth_deg
 
+    @property
+    def round(self) -> bool:
+        return False
+
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
         middle = turn @ [0.0, self.offset, self.radius + mesh.skin.outer_height]

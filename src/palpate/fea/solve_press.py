@@ -74,7 +74,8 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
-    mesh = centre_mesh(refine(mesh) if branch is Branch.INVERTED else mesh, wall.at_touch(mesh)[1])
+    mesh = refine(mesh) if branch is Branch.INVERTED else mesh
+    mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.round else mesh
     followed = None
     reachable = wall.clamp_depth(mesh)
     goals = increment_depths(wall, min(wall.depth, reachable))

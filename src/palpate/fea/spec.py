@@ -78,6 +78,14 @@ class ObstacleSpec(Spec, ABC):
         """What tells this obstacle from others like it, in words: ``tilt 5°``."""
 
     @property
+    def round(self) -> bool:
+        """Whether its surface is alike in all directions about the point of first touch; a bar's is not.
+
+        The press by a round one is nearly a body of revolution, and so is meshed with few cells around that point.
+        """
+        return True
+
+    @property
     def pose_space(self) -> PoseSpace:
         """What a sensor may estimate of it: its place, unless an obstacle says otherwise."""
         return OFFSET_DEPTH
