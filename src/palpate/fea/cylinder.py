@@ -75,7 +75,7 @@ class CylinderSpec(ObstacleSpec):
         return self.azimuth_deg
 
     @property
-    def round(self) -> bool:
+    def axisymmetric(self) -> bool:
         return False
 
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -65,20 +66,20 @@ def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, wall:
 
 
 def gather_derivatives(
-    followed: Sensitivity, depth: FloatArray, mesh: Mesh, wall: ObstacleSpec
+    followed: Sensitivity, increments: Sequence[int], mesh: Mesh, wall: ObstacleSpec
 ) -> dict[str, Derivative]:
-    """Derivatives at the increments of a press, by name; zero at rest, nan where there is none."""
+    """Derivatives at these increments of a path, by name; zero at rest, nan where there is none."""
     parts, turn = 1.0 if mesh.spec.whole else 2.0, wall.turn(mesh)
     found = {}
     for each in followed.variations:
         sides = np.array([1.0, 0.0, 0.0] if each.across else [0.0, 1.0, 1.0]) if parts > 1 else np.ones(3)
-        displacement = np.full((len(depth), *mesh.nodes.shape), np.nan)
-        force = np.full((len(depth), 3), np.nan)
-        displacement[depth == 0], force[depth == 0] = 0.0, 0.0
-        for k, at in enumerate(depth):
-            rates = followed.found.get(float(at))
-            if rates is not None:
-                displacement[k] = rates[each.name].u
-                force[k] = turn @ (parts * sides * rates[each.name].force)
+        displacement = np.full((len(increments), *mesh.nodes.shape), np.nan)
+        force = np.full((len(increments), 3), np.nan)
+        for k, number in enumerate(increments):
+            if number == 0:
+                displacement[k], force[k] = 0.0, 0.0
+            elif number in followed.found:
+                rate = followed.found[number][each.name]
+                displacement[k], force[k] = rate.u, turn @ (parts * sides * rate.force)
         found[each.name] = Derivative(each.name, displacement, force, each.across)
     return found

@@ -137,9 +137,13 @@ class Press:
         return self.derivatives[name]
 
     def on(self, mesh: Mesh) -> Press:
-        """The press with its displacement interpolated to another mesh of the skin, of as many layers."""
-        moved = locate_nodes(self.mesh, mesh).interpolate(self.displacement)
-        return replace(self, mesh=mesh, displacement=moved)
+        """The press with its fields interpolated to another mesh of the skin, of as many layers."""
+        nodes = locate_nodes(self.mesh, mesh)
+        derivatives = {
+            name: replace(each, displacement=nodes.interpolate(each.displacement))
+            for name, each in self.derivatives.items()
+        }
+        return replace(self, mesh=mesh, displacement=nodes.interpolate(self.displacement), derivatives=derivatives)
 
     def positions(self, points: FloatArray) -> FloatArray:
         """Follow points of the undeformed inner surface through every increment.

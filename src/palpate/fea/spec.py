@@ -78,10 +78,10 @@ class ObstacleSpec(Spec, ABC):
         """What tells this obstacle from others like it, in words: ``tilt 5°``."""
 
     @property
-    def round(self) -> bool:
+    def axisymmetric(self) -> bool:
         """Whether its surface is alike in all directions about the point of first touch; a bar's is not.
 
-        The press by a round one is nearly a body of revolution, and so is meshed with few cells around that point.
+        The press by such a one is nearly a body of revolution, and so is meshed with few cells around that point.
         """
         return True
 

@@ -27,7 +27,7 @@ from functools import partial
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import build_skin, rotation_vector, skin_from_data, wall_normal
+from palpate.design import build_skin, rotation_vector, skin_from_data, turn_about_axis, wall_normal
 from palpate.fea.loaded_skin import descended
 from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import Plane, WallSpec
@@ -103,10 +103,10 @@ def _vary(made: Made, name: str) -> Variation:
         return Variation(
             name, _STEP, made.loading, made.loading, turn=np.radians(1.0) * normal, lasting=False, across=half
         )
-    way = {"depth": [0.0, 0.0, -1.0], "shift": [0.0, 1.0, 0.0], "shift_across": [1.0, 0.0, 0.0]}[name]
+    turn = np.eye(3) if half else turn_about_axis(np.radians(made.wall.turn_deg))
+    way = turn @ {"depth": [0.0, 0.0, -1.0], "shift": [0.0, 1.0, 0.0], "shift_across": [1.0, 0.0, 0.0]}[name]
     high, low = (
-        replace(made.loading, obstacle=partial(_travelled, made.loading.obstacle, by * np.array(way)))
-        for by in (_STEP, -_STEP)
+        replace(made.loading, obstacle=partial(_travelled, made.loading.obstacle, by * way)) for by in (_STEP, -_STEP)
     )
     return Variation(name, _STEP, high, low, lasting=False, across=half and name == "shift_across")
 

@@ -73,9 +73,16 @@ class Contact(Term):
     history: ContactHistory
 
     def assemble(self, state: State, to: Assembly) -> Share:
+        return self._assemble(state, to, tangent=True)
+
+    def add_residual(self, state: State, to: Assembly) -> Share:
+        """Add the residual alone."""
+        return self._assemble(state, to, tangent=False)
+
+    def _assemble(self, state: State, to: Assembly, *, tangent: bool) -> Share:
         points = self._points(self.surface.place(to.nodes + state.u))
-        energy, force = _assemble(self.surface.faces, to.place, points, (self.law, self.history), to.system)
-        return Share(energy, force)
+        rules = (self.law, self.history)
+        return Share(*_assemble_points(self.surface.faces, to.place, points, rules, to.system, tangent))
 
     def meet(self, state: State, nodes: FloatArray) -> Met:
         """Contact points of a state of the body with these nodes (n, 3) mm, and the obstacle."""
@@ -90,14 +97,15 @@ class Contact(Term):
 
 
 @kernel
-def _assemble(
+def _assemble_points(
     faces: ContactFaces,
     place: IntArray,
     points: _Points,
     contact: tuple[ContactLaw, ContactHistory],
     system: System,
+    tangent: bool,
 ) -> tuple[float, FloatArray]:
-    """Add contact to tangent and residual; return its energy, mJ, and the force (3,) N on the obstacle.
+    """Add contact to residual and `tangent`; return its energy, mJ, and the force (3,) N on the obstacle.
 
     `place` is that of `palpate.mechanics.element.Cells`.
     """
@@ -129,7 +137,11 @@ def _assemble(
             energy += w * density
             for i in range(3):
                 force[i] += w * t[i]
-            _add_point(nodes, w, faces.shape[q], (t, H), place[faces.cell[f]], system)
+            for a in range(9):
+                for i in range(3):
+                    system.residual[3 * nodes[a] + i] += w * faces.shape[q, a] * t[i]
+            if tangent:
+                _add_stiffness(w, faces.shape[q], H, place[faces.cell[f]], system)
     return energy, force
 
 
@@ -164,20 +176,11 @@ def _add_friction(s: FloatArray, normal: FloatArray, limit: float, k: float, t: 
 
 
 @kernel
-def _add_point(
-    nodes: IntArray,
-    w: float,
-    shape: FloatArray,
-    traction: tuple[FloatArray, FloatArray],
-    place: IntArray,
-    system: System,
-) -> None:
-    """Add the traction t (3,) and its stiffness H (3, 3) of one point to the system."""
-    t, H = traction
+def _add_stiffness(w: float, shape: FloatArray, H: FloatArray, place: IntArray, system: System) -> None:
+    """Add the stiffness H (3, 3) of one point to the tangent."""
     for a in range(9):
         wa = w * shape[a]
         for i in range(3):
-            system.residual[3 * nodes[a] + i] += wa * t[i]
             row = 3 * (OUTER_FIRST + a) + i
             start = row * DOFS - row * (row - 1) // 2 - row
             for b in range(a, 9):

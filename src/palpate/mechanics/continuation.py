@@ -214,8 +214,8 @@ class Continuation:
     def _next_step(self, step: float, iterations: int) -> float:
         factor = next((factor for most, factor in _GROWTH if iterations <= most), _SHRINK)
         largest = self.spec.largest_step * self.unit
-        edge = self.spec.edge_share * self.problem.length * self.loading.stride
-        advance = edge * np.sqrt(2 * self.last.depth / (BASE_RADIUS * self.unit))  # of a sphere's patch
+        edge = self.spec.edge_share * self.problem.length
+        advance = self.loading.longest(self.last.depth, edge, BASE_RADIUS * self.unit)
         advance *= min(1.0, (_STIFFENING / max(self._exponent, _STIFFENING)) ** 2)
         largest = min(largest, max(advance, self.spec.first_step * self.unit))
         return min(max(step, self._step) * factor, largest)
@@ -308,11 +308,13 @@ class Continuation:
         """Carry derivatives on to an increment; a path without memory needs them only where it is going."""
         if jumped:
             self.sensitivity = None
-        elif self.loading.remembers or abs(depth - self._goal) <= _NOTHING * self.unit:
+            return
+        asked = abs(depth - self._goal) <= _NOTHING * self.unit
+        if asked or self.loading.remembers:
             last = self.last
             earlier = last.history._replace(stabilisation=self._stabilisation)
-            step = Advance(last.depth, depth, last.state, state, earlier, self._history)
-            sensitivity.accept(step, memory=self.loading.remembers)
+            step = Advance(len(self.increments), last.depth, depth, last.state, state, earlier, self._history)
+            sensitivity.accept(step, memory=self.loading.remembers, asked=asked)
 
     def release(self) -> None:
         """Let go of what the monitor stabilises, for the rest of the path."""

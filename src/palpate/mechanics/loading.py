@@ -26,7 +26,7 @@ from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import DeadLoad, Term
 
 _FRICTIONLESS, _SLIPPING = 1.5, 0.8
-"""Strides where contact remembers nothing, and where points slip while others stick."""
+"""Factors on the advance of the edge where contact remembers nothing, and where points slip while others stick."""
 
 
 class PathLoading(ABC):
@@ -34,12 +34,18 @@ class PathLoading(ABC):
 
     remembers: bool
     """Whether increments leave a history on which the next depend: friction."""
-    stride: float
-    """Factor on how far the edge of the patch may advance in an increment (docs/decisions/0063)."""
 
     @abstractmethod
     def start(self) -> ContactHistory:
         """History before anything acts."""
+
+    @abstractmethod
+    def longest(self, at: float, edge: float, radius: float) -> float:
+        """Longest increment in mm from a depth in mm: the patch's edge advances by some `edge` mm in it.
+
+        On a sphere of that radius in mm the patch has the radius ``sqrt(2 R d)``, so its edge goes `edge` on while
+        the depth grows by ``edge sqrt(2 d / R)`` (docs/decisions/0063). Infinite where nothing touches.
+        """
 
     @abstractmethod
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
@@ -86,11 +92,9 @@ class ContactLoading(PathLoading):
     def remembers(self) -> bool:  # type: ignore[override]
         return self.law.friction > 0
 
-    @property
-    def stride(self) -> float:  # type: ignore[override]
-        if np.isinf(self.law.friction):
-            return 1.0
-        return _SLIPPING if self.remembers else _FRICTIONLESS
+    def longest(self, at: float, edge: float, radius: float) -> float:
+        share = 1.0 if np.isinf(self.law.friction) else _SLIPPING if self.remembers else _FRICTIONLESS
+        return float(share * edge * np.sqrt(2.0 * at / radius))
 
     def start(self) -> ContactHistory:
         return untouched(len(self.surface.points))
@@ -140,7 +144,9 @@ class DeadLoading(PathLoading):
 
     load: DeadLoad
     remembers = False
-    stride = 1.0
+
+    def longest(self, at: float, edge: float, radius: float) -> float:
+        return np.inf
 
     def start(self) -> ContactHistory:
         return untouched(0)

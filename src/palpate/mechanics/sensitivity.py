@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import BoolArray, FloatArray
 from palpate.mechanics.contact import Contact
 from palpate.mechanics.element import System
 from palpate.mechanics.friction import ContactHistory, arrival
@@ -94,6 +94,8 @@ class Advance(NamedTuple):
 
     Attributes
     ----------
+    number
+        Of the increment in the path; that at rest is 0.
     start, end
         Parameter of the path before and after, mm.
     before, after
@@ -102,12 +104,25 @@ class Advance(NamedTuple):
         What contact remembers of the last, and with which the increment was solved.
     """
 
+    number: int
     start: float
     end: float
     before: State
     after: State
     earlier: ContactHistory
     history: ContactHistory
+
+
+class _Arrivals(NamedTuple):
+    """Points that touch anew: which (n,), how far on the path (n,) mm, pace (n,) and drift (n, 3) beforehand.
+
+    Pace is the growth of the penetration, drift that of the place on the obstacle, both over the path's parameter.
+    """
+
+    fresh: BoolArray
+    after: FloatArray
+    pace: FloatArray
+    drift: FloatArray
 
 
 @dataclass
@@ -125,7 +140,7 @@ class Sensitivity:
     rates
         Derivative at the last increment, by name.
     found
-        Derivatives of every increment asked for: its parameter, and its rates by name.
+        Derivatives of every increment asked for, by its number in the path: rates by name.
     """
 
     problem: Problem
@@ -133,36 +148,45 @@ class Sensitivity:
     variations: tuple[Variation, ...]
     across: Problem | None = None
     rates: dict[str, Rate] = field(default_factory=dict)
-    found: dict[float, dict[str, Rate]] = field(default_factory=dict)
+    found: dict[int, dict[str, Rate]] = field(default_factory=dict)
     _pace: FloatArray = field(init=False)
     _still: ContactHistory = field(init=False)
     _ahead: dict[str, tuple[float, FloatArray]] = field(default_factory=dict, init=False)
 
     def start(self, history: ContactHistory) -> None:
         """Begin at rest, with this history."""
-        still = ContactHistory(*(np.zeros_like(part) for part in history))
-        self._still = still
-        nothing = np.zeros_like(self.problem.body.nodes)
-        self.rates = {each.name: Rate(nothing, np.zeros(3), still) for each in self.variations}
-        self._pace = nothing
+        self._still = ContactHistory(*(np.zeros_like(part) for part in history))
+        self._pace = np.zeros_like(self.problem.body.nodes)
+        self.rates = {each.name: Rate(self._pace, np.zeros(3), self._still) for each in self.variations}
 
-    def accept(self, step: Advance, *, memory: bool) -> None:
-        """Take the derivatives of an increment; with `memory`, also of the history that it leaves."""
-        self._factor(step, self.variations)
-        rates = {}
-        for each in self.variations:
+    def accept(self, step: Advance, *, memory: bool, asked: bool) -> None:
+        """Take an increment: with `memory`, also the derivatives of the history that it leaves.
+
+        Where it is not `asked` for, only what goes on is computed: no force, and nothing that changes there alone.
+        """
+        variations = [each for each in self.variations if asked or each.lasting]
+        self._factor(step, variations)
+        arrivals = self._arrive(step) if memory else None
+        rates = dict(self.rates)
+        for each in variations:
             old = self.rates[each.name]
-            history = self._corrected(each, step, old) if memory and each.lasting else old.history
+            history = old.history
+            if each.lasting and arrivals is not None:
+                history = self._corrected(each, step, old, arrivals)
             u = self._solve(each, step, history)
             for _ in range(_LIMIT_ROUNDS if self._limited(each) else 0):
                 history = history._replace(limit=self._limits(each, step, u))
                 u = self._solve(each, step, history)
-            high, low = (self._assemble(each, step, side, history, u)[1] for side in _SIDES)
-            kept = self._kept(each, step, u, history) if memory and each.lasting else old.history
-            rates[each.name] = Rate(u, (high - low) / (2 * each.step), kept)
+            force = old.force
+            if asked:
+                high, low = (self._assemble(each, step, side, history, u)[1] for side in _SIDES)
+                force = (high - low) / (2 * each.step)
+            kept = self._kept(each, step, u, history) if each.lasting and memory else old.history
+            rates[each.name] = Rate(u, force, kept)
         if memory:
             self._pace = self._solve(self._path, step, self._still)
-        self.found[step.end] = rates
+        if asked:
+            self.found[step.number] = rates
         self.rates = {
             each.name: rates[each.name] if each.lasting else self.rates[each.name] for each in self.variations
         }
@@ -198,10 +222,19 @@ class Sensitivity:
         history = _moved(step.history, rate, by)
         if each.turn is not None:
             history = history._replace(anchor=history.anchor + by * np.cross(each.turn, history.anchor))
-        share = Contact(loading.surface, loading.law, loading.obstacle(step.end), history).assemble(state, to)
+        share = Contact(loading.surface, loading.law, loading.obstacle(step.end), history).add_residual(state, to)
         return to.system.residual, share.force
 
-    def _corrected(self, each: Variation, step: Advance, old: Rate) -> ContactHistory:
+    def _arrive(self, step: Advance) -> _Arrivals:
+        """Which points touch anew in an increment, when, and how fast they were on their way."""
+        fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
+        reach, place = self._foot_rate(self._path, step, self._pace)
+        slowest = _SLOWEST * float(np.abs(reach[fresh]).max(initial=np.finfo(float).tiny))
+        area = self.loading.surface.faces.weight.ravel()
+        share = arrival(-self.loading.reach(step.start, step.before), fresh, area)
+        return _Arrivals(fresh, share * (step.end - step.start), np.maximum(reach, slowest), place)
+
+    def _corrected(self, each: Variation, step: Advance, old: Rate, arrivals: _Arrivals) -> ContactHistory:
         """Derivative of the history with which the increment was solved.
 
         What stuck before goes on. A point that touches anew at the depth d_c sticks at its place s there, and
@@ -209,26 +242,19 @@ class Sensitivity:
         and s_d go as the root of the distance from it, and in the sum the roots cancel: so it is taken at the last
         equilibria and carried on to the share of the increment at which the point is reached.
         """
-        fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
         reach, place = self._foot_rate(each, step, old.u)
-        pace_reach, pace_place = self._foot_rate(self._path, step, self._pace)
-        slowest = _SLOWEST * float(np.abs(pace_reach[fresh]).max(initial=np.finfo(float).tiny))
-        delay = -reach / np.maximum(pace_reach, slowest)
-        ahead = place + delay[:, None] * pace_place
+        ahead = place - (reach / arrivals.pace)[:, None] * arrivals.drift
+        arrived = ahead
         if each.name in self._ahead and (step.earlier.limit > 0).any():
             earlier, then = self._ahead[each.name]
-            area = self.loading.surface.faces.weight.ravel()
-            share = arrival(-self.loading.reach(step.start, step.before), fresh, area)[:, None]
-            arrived = ahead + share * (step.end - step.start) / (step.start - earlier) * (ahead - then)
-        else:
-            arrived = ahead
+            arrived = ahead + (arrivals.after / (step.start - earlier))[:, None] * (ahead - then)
         self._ahead[each.name] = (step.start, ahead)
-        anchor = np.where(fresh[:, None], arrived, old.history.anchor)
+        anchor = np.where(arrivals.fresh[:, None], arrived, old.history.anchor)
         high, low = (
             each.loading(side).obstacle(step.end).normal_at(step.history.anchor + side * each.step * anchor)
             for side in _SIDES
         )
-        normal = np.where(fresh[:, None], (high - low) / (2 * each.step), old.history.normal)
+        normal = np.where(arrivals.fresh[:, None], (high - low) / (2 * each.step), old.history.normal)
         return old.history._replace(anchor=anchor, normal=normal)
 
     def _foot_rate(self, each: Variation, step: Advance, u: FloatArray) -> tuple[FloatArray, FloatArray]:

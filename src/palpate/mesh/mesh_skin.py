@@ -13,7 +13,7 @@ from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec
 
-_CELLS_OF_ONE_RING = 36
+_MOST_CELLS_OF_A_CORE = 36
 """Most cells of a meridian for which four cells are enough along half a turn (docs/decisions/0063)."""
 _LOW = 0.75
 """Height over base radius below which a skin is low."""
@@ -117,7 +117,7 @@ def default_core(skin: Skin, cells: int, *, centred: bool) -> int:
     about the pole.
     """
     low = skin.height < _LOW * skin.base_radius
-    return (1 + (cells - 1) // _CELLS_OF_ONE_RING) * (1 if centred and not low else 2)
+    return (1 + (cells - 1) // _MOST_CELLS_OF_A_CORE) * (1 if centred and not low else 2)
 
 
 def default_cells(skin: Skin) -> int:

@@ -7,12 +7,12 @@ from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, plot_convergence, study_convergence
 from palpate.material import get_material
-from palpate.mesh import mesh_skin
+from palpate.mesh import MeshSpec, mesh_skin
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=4))
 POINTS = place_markers(DOME, MarkerSpec(count=7)).positions
-MESH = mesh_skin(DOME)
+MESH = mesh_skin(DOME, MeshSpec(core=4))
 WALL = WallSpec(contact="frictionless", depth=1.6)
 
 
@@ -25,8 +25,7 @@ def test_study_convergence_goes_from_coarse_to_fine_and_its_errors_fall(results)
     assert [result.cells for result in results] == [4, 6, 8, 12]
     assert results[3].force_error == results[3].marker_error == 0
     assert np.all(np.diff([result.marker_error for result in results]) < 0)
-    assert all(abs(result.force_error) < 0.1 for result in results)
-    assert all(abs(result.force_error) < 0.05 for result in results[1:])
+    assert all(abs(result.force_error) < 0.04 for result in results)
     assert results[0].depth == pytest.approx(1.6)
     assert all(result.marker_error <= result.worst_marker_error for result in results)
 

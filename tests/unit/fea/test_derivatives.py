@@ -117,3 +117,12 @@ def test_beyond_a_jump_there_is_no_derivative(press: Press) -> None:
     assert jumped.derivative("depth", depth=0.8) is press.derivatives["depth"]
     with pytest.raises(PalpateError, match=r"1\.2 mm the press jumped"):
         jumped.derivative("depth")
+
+
+def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
+    """Without friction the way back goes through the same states; a wall that held on has been elsewhere."""
+    solver = SOLVER.model_copy(update={"derivatives": ("tilt_deg", "depth")})
+    for contact, same in (("frictionless", True), ("no-slip", False)):
+        wall = WALL.model_copy(update={"contact": contact, "unload": True, "image_step": 0.8})
+        there, back = (solve_press(mesh_of(), MATERIAL, wall, solver).derivative("tilt_deg").force[k] for k in (1, 3))
+        assert bool(np.abs(back - there).max() < 1e-4 * np.abs(there).max()) is same
