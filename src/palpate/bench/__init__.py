@@ -2,11 +2,11 @@
 
 from palpate.bench.bench import Bench, play_unit
 from palpate.bench.budget import run_budget
-from palpate.bench.deviation import Deviation
 from palpate.bench.result import describe_bench, run_bench, write_bench
 from palpate.bench.simulate import SimulatedSource, draw_touches, simulate_sensor
-from palpate.bench.spec import ToleranceSpec, VirtualBenchSpec
+from palpate.bench.spec import VirtualBenchSpec
 from palpate.bench.write_budget import describe_budget, write_budget
+from palpate.twin import Deviation, ToleranceSpec
 
 __all__ = [
     "Bench",

@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.deviation import Deviation
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import CameraSpec
@@ -38,15 +37,28 @@ from palpate.design import (
     place_markers,
 )
 from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, write_press
-from palpate.learn import Predictor, open_predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import Sensor, TouchZero, Unit, check_model, find_zero, open_sensor
+from palpate.sensor import (
+    Model,
+    Sensor,
+    TouchZero,
+    Unit,
+    check_model,
+    find_zero,
+    identify_unit,
+    open_model,
+    open_sensor,
+    see_press,
+)
+from palpate.twin import Deviation, RobotPress, RobotSpec
 
 BENCH_VERSION = "2"
 """Version of the code that decides what a played unit says; part of its key."""
 _FINER = 9.0 / 8.0
+_KNOWN_TILTS = (0.35, 0.8)
+"""Tilts of known presses, over the greatest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +72,7 @@ class Bench:
     dome, markers, material, camera
         The design and what the training took for granted.
     model
-        The estimator, an ONNX file.
+        What reads: a trained network (.onnx), or the design's twin (.h5).
     store
         Where presses and results are kept.
     """
@@ -84,9 +96,9 @@ class Bench:
         return build_skin(self.dome)
 
     @cached_property
-    def predictor(self) -> Predictor:
+    def reads_with(self) -> Model:
         """The model, opened."""
-        return open_predictor(self.model)
+        return open_model(self.model)
 
     @property
     def name(self) -> str:
@@ -111,7 +123,7 @@ class Bench:
         PalpateError
             If the model cannot be opened, or is not of this design.
         """
-        check_model(self.predictor, self.layout, TILT_DEPTH)
+        check_model(self.reads_with, Unit(self.nominal, self.layout, nominal=self.camera), TILT_DEPTH)
 
     @cached_property
     def model_sha256(self) -> str:
@@ -119,7 +131,9 @@ class Bench:
         try:
             return hashlib.sha256(self.model.read_bytes()).hexdigest()
         except OSError as error:
-            raise PalpateError(f"{self.model} cannot be read: {error.strerror}.", "Give an ONNX file.") from error
+            raise PalpateError(
+                f"{self.model} cannot be read: {error.strerror}.", "Give an .onnx file or a twin."
+            ) from error
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,12 +199,16 @@ def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
 def presses_of(bench: Bench, deviation: Deviation) -> Iterator[Press]:
     """The unit's presses by rising tilt, solved where the store has none."""
     for tilt in unit_tilts(bench.spec, deviation.unit):
-        recipe = _press_recipe(bench, deviation, tilt)
-        path = bench.store.find(recipe)
-        if path is None:
-            press = _solve(bench, deviation, tilt)
-            path = bench.store.write(recipe, lambda draft, made=press: write_press(draft, made))  # type: ignore[misc]
-        yield read_press(path)
+        yield _press(bench, deviation, tilt)
+
+
+def _press(bench: Bench, deviation: Deviation, tilt: float) -> Press:
+    recipe = _press_recipe(bench, deviation, tilt)
+    path = bench.store.find(recipe)
+    if path is None:
+        press = _solve(bench, deviation, tilt)
+        path = bench.store.write(recipe, lambda draft: write_press(draft, press))
+    return read_press(path)
 
 
 def _play(bench: Bench, deviation: Deviation) -> Played:
@@ -198,10 +216,12 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
     unit = Unit(bench.nominal, bench.layout, nominal=bench.camera)
     presses = list(presses_of(bench, deviation))
     try:
-        sensor = open_sensor([scene.at_rest()], unit, bench.predictor)
+        sensor = open_sensor([scene.at_rest()], unit, bench.reads_with)
         rng = generator(bench.spec.seed, "directions", deviation.unit)
         zero = None
-        if bench.spec.zero:
+        if bench.spec.known:
+            identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
+        elif bench.spec.zero:
             first = _read(bench, scene, sensor, _turned(presses[0], float(rng.uniform(0, 360))), deviation)
             zero = find_zero(first[:, 5], first[:, 2], bench.spec.least_depth)
         rows = [
@@ -224,18 +244,46 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
     )
 
 
-def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation) -> FloatArray:
-    """(n, 8) truth, estimate, flags and latency of the images of a press that count."""
+def _known(
+    bench: Bench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
+) -> list[RobotPress]:
+    """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off."""
+    tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in _KNOWN_TILTS[: bench.spec.known]]
+    solved, first, found = [_press(bench, deviation, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
+    for number in range(bench.spec.known):
+        press = _turned(solved[number % len(solved)], (first + 144.0 * number) % 360.0)
+        poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
+        poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
+        poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)
+        seen = see_press(sensor, poses, scene.through(press))
+        deep = seen.poses[:, 2] - poses[0, 2] >= bench.spec.least_depth - 1e-9
+        found.append(RobotPress(seen.poses[deep], seen.pixels[deep]))
+    return found
+
+
+def _robot(bench: Bench) -> RobotSpec:
+    return RobotSpec(bench.spec.robot_tilt_deg, bench.spec.robot_depth)
+
+
+def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float, float, float]:
+    """rx, ry (degrees) and depth (mm) of an image on the robot's scale."""
     tilt, azimuth = press.wall.radial, np.radians(press.wall.turn_deg + deviation.seating_turn_deg)
     rx = tilt * np.cos(azimuth) + deviation.seating_x_deg
     ry = tilt * np.sin(azimuth) + deviation.seating_y_deg
     # the robot starts where a dome of the design's thickness would be touched
     late = deviation.touch - deviation.thickness / np.cos(np.radians(tilt))
+    return float(rx), float(ry), float(depth + late)
+
+
+def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation) -> FloatArray:
+    """(n, 8) truth, estimate, flags and latency of the images of a press that count."""
     rows = []
     for depth, image in zip(press.depth, scene.through(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.least_depth - 1e-9:
-            rows.append((rx, ry, depth + late, *reading.pose, len(reading.flags), reading.latency_ms))
+            rows.append(
+                (*_robot_pose(press, deviation, float(depth)), *reading.pose, len(reading.flags), reading.latency_ms)
+            )
     return np.array(rows).reshape(-1, 8)
 
 

@@ -21,14 +21,13 @@ from palpate.sensor import AcceptSpec
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.learn import Predictor
-    from palpate.sensor import Truth, Unit
+    from palpate.sensor import Model, Truth, Unit
 
 OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
-_MODEL = "Model of this design, an ONNX file; then the images are read."
+_MODEL = "Model of this design: its twin (.h5) or a trained network (.onnx); then the images are read."
 _READINGS = "What `palpate live --out` wrote about these images, instead of a model."
 _OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
 _NAME = "Name of the unit in the report."
@@ -54,8 +53,7 @@ def accept(
     report: ReportFlags = ReportFlags(),
 ) -> int:
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
-    from palpate.learn import open_predictor
-    from palpate.sensor import accept_unit, acceptance_page, read_readings, read_truth, write_acceptance
+    from palpate.sensor import accept_unit, acceptance_page, open_model, read_readings, read_truth, write_acceptance
 
     if (model is None) == (readings is None):
         raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, one of them.")
@@ -65,7 +63,7 @@ def accept(
         estimates, flagged = read_readings(readings, known)
     else:
         assert model is not None
-        estimates, flagged = _read(truth.parent, known, open_predictor(model), built.unit())
+        estimates, flagged = _read(truth.parent, known, open_model(model), built.unit())
     found = accept_unit(known, estimates, flagged, wanted)
     if report.out is not None:
         write_acceptance(report.out, found, report.name)
@@ -77,17 +75,17 @@ def accept(
     return 0 if found.passed else OUTSIDE
 
 
-def _read(folder: Path, known: Truth, predictor: Predictor, unit: Unit) -> tuple[FloatArray, BoolArray]:
+def _read(folder: Path, known: Truth, model: Model, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import check_model, open_sensor, run_sensor
 
-    check_model(predictor, unit.layout, TILT_DEPTH)
+    check_model(model, unit, TILT_DEPTH)
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
         )
-    sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, predictor)
+    sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, model)
     found = list(run_sensor(sensor, _images(folder, known.images)))
     poses = np.array([reading.pose for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])

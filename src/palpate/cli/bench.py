@@ -22,7 +22,7 @@ from palpate.study import MaterialSpec
 if TYPE_CHECKING:
     from palpate.bench import Bench
 
-_MODEL = "Model of this design, an ONNX file, trained for the nominal camera."
+_MODEL = "Model of this design: its twin (.h5), or a network (.onnx) trained for the nominal camera."
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
 _BUDGET = "Measure every imperfection alone instead of sampled units."
@@ -44,7 +44,7 @@ class BenchFlags:
 
     def chosen(self) -> VirtualBenchSpec:
         """The spec of these flags."""
-        tolerance = ToleranceSpec.model_validate(dict(_read_pair(text) for text in self.tolerance))
+        tolerance = read_tolerance(self.tolerance)
         render = RenderSpec() if self.clean else self.spec.render
         return self.spec.model_copy(update={"tolerance": tolerance, "render": render})
 
@@ -106,6 +106,11 @@ def _budget(played: Bench, out: Path, json: bool) -> None:
 
 def _text(value: object) -> str:
     return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+def read_tolerance(texts: tuple[str, ...]) -> ToleranceSpec:
+    """Tolerances from NAME=VALUE."""
+    return ToleranceSpec.model_validate(dict(_read_pair(text) for text in texts))
 
 
 def _read_pair(text: str) -> tuple[str, str]:

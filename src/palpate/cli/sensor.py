@@ -32,7 +32,7 @@ _SOURCE = (
     "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "
     "images show the untouched dome."
 )
-_MODEL = "Model of this design, an ONNX file."
+_MODEL = "Model of this design: its twin (.h5) or a trained network (.onnx)."
 _OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
 _PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
 _PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
@@ -86,8 +86,7 @@ def live(
     json: JsonFlag = False,
 ) -> int:
     """Estimate the pose of what presses in every image of a camera or a recording, as it comes."""
-    from palpate.learn import open_predictor
-    from palpate.sensor import describe_reading, open_sensor, run_sensor, write_readings
+    from palpate.sensor import describe_reading, open_model, open_sensor, run_sensor, write_readings
 
     if flags.count is not None and flags.count < 1:
         raise PalpateError(f"--count is {flags.count}.", "Give 1 or more, or leave it out.")
@@ -95,18 +94,18 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
-    unit, predictor, many = flags.built.unit(), open_predictor(model), flags.rig.rest_images
+    unit, reads_with, many = flags.built.unit(), open_model(model), flags.rig.rest_images
     with _open(source, unit) as opened:
         images = opened.images()
-        sensor = open_sensor(_at_rest(images, many), unit, predictor, flags.rig, known=_known_press(flags, unit))
+        sensor = open_sensor(_at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit))
         print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:
             raise PalpateError(f"{many} images at rest leave nothing to read.", "Record more.")
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
-        written = write_readings(out, readings, predictor.space) if out else readings
+        written = write_readings(out, readings, sensor.reader.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
-        _print_json(rows) if json else _print_lines(rows, predictor.space)
+        _print_json(rows) if json else _print_lines(rows, sensor.reader.space)
     return 0
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 
+_UNIT = "What `palpate identify` wrote about this unit; a twin then reads on its robot's scale."
 _SKIN = "Shape of the skin as KIND:NAME=VALUE, for instance ellipsoid:aspect=0.8."
 SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
 DomeFlags = Annotated[DomeSpec, flags_of(DomeSpec, group="Dome")]
@@ -42,13 +43,19 @@ class UnitFlags(DesignFlags):
     """A built sensor: its design, its lens and whether the orientation mark is printed."""
 
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
+    unit_file: Annotated[Path | None, Parameter(name="--unit", help=_UNIT)] = None
     mark: Annotated[bool, Parameter(help="Whether the orientation mark is printed.")] = True
 
     def unit(self) -> Unit:
         """The unit of these flags."""
         from palpate.camera import read_calibration
         from palpate.sensor import Unit
+        from palpate.twin import read_unit
 
         skin = build_skin(self.skin_spec())
+        layout = place_markers(skin, self.markers)
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
-        return Unit(skin, place_markers(skin, self.markers), marked=self.mark, lens=lens)
+        known = read_unit(self.unit_file) if self.unit_file else None
+        if known is not None:
+            known.check(skin, layout)
+        return Unit(skin, layout, marked=self.mark, lens=lens, known=known)

@@ -229,7 +229,7 @@ class Sensitivity:
         """Which points touch anew in an increment, when, and how fast they were on their way."""
         fresh = (step.earlier.limit == 0) & (step.history.limit > 0)
         reach, place = self._foot_rate(self._path, step, self._pace)
-        slowest = _SLOWEST * float(np.abs(reach[fresh]).max(initial=np.finfo(float).tiny))
+        slowest = _SLOWEST * float(np.abs(reach[fresh] if fresh.any() else reach).max())
         area = self.loading.surface.faces.weight.ravel()
         share = arrival(-self.loading.reach(step.start, step.before), fresh, area)
         return _Arrivals(fresh, share * (step.end - step.start), np.maximum(reach, slowest), place)

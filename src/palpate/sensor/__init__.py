@@ -3,14 +3,16 @@
 from palpate.sensor.accept import AcceptSpec, accept_unit
 from palpate.sensor.device import Device
 from palpate.sensor.draw_inspection import draw_inspection
+from palpate.sensor.identify_unit import identify_unit, see_press
 from palpate.sensor.inspect_unit import Inspection, InspectSpec, inspect_unit
 from palpate.sensor.known_press import KnownPress
+from palpate.sensor.reader import Model, check_model, open_model
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.report import made_by, table_lines, write_report
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
-from palpate.sensor.sensor import Rest, Sensor, check_model, open_sensor, read_rest, run_sensor
+from palpate.sensor.sensor import Rest, Sensor, open_sensor, read_rest, run_sensor
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.touch import TouchZero, find_zero
 from palpate.sensor.unit import Unit
@@ -25,6 +27,7 @@ __all__ = [
     "InspectSpec",
     "Inspection",
     "KnownPress",
+    "Model",
     "Reading",
     "Registration",
     "Rest",
@@ -40,8 +43,10 @@ __all__ = [
     "describe_reading",
     "draw_inspection",
     "find_zero",
+    "identify_unit",
     "inspect_unit",
     "made_by",
+    "open_model",
     "open_sensor",
     "read_readings",
     "read_rest",
@@ -49,6 +54,7 @@ __all__ = [
     "register_dome",
     "run_sensor",
     "score_readings",
+    "see_press",
     "table_lines",
     "write_acceptance",
     "write_readings",

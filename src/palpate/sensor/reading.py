@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.learn import PoseFit
 from palpate.markers import Sighting
 
 
@@ -17,6 +18,7 @@ class Flag(StrEnum):
     FEW_MARKERS = "too few markers were found"
     JUMPED = "the markers jumped"
     OUTSIDE = "the markers moved as in no image of the training"
+    MISFIT = "no press of this unit looks like the image"
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,8 @@ class Reading:
         Where the markers were seen that the pose comes from; `None` without one.
     space
         What the numbers of the pose are: those that the model was trained for.
+    fit
+        Covariance, friction and force, where the unit's twin was fitted.
     """
 
     image: int
@@ -57,6 +61,7 @@ class Reading:
     reason: str = ""
     sighting: Sighting | None = field(default=None, compare=False, repr=False)
     space: PoseSpace = TILT_DEPTH
+    fit: PoseFit | None = field(default=None, compare=False, repr=False)
 
     def __getitem__(self, name: str) -> float:
         return self.pose[self.space.names.index(name)]

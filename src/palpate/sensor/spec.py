@@ -18,3 +18,19 @@ class RigSpec(Spec):
     refine_lens: bool = parameter(
         False, unit="", meaning="whether the rest image refines focal length and centre of the lens"
     )
+    noise_px: float = parameter(
+        0.02, unit="px", meaning="standard deviation of a dot's coordinate in one image", gt=0, le=5
+    )
+    misfit: float = parameter(
+        4.0,
+        unit="1",
+        meaning="mean square of what a fit leaves over its expectation, above which it is flagged",
+        gt=1,
+    )
+    drift_px: float = parameter(
+        0.5,
+        unit="px",
+        meaning="median shift of the untouched dots above which an identified unit is refused",
+        gt=0,
+        le=50,
+    )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from palpate.camera import CameraSpec
 from palpate.design import MarkerLayout, Skin
+from palpate.twin import KnownUnit, ToleranceSpec
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,10 @@ class Unit:
         The camera that the model was trained for.
     lens
         Its real lens, from a calibration, and about where it is; `None` for the nominal one.
+    known
+        What presses told about it (`palpate identify`).
+    tolerance
+        How far it may be from its design.
     """
 
     skin: Skin
@@ -29,3 +34,5 @@ class Unit:
     marked: bool = True
     nominal: CameraSpec | None = None
     lens: CameraSpec | None = None
+    known: KnownUnit | None = None
+    tolerance: ToleranceSpec = field(default_factory=ToleranceSpec)

@@ -6,10 +6,12 @@ from palpate.study.observer import Observer, Silence
 from palpate.study.read_study import list_presets, read_study
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary, StudyResult, TaskFailure
 from palpate.study.run_study import run_limits, run_study
+from palpate.study.run_twins import BuiltDesign, run_twins
 from palpate.study.status import KindStatus, StudyStatus, find_status, needed_keys
 from palpate.study.study import DesignsSpec, MaterialSpec, Study
 
 __all__ = [
+    "BuiltDesign",
     "Counts",
     "DesignLimits",
     "DesignResult",
@@ -31,4 +33,5 @@ __all__ = [
     "read_study",
     "run_limits",
     "run_study",
+    "run_twins",
 ]

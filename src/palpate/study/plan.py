@@ -65,7 +65,7 @@ def plan_study(study: Study) -> Plan:
             dataset = DatasetTask(
                 presses=presses,
                 skin=skin,
-                markers=_checked(skin, markers),
+                markers=check_markers(skin, markers),
                 camera=study.camera,
                 spec=study.dataset,
                 relatives=relatives,
@@ -98,7 +98,7 @@ def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask
         yield _plan_presses(study, other)
 
 
-def _checked(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
+def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     """The layout with its number of markers counted, after the design was found buildable."""
     skin = build_skin(dome_spec)
     layout = place_markers(skin, markers)

@@ -74,7 +74,7 @@ def run_study(
     """
     started = time.perf_counter()
     plan = plan_study(on_its_device(study))
-    run = _Run(_writable(out), plan.tasks(), _Hands(workers, limit_s, cluster), observer or Silence())
+    run = Run(writable(out), plan.tasks(), Hands(workers, limit_s, cluster), observer or Silence())
     run.do()
     run.do_again(plan.read_at_the_end())
     outcomes = run.outcomes
@@ -104,7 +104,7 @@ def run_limits(
         One record a design, in the order of the study.
     """
     plan = plan_study(study)
-    run = _Run(_writable(out), plan.limit_tasks(), _Hands(workers), observer or Silence())
+    run = Run(writable(out), plan.limit_tasks(), Hands(workers), observer or Silence())
     run.do()
     run.do_again(tuple(design.limit for design in plan.designs))
     run.write_failures()
@@ -118,7 +118,7 @@ def on_its_device(study: Study) -> Study:
 
 
 @dataclass(frozen=True)
-class _Hands:
+class Hands:
     """Who does the tasks, and how long each may take; see `run_study`."""
 
     workers: int | None = None
@@ -131,10 +131,10 @@ class _Hands:
         return LocalWorkers(store, min(self.workers or fitting_workers(), tasks))
 
 
-class _Run:
+class Run:
     """One run of the tasks of a study: what was there, and how the rest ended."""
 
-    def __init__(self, out: Path, tasks: tuple[Task, ...], hands: _Hands, observer: Observer) -> None:
+    def __init__(self, out: Path, tasks: tuple[Task, ...], hands: Hands, observer: Observer) -> None:
         self.out, self.tasks = out, tasks
         self.store = ArtefactStore(out / "store")
         self.outcomes: dict[str, TaskOutcome] = {}
@@ -163,6 +163,11 @@ class _Run:
         """Keys of artefacts that another run has made in the meantime."""
         return {key for key, how in self.outcomes.items() if how.ended is TaskEnd.FOUND}
 
+    def reason(self, task: Task) -> str:
+        """Why a task failed in this run; empty where it did not."""
+        how = self.outcomes.get(task.recipe.key)
+        return f"{task.name}: {how.reason}" if how is not None and how.reason else ""
+
     def write_failures(self) -> None:
         """Leave the failures of this run in the result folder; those of an earlier one go."""
         named = [(task, self.outcomes[task.recipe.key]) for task in self.tasks if task.recipe.key in self.outcomes]
@@ -189,7 +194,8 @@ class _Run:
         self.made -= outcomes.keys()  # what broke while it was read was made again
 
 
-def _writable(out: Path) -> Path:
+def writable(out: Path) -> Path:
+    """The result folder, made; a `PalpateError` where nothing can be written there."""
     with writing(f"The result folder {out}", "Choose another with --out."):
         out.mkdir(parents=True, exist_ok=True)
         probe = out / f".writable-{os.getpid()}"

@@ -18,7 +18,7 @@ from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit,
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import build_field
+from palpate.twin import TWIN_VERSION, build_field, build_twin, write_twin
 
 TASK_VERSION = "3"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""
@@ -105,6 +105,34 @@ class PressTask(Task):
         mesh = mesh_skin(build_skin(self.skin), self.mesh)
         press = solve_press(mesh, self.material, self.wall, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
+
+
+@dataclass(frozen=True)
+class TwinTask(Task):
+    """Interpolate the presses of one skin under every tilt and friction."""
+
+    presses: tuple[PressTask, ...]
+
+    @property
+    def name(self) -> str:
+        return f"twin {self.presses[0].skin.build().name}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        keys = tuple(press.recipe.key for press in self.presses)
+        return Recipe(kind="twin", spec={}, inputs=keys, version=TWIN_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return self.presses
+
+    @property
+    def cost(self) -> float:
+        return 0.2 * len(self.presses)
+
+    def make(self, store: ArtefactStore) -> None:
+        twin = build_twin([read_press(find_made(store, press)) for press in self.presses])
+        store.write(self.recipe, lambda path: write_twin(path, twin))
 
 
 @dataclass(frozen=True)

@@ -80,8 +80,8 @@ class Live:
             raise PalpateError("The source has no image.", "Record the untouched dome first.")
         if isinstance(first, PalpateError):
             raise first
-        check_model(predictor, design.layout, TILT_DEPTH)
         unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
+        check_model(predictor, unit, TILT_DEPTH)
         self.size_px = first.shape[:2]
         self.sensor: Sensor = open_sensor([first], unit, predictor)
         self.rest_px = self.sensor.naming.positions_px

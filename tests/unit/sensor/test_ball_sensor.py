@@ -105,7 +105,7 @@ def test_a_simulated_sensor_reads_where_a_ball_presses(predictor, presses, tmp_p
 
 def test_a_model_of_a_ball_is_refused_where_tilts_are_asked_for(predictor):
     with pytest.raises(PalpateError, match="estimates x_mm, y_mm, depth_mm, not rx_deg, ry_deg, depth_mm"):
-        check_model(predictor, LAYOUT, TILT_DEPTH)
+        check_model(predictor, Unit(DOME, LAYOUT), TILT_DEPTH)
 
 
 def test_presses_of_a_ball_and_of_a_wall_are_not_mixed(presses):

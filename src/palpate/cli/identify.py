@@ -1,0 +1,88 @@
+"""`palpate identify`: what a built unit is, from presses whose poses a robot says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from palpate.camera import read_image
+from palpate.cli.flag import JsonFlag
+from palpate.cli.output import check_file, print_json, print_table
+from palpate.cli.unit import UnitFlags
+from palpate.core import PalpateError
+
+if TYPE_CHECKING:
+    from palpate.sensor import Sensor, Truth
+    from palpate.twin import RobotPress
+
+_TRUTH = (
+    "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
+)
+_MODEL = "Twin of the design (.h5), from `palpate twin`."
+_OUT = "Unit file (.json) for `palpate live` and `palpate accept`."
+_TILT = "Standard deviation of the robot's tilts, degrees."
+_DEPTH = "Standard deviation of the robot's depths, mm."
+
+
+def identify(
+    truth: Annotated[Path, Parameter(help=_TRUTH)],
+    *,
+    model: Annotated[Path, Parameter(help=_MODEL)],
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
+    built: UnitFlags = UnitFlags(),
+    robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02,
+    robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02,
+    json: JsonFlag = False,
+) -> None:
+    """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
+    from palpate.sensor import identify_unit, open_model, open_sensor, read_truth
+    from palpate.twin import KnownUnit, RobotSpec, write_unit
+
+    check_file(out, ".json")
+    if not (0 < robot_tilt <= 5 and 0 < robot_depth <= 5):
+        raise PalpateError(
+            f"A robot that is off by {robot_tilt:g}° and {robot_depth:g} mm says nothing.",
+            "Give more than 0, at most 5.",
+        )
+    known, unit = read_truth(truth), built.unit()
+    if not known.rest:
+        raise PalpateError(
+            "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
+        )
+    sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model))
+    presses = list(_presses(sensor, truth.parent, known))
+    found = identify_unit(sensor, presses, RobotSpec(robot_tilt, robot_depth))
+    if out is not None:
+        write_unit(out, KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting))
+    rows = found.rows(unit.tolerance)
+    if json:
+        print_json({"known": rows, "misfit": found.misfit, "presses": len(presses), "out": str(out) if out else None})
+        return
+    print_table(
+        f"{unit.skin.name}, {len(presses)} presses",
+        ["number", "found", "± (1 sd)", "before"],
+        [[row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"± {row['before']:.2g}"] for row in rows],
+    )
+    print(
+        f"Dots are {found.misfit**0.5:.2f} times as far from the model as their noise."
+        + (f" Unit: {out}" if out else "")
+    )
+
+
+def _presses(sensor: Sensor, folder: Path, known: Truth) -> Iterator[RobotPress]:
+    """The presses of a recording; images whose depth is not known, or that do not touch, tell nothing."""
+    import numpy as np
+
+    from palpate.sensor import see_press
+
+    for number in range(int(known.press.max()) + 1):
+        which = np.flatnonzero((known.press == number) & np.isfinite(known.poses[:, 2]))
+        if not len(which):
+            raise PalpateError(
+                f"Press {number + 1} has no depth.", "Give the robot's depth of its images; its zero may be anywhere."
+            )
+        images = [read_image(folder / known.images[k]) for k in which]
+        yield see_press(sensor, known.poses[which], images)

@@ -1,0 +1,224 @@
+"""Reading by fit: the pose and the friction that best explain where the dots of one image are.
+
+Maximum of the posterior of rx, ry, depth and 1/µ, with what is not known of the unit marginalised: its numbers q have
+the normal distribution of the unit's belief, and the image is linear in them about the pose, so they are fitted
+along and forgotten. Gauss–Newton steps with the twin's own derivatives; dots that fit badly count less, as under
+Student's distribution (Lange, Little & Taylor 1989). What is left over tells whether the model is that of what is
+seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.twin import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, UNKNOWN, Look, Mounting, UnitModel, weigh_dots
+
+_TILT_SD = 20.0
+_STEPS = 12
+_SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3])
+"""Change of pose and 1/µ below which a fit is done."""
+_TRUST = np.array([4.0, 4.0, 1.5, 1.5])
+"""Longest step."""
+_NEAR = np.array([0.4, 0.4, 0.2, 0.3])
+"""Change of pose and 1/µ within which the image depends on the unit's numbers as before."""
+_OUTLIER = 16.0
+"""Most that a coordinate adds to the cost of a fit."""
+_BEYOND = (0.5, 0.1)
+"""How far beyond the tilts (degrees) and depths (mm) of the twin a fit may go."""
+_DOUBTED, _LOST = 1.5, 4.0
+"""Misfits above which a fit is begun anew, from nothing, and above which the next image is."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseFit:
+    """What one image says.
+
+    Attributes
+    ----------
+    pose
+        (3,) rx, ry (degrees) and depth (mm) in the dome's frame, or on the robot's scale where the mounting is known.
+    slip
+        1/µ.
+    covariance
+        (4, 4) of pose and slip, what is unknown of the unit included.
+    force
+        (3,) N on the wall, dome's frame, for the design's stiffness.
+    force_sd
+        (3,) N, by pose, slip and thickness.
+    residual_px
+        Root mean square distance of a coordinate from the fit, px.
+    misfit
+        Mean weighted square of what is left, about 1 where the model is that of what is seen.
+    steps
+        Gauss–Newton steps taken.
+    theta
+        (4,) pose in the dome's frame, and 1/µ.
+    cost
+        Half the weighted squares of what is left, and of what was fitted against its prior.
+    unit
+        (11,) correction of the unit's numbers with which the image fits best.
+    """
+
+    pose: FloatArray
+    slip: float
+    covariance: FloatArray
+    force: FloatArray
+    force_sd: FloatArray
+    residual_px: float
+    misfit: float
+    steps: int
+    theta: FloatArray
+    cost: float
+    unit: FloatArray
+
+
+@dataclass(eq=False)
+class PoseFitter:
+    """Fits images of one unit, each from where the last one was.
+
+    Attributes
+    ----------
+    model
+        The unit.
+    noise_px
+        Standard deviation of a dot's coordinate in one image.
+    mounting
+        How the unit sits on its robot; with it, poses are on the robot's scale.
+    """
+
+    model: UnitModel
+    noise_px: float
+    mounting: Mounting | None = None
+
+    def __post_init__(self) -> None:
+        self._tables()
+        self._last: FloatArray | None = None
+        self._by_unit: tuple[FloatArray, FloatArray] | None = None
+
+    def _tables(self) -> None:
+        """Images to begin from: a grid of poses."""
+        twin = self.model.dots.twin
+        depths = twin.depths_mm[-1] * np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+        tilts = twin.tilts_deg[-1] * np.array([0.0, 0.35, 0.8])
+        turns = np.radians(np.arange(0, 360, 45))
+        self._starts = np.array(
+            [
+                (tilt * np.cos(turn), tilt * np.sin(turn), depth)
+                for depth in depths
+                for tilt in tilts
+                for turn in (turns if tilt else turns[:1])
+            ]
+        )
+        slip = float(np.clip(SLIP_MEAN, twin.slips[0], twin.slips[-1]))
+        self._shown = np.array([self.model.look(start, slip, unit=False).pixels for start in self._starts])
+        covariance = self.mounting.covariance if self.mounting else self.model.belief.covariance
+        self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
+
+    def fit(self, seen_px: FloatArray) -> PoseFit:
+        """Fit one image.
+
+        Parameters
+        ----------
+        seen_px
+            (m, 2) dots in the order of the layout; NaN where none was seen.
+        """
+        found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._last)
+        if self._last is not None and (found.misfit > _DOUBTED or self._at_limit(found.theta[3])):
+            again = self._fit(seen_px, self._begin(seen_px))
+            found = again if again.cost < found.cost else found
+        self._last = found.theta if found.misfit <= _LOST else None
+        return found
+
+    def _at_limit(self, slip: float) -> bool:
+        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught."""
+        slips = self.model.dots.twin.slips
+        return len(slips) > 1 and not slips[0] < slip < min(slips[-1], SLIP_MOST)
+
+    def _begin(self, seen_px: FloatArray) -> FloatArray:
+        """The pose and 1/µ of those looked at beforehand that is most like an image."""
+        away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
+        return np.append(self._starts[int(away.argmin())], SLIP_MEAN)
+
+    def _look(self, theta: FloatArray, *, again: bool) -> tuple[Look, FloatArray]:
+        """What is seen at a pose and 1/µ, and how it depends on the unit: as nearby, or asked for `again`."""
+        known = self._by_unit
+        unit = known is None or (again and bool((np.abs(theta - known[0]) > _NEAR).any()))
+        looked = self.model.look(theta[:3], float(theta[3]), unit=unit)
+        if looked.by_unit is not None:
+            known = self._by_unit = theta.copy(), looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
+        assert known is not None
+        return looked, known[1]
+
+    def _fit(self, seen_px: FloatArray, begin: FloatArray) -> PoseFit:
+        twin = self.model.dots.twin
+        free = 4 if len(twin.slips) > 1 else 3
+        theta = self._inside(begin.copy())
+        variance = 2.0 * self.noise_px**2 + MODEL_PX**2
+        there = np.isfinite(seen_px).all(axis=1) & self.model.seen
+        z = np.zeros(self._unit_spread.shape[1])
+        prior = np.array([_TILT_SD, _TILT_SD, np.inf, SLIP_SD]) ** -2.0
+        for step in range(1, _STEPS + 1):
+            looked, every = self._look(theta, again=step in (1, 3))
+            by_unit = every[there].reshape(-1, len(z))
+            left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
+            weight = weigh_dots(left, variance)
+            jacobian = np.hstack([looked.by_pose[there].reshape(-1, 4)[:, :free], by_unit])
+            weighted = jacobian * weight[:, None]
+            normal = weighted.T @ jacobian
+            normal[np.arange(free), np.arange(free)] += prior[:free]
+            normal[np.arange(free, len(normal)), np.arange(free, len(normal))] += 1.0
+            gradient = weighted.T @ left
+            gradient[:free] -= prior[:free] * (theta - [0.0, 0.0, 0.0, SLIP_MEAN])[:free]
+            gradient[free:] -= z
+            change = np.linalg.solve(normal, gradient)
+            shrink = min(1.0, float(np.min(_TRUST[:free] / np.maximum(np.abs(change[:free]), 1e-12))))
+            before = theta.copy()
+            theta[:free] += shrink * change[:free]
+            z = z + shrink * change[free:]
+            theta = self._inside(theta)
+            if (np.abs(theta - before) < _SMALL).all() and step >= 2:
+                break
+        whole = np.asarray(np.linalg.inv(normal), float)
+        pose, covariance = self._on_robot(theta, z, whole, free)
+        by_thickness = self._unit_spread[len(UNKNOWN) - 1]
+        by_all = np.hstack([looked.force_by[:, :free], looked.force_by[:, 4:] * by_thickness])
+        return PoseFit(
+            pose=pose,
+            slip=float(theta[3]),
+            covariance=covariance,
+            force=looked.force,
+            force_sd=np.sqrt(np.einsum("ij,jk,ik->i", by_all, whole, by_all)),
+            residual_px=float(np.sqrt(np.mean(left**2))),
+            misfit=float(np.mean(left**2) / variance * len(left) / max(len(left) - len(normal), 1)),
+            steps=step,
+            theta=theta,
+            cost=float(0.5 * (np.minimum(left**2 / variance, _OUTLIER).sum() + z @ z)),
+            unit=(self._unit_spread @ z)[: len(UNKNOWN)],
+        )
+
+    def _on_robot(
+        self, theta: FloatArray, z: FloatArray, whole: FloatArray, free: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Pose (3,), and covariance (4, 4) of it and 1/µ, from that of all unknowns."""
+        by = np.zeros((4, len(whole)))
+        by[:free, :free] = np.eye(free)
+        pose = theta[:3]
+        if self.mounting is not None:
+            mounting = self._unit_spread[len(UNKNOWN) :]
+            by[:2, :2] = self.mounting.turn
+            by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
+            pose = self.mounting.to_robot(pose, mounting @ z)
+        return pose, by @ whole @ by.T
+
+    def _inside(self, theta: FloatArray) -> FloatArray:
+        """The nearest pose that the twin knows."""
+        twin = self.model.dots.twin
+        tilt, most = float(np.hypot(theta[0], theta[1])), float(twin.tilts_deg[-1]) + _BEYOND[0]
+        if tilt > most:
+            theta[:2] *= most / tilt
+        theta[2] = np.clip(theta[2], 0.0, twin.depths_mm[-1] + _BEYOND[1])
+        theta[3] = np.clip(theta[3], twin.slips[0], min(twin.slips[-1], SLIP_MOST))
+        return theta

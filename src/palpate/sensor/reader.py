@@ -1,0 +1,183 @@
+"""What reads markers: a network that was trained, or a fit of the unit's twin.
+
+A network was trained for the nominal camera. A dot seen by the real one is carried over the ray to the height of its
+marker at rest, or to the wall where that is lower, and projected by the nominal camera; the same is done with the
+rest image, and the network reads its own rest plus the difference. So roll, tilt, focal length and distortion of the
+real camera are taken out exactly, print and seating errors at rest vanish, and an offset is taken out as far as the
+dome follows the wall. The wall is that of a first estimate; of another obstacle only the heights at rest are used.
+
+A twin is fitted to the dots as the real camera sees them (`palpate.learn.fit_pose`).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import FloatArray, PalpateError
+from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
+from palpate.learn import PoseFit, PoseFitter, Predictor, open_predictor
+from palpate.markers import Naming, Sighting
+from palpate.sensor.reading import Flag
+from palpate.sensor.register import Registration
+from palpate.sensor.spec import RigSpec
+from palpate.sensor.unit import Unit
+from palpate.twin import Twin, learn_rest, model_unit, read_twin
+
+_SAME_MM = 0.1
+"""Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
+_LEVEL_90 = 1.6449
+"""Half-width of an interval that covers nine tenths of a normal distribution, over its standard deviation."""
+
+Model = Predictor | Twin
+"""What a sensor reads with."""
+
+
+class Estimate(NamedTuple):
+    """What a reader says about one image: pose and half-widths, root mean square motion (px), flags, and its fit."""
+
+    pose: FloatArray
+    half_width: FloatArray
+    moved_px: float
+    flags: tuple[Flag, ...]
+    fit: PoseFit | None = None
+
+
+class Reader(ABC):
+    """Reads the named markers of one unit.
+
+    Attributes
+    ----------
+    space
+        What it estimates.
+    """
+
+    space: PoseSpace
+
+    @abstractmethod
+    def read(self, sighting: Sighting) -> Estimate:
+        """Estimate the pose from where markers are."""
+
+
+class NetworkReader(Reader):
+    """Reads by a trained network."""
+
+    def __init__(self, predictor: Predictor, unit: Unit, naming: Naming, registration: Registration) -> None:
+        self.predictor, self.unit, self.space = predictor, unit, predictor.space
+        self._camera = registration.camera
+        self._nominal = build_camera(unit.nominal)
+        self._rest_model = self._nominal.project(unit.layout.positions)
+        self._rest = self._carry(self._camera.back_project(naming.positions_px))
+        self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
+
+    def read(self, sighting: Sighting) -> Estimate:
+        rays = self._camera.back_project(sighting.positions_px)
+        moved = self._carry(rays) - self._rest
+        prediction = self.predictor.predict((self._rest_model + moved)[None])
+        if not self._same and self.space.tilts:
+            # now that the wall is about known, so is how far the markers sank
+            moved = self._carry(rays, prediction.poses[0]) - self._rest
+            prediction = self.predictor.predict((self._rest_model + moved)[None])
+        flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
+        return Estimate(prediction.poses[0], prediction.half_width[0], float(np.sqrt(np.mean(moved**2))), flags)
+
+    def _carry(self, rays: FloatArray, pose: FloatArray | None = None) -> FloatArray:
+        """Dots on rays of the real camera as the nominal camera would show them, for a wall of about this pose."""
+        reach = (self.unit.layout.positions[:, 2] - self._camera.origin[2]) / rays[:, 2]
+        if pose is not None:
+            normal, limit = _wall(self.unit.skin, pose)
+            to_wall = (limit - self._camera.origin @ normal) / np.maximum(rays @ normal, 1e-3)
+            reach = np.minimum(reach, to_wall)
+        return self._nominal.project(self._camera.origin + rays * reach[:, None])
+
+
+class TwinReader(Reader):
+    """Reads by fitting the unit's twin."""
+
+    def __init__(self, twin: Twin, unit: Unit, naming: Naming, spec: RigSpec) -> None:
+        self.space = TILT_DEPTH
+        rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
+        calibrated = unit.lens or unit.nominal or CameraSpec()
+        mounting = None
+        if unit.known is None:
+            belief = learn_rest(twin, unit.layout, calibrated, rest, unit.tolerance, spec.noise_px)
+        else:
+            belief, mounting = replace(unit.known.belief, rest_px=rest), unit.known.mounting
+            _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
+        self.fitter = PoseFitter(model_unit(twin, unit.layout, belief, unit.tolerance), spec.noise_px, mounting)
+        self._rest, self._most = rest, spec.misfit
+
+    def read(self, sighting: Sighting) -> Estimate:
+        seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
+        fit, twin = self.fitter.fit(seen), self.fitter.model.dots.twin
+        flags = []
+        if not twin.covers(fit.theta[:3]):
+            flags.append(Flag.OUTSIDE)
+        if fit.misfit > self._most:
+            flags.append(Flag.MISFIT)
+        half_width = _LEVEL_90 * np.sqrt(np.diag(fit.covariance)[:3])
+        return Estimate(fit.pose, half_width, float(np.sqrt(np.nanmean((seen - self._rest) ** 2))), tuple(flags), fit)
+
+
+def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
+    """Refuse a rest image that is not the one by which a unit is known: its camera has moved, or it is another."""
+    moved = float(np.nanmedian(np.linalg.norm(now - before, axis=1)))
+    if not moved <= most:
+        raise PalpateError(
+            f"The untouched dots are {moved:.2f} px from where they were when the unit was identified.",
+            "Identify it again: its camera has moved, or this is another unit.",
+        )
+
+
+def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registration, spec: RigSpec) -> Reader:
+    """The reader of a unit whose rest image was named and registered."""
+    if isinstance(model, Twin):
+        return TwinReader(model, unit, naming, spec)
+    return NetworkReader(model, unit, naming, registration)
+
+
+def open_model(path: Path) -> Model:
+    """Open what a sensor reads with: a twin (``.h5``) or a trained network (``.onnx``).
+
+    Raises
+    ------
+    PalpateError
+        If the file is neither.
+    MissingExtraError
+        If it is a network, and onnxruntime is not installed.
+    """
+    return read_twin(path) if path.suffix == ".h5" else open_predictor(path)
+
+
+def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> None:
+    """Refuse a model of another design, or of another pose, with a `PalpateError`."""
+    if isinstance(model, Twin):
+        if model.skin.spec_data != unit.skin.spec_data:
+            raise PalpateError(
+                f"The twin is of {model.skin.name}, the design is {unit.skin.name}.", "Use its own twin."
+            )
+        estimates = TILT_DEPTH
+    else:
+        if model.markers != len(unit.layout):
+            raise PalpateError(
+                f"The model reads {model.markers} markers, the design has {len(unit.layout)}.",
+                "Use the model of this design.",
+            )
+        estimates = model.space
+    if space is not None and estimates != space:
+        raise PalpateError(
+            f"The model estimates {', '.join(estimates.names)}, not {', '.join(space.names)}.",
+            "Use a model that was trained on presses of the same obstacle.",
+        )
+
+
+def _wall(skin: Skin, pose: FloatArray) -> tuple[FloatArray, float]:
+    """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
+    normal = wall_normal(*np.radians(pose[:2]))
+    limit = skin.touch(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
+    return normal, float(limit)

@@ -1,0 +1,172 @@
+"""Make the twin of a design from its presses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.design import Symmetry
+from palpate.fea import Branch, Press
+from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
+from palpate.twin.tensor_spline import fit_spline
+from palpate.twin.tilt_runs import SAME_DEPTH_MM
+from palpate.twin.twin import Twin
+
+THICKNESS = "thickness"
+"""Derivative that the presses of a twin have."""
+_LOST_MM = 1.2e-3
+"""Root mean square over all presses, mm, of what all modes that are left out may carry."""
+_THICKER_MM = 0.3
+"""Change of thickness for which the modes are made, mm."""
+_FEWEST = 4
+"""Tilts, depths, or frictions where there are several, that a cubic spline needs."""
+
+
+def build_twin(presses: Sequence[Press]) -> Twin:
+    """Interpolate presses of one design under walls of every tilt and friction.
+
+    Parameters
+    ----------
+    presses
+        At every tilt from 0 on, one for each friction, with the derivative by thickness; images at the same depths.
+
+    Returns
+    -------
+    Twin
+        Of the flat branch.
+
+    Raises
+    ------
+    PalpateError
+        If presses are missing, of several designs or without the derivative, or the skin is no body of revolution.
+    """
+    _refuse_others(presses)
+    slips, tilts, table = _sort(presses)
+    depths = _depths(presses)
+    fields, forces = [], []
+    for press in table:
+        expanded = expand_surface(press, press.displacement, press.derivatives[THICKNESS].displacement)
+        fields.append([_fill(part, press, depths) for part in expanded])
+        parts = (press.force, press.derivatives[THICKNESS].force)
+        forces.append([_fill(_along_tilt(press, force), press, depths) for force in parts])
+    shape = (len(slips), len(tilts), 2, len(depths))
+    values = np.array(fields).reshape(*shape, ORDERS, -1)
+    # under a straight wall nothing depends on the direction: what does is of the mesh, centred where it touches
+    values[..., 1:, :] -= values[:, :1, :, :, 1:]
+    order, modes, amplitudes = _reduce(values)
+    pushes = np.array(forces).reshape(*shape, 2)
+    pushes[..., 0] -= pushes[:, :1, ..., 0]
+    everything = np.concatenate([amplitudes, pushes], axis=-1)
+    everything = np.moveaxis(everything, 2, 3).reshape(len(slips), len(tilts), len(depths), -1)
+    parity = np.tile(np.concatenate([(-1.0) ** order, [-1.0, 1.0]]), 2)
+    both = np.concatenate([-tilts[:0:-1], tilts]), np.concatenate([parity * everything[:, :0:-1], everything], axis=1)
+    reach = np.array([_reach(press) for press in table]).reshape(shape[:2])
+    return Twin(
+        skin=presses[0].mesh.skin,
+        order=order,
+        shapes=modes,
+        tilts_deg=tilts,
+        depths_mm=depths,
+        slips=slips,
+        reach_mm=reach,
+        amplitudes=fit_spline((slips if len(slips) > 1 else np.zeros(1), both[0], depths), both[1]),
+    )
+
+
+def _refuse_others(presses: Sequence[Press]) -> None:
+    if not presses:
+        raise PalpateError("A twin needs presses, and none was given.", "Press the design first.")
+    first = presses[0]
+    for press in presses:
+        if press.mesh.skin.spec_data != first.mesh.skin.spec_data or press.material != first.material:
+            raise PalpateError(
+                f"The presses are of several designs: {first.mesh.skin.name} and {press.mesh.skin.name}.",
+                "Give those of one design and material.",
+            )
+        if THICKNESS not in press.derivatives:
+            raise PalpateError(
+                f"The press under {press.wall.words} has no derivative by thickness.",
+                "Press with `derivatives: [thickness]`.",
+            )
+    if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(press.wall.pose_space.tilts for press in presses):
+        raise PalpateError("A twin is of a body of revolution under a flat wall.", "Use single presses instead.")
+
+
+def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
+    """Slips (s,), tilts (t,), and presses by rising slip, then tilt."""
+    by_place = {(_slip(press), press.wall.radial): press for press in presses}
+    slips = np.array(sorted({slip for slip, _ in by_place}))
+    tilts = np.array(sorted({tilt for _, tilt in by_place}))
+    missing = [(slip, tilt) for slip in slips for tilt in tilts if (slip, tilt) not in by_place]
+    if missing:
+        slip, tilt = missing[0]
+        raise PalpateError(
+            f"{len(missing)} presses are missing, the first at a tilt of {tilt:g}° and a friction of {1 / slip:g}."
+            if slip
+            else f"{len(missing)} presses are missing, the first at a tilt of {tilt:g}° without slip.",
+            "Press every tilt under every friction.",
+        )
+    if tilts[0] != 0.0 or len(tilts) < _FEWEST or 1 < len(slips) < _FEWEST:
+        raise PalpateError(
+            f"{len(tilts)} tilts from {tilts[0]:g}° on and {len(slips)} frictions do not make a twin.",
+            f"Press at least {_FEWEST} tilts from 0° on, under one friction or at least {_FEWEST}.",
+        )
+    return slips, tilts, [by_place[slip, tilt] for slip in slips for tilt in tilts]
+
+
+def _slip(press: Press) -> float:
+    return 1.0 / press.wall.friction if press.wall.friction > 0 else float("inf")
+
+
+def _depths(presses: Sequence[Press]) -> FloatArray:
+    steps = {round(float(press.wall.image_step), 9) for press in presses}
+    if len(steps) > 1:
+        raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
+    step, deepest = steps.pop(), max(_reach(press) for press in presses)
+    count = int((deepest + SAME_DEPTH_MM) / step)
+    if count < _FEWEST:
+        raise PalpateError(
+            f"{count} images down to {deepest:.2f} mm do not make a twin.", "Press deeper, or in shorter steps."
+        )
+    return np.asarray(step * np.arange(count + 1))
+
+
+def _flat(press: Press) -> int:
+    """Number of the images of a press on its way down before it leaves the flat branch or jumps."""
+    down = int(np.argmax(press.depth)) + 1
+    lost = np.flatnonzero((press.branch[:down] != str(Branch.FLAT)) | (press.depth[:down] >= press.jump_depth))
+    return int(lost[0]) if len(lost) else down
+
+
+def _reach(press: Press) -> float:
+    return float(press.depth[_flat(press) - 1])
+
+
+def _along_tilt(press: Press, force: FloatArray) -> FloatArray:
+    """Force (n, 2) N across the tilt's axis and along the dome's, of forces (n, 3) in the dome's frame."""
+    azimuth = np.radians(press.wall.turn_deg)
+    return np.stack([force[:, 1] * np.cos(azimuth) - force[:, 0] * np.sin(azimuth), force[:, 2]], axis=-1)
+
+
+def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
+    """Values (n depths, …) of a press's images (n, …), carried on straight below its last."""
+    count = int(np.sum(depths <= _reach(press) + SAME_DEPTH_MM))
+    known = values[:count]
+    rest = np.arange(1, len(depths) - count + 1).reshape(-1, *[1] * (values.ndim - 1))
+    return np.concatenate([known, known[-1] + rest * (known[-1] - known[-2])])
+
+
+def _reduce(values: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Modes of series (slip, tilt, 2, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
+    weighted = values * np.array([1.0, _THICKER_MM])[:, None, None, None]
+    pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
+    found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]
+    strength = np.sort(np.concatenate([each for each, _ in found]))
+    carried = np.sqrt(np.cumsum(strength**2) / (2 * len(pressed) * CIRCLES))  # half a square is a wave's mean
+    weakest = strength[np.searchsorted(carried, _LOST_MM)]
+    kept = [modes[each >= weakest] for each, modes in found]
+    amplitudes = [values[..., k, :] @ modes.T for k, modes in enumerate(kept)]
+    order = np.repeat(np.arange(ORDERS), [len(modes) for modes in kept])
+    return order, np.concatenate(kept).reshape(-1, 3, CIRCLES), np.concatenate(amplitudes, axis=-1)

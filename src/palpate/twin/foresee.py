@@ -1,0 +1,191 @@
+"""How good units of a design will be, before any is built: from its twin and the workshop's tolerances.
+
+Every unit's numbers are drawn from what is known of them after the image at rest, or after known presses as well. At
+each of many poses the image of such a unit is read by the fit of the twin, in its linear model about the truth
+
+    error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
+
+with the unit's numbers δq, the same in all its images, and noise n of its own in each. How the unit sits on the robot
+is added. Nothing is pressed, rendered or trained.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.camera import Camera
+from palpate.core import FloatArray, generator
+from palpate.design import MarkerLayout
+from palpate.twin.identify import MODEL_PX, SLIP_SD, Mounting, RobotPress, RobotSpec, learn_presses, mount_unit
+from palpate.twin.tolerance import ToleranceSpec
+from palpate.twin.twin import Twin
+from palpate.twin.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
+
+_TILT_SD = 20.0
+
+
+@dataclass(frozen=True)
+class ForeseeSpec:
+    """What is foreseen.
+
+    Attributes
+    ----------
+    units, poses
+        Drawn units, and poses of each.
+    least_depth, max_tilt_deg
+        Working range, mm and degrees.
+    noise_px
+        Standard deviation of a dot's coordinate.
+    known
+        Known presses of each unit.
+    robot
+        How well the robot knows its poses in them.
+    seed
+        Of everything drawn.
+    """
+
+    units: int = 200
+    poses: int = 60
+    least_depth: float = 2.4
+    max_tilt_deg: float = 12.0
+    noise_px: float = 0.02
+    known: int = 0
+    robot: RobotSpec = field(default_factory=RobotSpec)
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class BuiltFigure:
+    """How good units will be.
+
+    Attributes
+    ----------
+    known
+        Known presses of each unit.
+    rmse_deg
+        Over rx and ry of all poses of all units.
+    worst_deg
+        Greatest error of rx or ry over the poses that 19 of 20 units stay below.
+    depth_rmse
+        Of the depth less its zero, mm.
+    noise_deg
+        RMSE with the unit and its mounting known: what noise alone leaves.
+    """
+
+    known: int
+    rmse_deg: float
+    worst_deg: float
+    depth_rmse: float
+    noise_deg: float
+
+
+class _Gain(NamedTuple):
+    """Error (3,) of a pose by noise (n,) px, and by what is unknown (15,) of unit and mounting; noise alone as sd."""
+
+    by_noise: FloatArray
+    by_unit: FloatArray
+    alone: FloatArray
+
+
+def foresee(
+    twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, spec: ForeseeSpec | None = None
+) -> BuiltFigure:
+    """Foresee the errors of built units of a design.
+
+    Parameters
+    ----------
+    twin, layout, camera
+        The design.
+    tolerance
+        How far units may be from it.
+    spec
+        Working range, and what is known of a unit beforehand.
+    """
+    spec = spec or ForeseeSpec()
+    rng = generator(spec.seed, "foresee", len(layout), spec.known)
+    rest = camera.project(layout.positions)
+    belief = learn_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
+    model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
+    mounting = mount_unit(belief, tolerance)
+    if spec.known:
+        presses = _known_presses(model, mounting, spec, tolerance, rng)
+        learnt = learn_presses(model, mounting, presses, spec.noise_px, spec.robot)
+        mounting = replace(mounting, covariance=learnt)
+    spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
+    gains = [_gain(model, mounting, spread, *place, spec.noise_px) for place in _places(twin, spec, tolerance, rng)]
+    errors = np.empty((spec.units, len(gains), 3))
+    for unit in range(spec.units):
+        drawn = rng.standard_normal(len(spread))
+        for k, gain in enumerate(gains):
+            noise = np.sqrt(2.0) * spec.noise_px * rng.standard_normal(gain.by_noise.shape[1])
+            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn
+    errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
+    worst = np.abs(errors[..., :2]).max(axis=(1, 2))
+    return BuiltFigure(
+        known=spec.known,
+        rmse_deg=float(np.sqrt(np.mean(errors[..., :2] ** 2))),
+        worst_deg=float(np.quantile(worst, 0.95)),
+        depth_rmse=float(np.sqrt(np.mean(errors[..., 2] ** 2))),
+        noise_deg=float(np.sqrt(np.mean([gain.alone[:2] ** 2 for gain in gains]))),
+    )
+
+
+def _places(
+    twin: Twin, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
+) -> list[tuple[FloatArray, float]]:
+    """Poses (3,) and 1/µ over the working range, as far as the twin reaches."""
+    found: list[tuple[FloatArray, float]] = []
+    most = min(spec.max_tilt_deg, float(twin.tilts_deg[-1]))
+    while len(found) < spec.poses:
+        tilt, turn = most * rng.uniform(), 2 * np.pi * rng.uniform()
+        slip = _draw_slip(twin, tolerance, rng)
+        deepest = twin.reach(tilt, slip)
+        depth = rng.uniform(min(spec.least_depth, 0.5 * deepest), deepest)
+        found.append((np.array([tilt * np.cos(turn), tilt * np.sin(turn), depth]), slip))
+    return found
+
+
+def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
+    """1/µ of a wall, µ between the least friction and twice that."""
+    slip = 1.0 / (tolerance.friction * rng.uniform(1.0, 2.0)) if tolerance.friction else float(twin.slips[0])
+    return float(np.clip(slip, twin.slips[0], twin.slips[-1]))
+
+
+def _known_presses(
+    model: UnitModel, mounting: Mounting, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
+) -> list[tuple[RobotPress, float]]:
+    """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""
+    twin, found = model.dots.twin, []
+    first, slip = 2 * np.pi * rng.uniform(), _draw_slip(twin, tolerance, rng)
+    for number in range(spec.known):
+        tilt, turn = (0.35, 0.8)[number % 2] * spec.max_tilt_deg, first + np.radians(144.0) * number
+        depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), 8)
+        poses = np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
+        pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
+        found.append((RobotPress(poses, pixels), slip))
+    return found
+
+
+def _gain(
+    model: UnitModel, mounting: Mounting, spread: FloatArray, pose: FloatArray, slip: float, noise_px: float
+) -> _Gain:
+    looked = model.look(pose, slip)
+    assert looked.by_unit is not None
+    seen = model.seen
+    free = 4 if len(model.dots.twin.slips) > 1 else 3
+    by_pose = looked.by_pose[seen].reshape(-1, 4)[:, :free]
+    by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
+    variance = 2.0 * noise_px**2 + MODEL_PX**2
+    jacobian = np.hstack([by_pose, by_unit])
+    prior = np.concatenate([[_TILT_SD**-2.0, _TILT_SD**-2.0, 0.0, SLIP_SD**-2.0][:free], np.ones(spread.shape[1])])
+    gain = np.linalg.solve(jacobian.T @ jacobian / variance + np.diag(prior), jacobian.T / variance)
+    # a unit's numbers are fitted along, and move what the mounting is taken for
+    to_robot = np.hstack([np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]])
+    by_noise = to_robot @ gain
+    known = np.linalg.inv(by_pose.T @ by_pose / variance + np.diag(prior[:free]))
+    truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
+    alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
+    return _Gain(by_noise, by_noise @ by_unit - truth, alone)

@@ -1,0 +1,381 @@
+"""Identify a built unit: what known presses tell about it, and how it sits on the robot.
+
+A known press is one whose pose the robot says. The dome sits on the robot a little tilted and turned, and its first
+touch is not where the robot believes (`Mounting`). With dome-frame pose p, the robot's is
+
+    (rx, ry) = R(turn) (p_x, p_y) + (tilt_x, tilt_y),    depth = p_depth + touch.
+
+Unit, mounting, friction of every press, and the robot's own error of every press are fitted together to all dots of
+all images, each with what was known of it beforehand: a Gauss-Newton iteration to the maximum of the posterior, whose
+curvature is the covariance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.design import MarkerLayout
+from palpate.twin.tolerance import ToleranceSpec
+from palpate.twin.twin import Twin
+from palpate.twin.unit_model import UNKNOWN, UnitBelief, UnitModel, model_unit, prior_sd
+
+MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
+"""Numbers of a `palpate.twin.Deviation` that say how a unit sits on its robot."""
+SLIP_MEAN, SLIP_SD, SLIP_MOST = 1.0, 1.0, 5.0
+"""1/µ beforehand: silicone on metal is near 1, no slip is 0, and more than 5 has not been met."""
+MODEL_PX = 0.02
+"""What the twin itself may be off, px."""
+FREEDOM = 6.0
+"""Degrees of freedom of Student's distribution, of dots that are not where they should be."""
+_MEDIAN = 2.0 * np.log(2.0)
+"""Median square of two normal numbers together."""
+_FIRST, _ITERATIONS = 4, 16
+"""Iterations for mounting and friction alone, since the robot's zero may be far off, and all of them."""
+_SMALL = 1e-3
+"""Change over the standard deviation below which the fit is done."""
+_WRONG = 9.0
+"""Mean square of what is left over its expectation above which the presses are not those of this unit."""
+_FAR = 5.0
+"""Standard deviations of the prior beyond which a pose, or a number of the unit, is not believed."""
+
+
+@dataclass(frozen=True)
+class RobotSpec:
+    """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm)."""
+
+    tilt_deg: float = 0.02
+    depth: float = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class RobotPress:
+    """One press whose pose the robot says.
+
+    Attributes
+    ----------
+    poses
+        (n, 3) rx, ry (degrees) and depth (mm) on the robot's scale, one an image.
+    pixels
+        (n, m, 2) px, the layout's dots; NaN where none was seen.
+    """
+
+    poses: FloatArray
+    pixels: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Mounting:
+    """How a unit sits on its robot, beside what is known of the unit.
+
+    Attributes
+    ----------
+    mean
+        (4,) of `MOUNTING`.
+    covariance
+        (15, 15) of the numbers of `UNKNOWN` and of `MOUNTING` together.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+
+    @property
+    def turn(self) -> FloatArray:
+        """Rotation (2, 2) of a tilt from the dome's frame to the robot's."""
+        return _turn(self.mean[2])
+
+    def to_dome(self, pose: FloatArray) -> FloatArray:
+        """Pose (3,) in the dome's frame of one on the robot's scale."""
+        return np.array([*(self.turn.T @ (pose[:2] - self.mean[:2])), pose[2] - self.mean[3]])
+
+    def to_robot(self, pose: FloatArray, correction: FloatArray | None = None) -> FloatArray:
+        """Pose (3,) on the robot's scale of one in the dome's frame; `correction` (4,) is added to the mounting."""
+        mean = self.mean if correction is None else self.mean + correction
+        return np.array([*(_turn(mean[2]) @ pose[:2] + mean[:2]), pose[2] + mean[3]])
+
+    def by_mounting(self, pose: FloatArray) -> FloatArray:
+        """Derivative (3, 4) of the robot's pose by the mounting, at a pose (3,) of the dome's frame."""
+        found = np.zeros((3, 4))
+        found[0, 0] = found[1, 1] = found[2, 3] = 1.0
+        along = self.turn @ pose[:2]
+        found[:2, 2] = np.radians(1.0) * np.array([-along[1], along[0]])
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """What presses told about a unit.
+
+    Attributes
+    ----------
+    belief
+        What is now known of the unit.
+    mounting
+        How it sits on the robot.
+    slips, slips_sd
+        (p,) 1/µ of every press.
+    misfit
+        Mean square of what is left over its expectation; about 1.
+    robot_off
+        (p, 3) fitted error of the robot's poses, over its standard deviation.
+    """
+
+    belief: UnitBelief
+    mounting: Mounting
+    slips: FloatArray
+    slips_sd: FloatArray
+    misfit: float
+    robot_off: FloatArray
+
+    def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
+        """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
+        before = [*prior_sd(tolerance), *_mounting_sd(tolerance)]
+        means = [*self.belief.mean, *self.mounting.mean]
+        found = [
+            {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
+            for name, mean, sd, first in zip(
+                (*UNKNOWN, *MOUNTING), means, np.sqrt(np.diag(self.mounting.covariance)), before, strict=True
+            )
+        ]
+        slips = zip(self.slips, self.slips_sd, strict=True)
+        return found + [
+            {"name": f"1/friction of press {k + 1}", "mean": float(mean), "sd": float(sd), "before": SLIP_SD}
+            for k, (mean, sd) in enumerate(slips)
+        ]
+
+
+def _mounting_sd(tolerance: ToleranceSpec) -> FloatArray:
+    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.touch]) / np.sqrt(3.0)
+    return np.maximum(sd, 1e-6)
+
+
+def mount_unit(belief: UnitBelief, tolerance: ToleranceSpec) -> Mounting:
+    """How a unit sits on its robot before any press: within the tolerances."""
+    covariance = np.zeros((len(UNKNOWN) + 4, len(UNKNOWN) + 4))
+    covariance[: len(UNKNOWN), : len(UNKNOWN)] = belief.covariance
+    covariance[len(UNKNOWN) :, len(UNKNOWN) :] = np.diag(_mounting_sd(tolerance) ** 2)
+    return Mounting(np.zeros(4), covariance)
+
+
+def identify(
+    twin: Twin,
+    layout: MarkerLayout,
+    belief: UnitBelief,
+    presses: Sequence[RobotPress],
+    tolerance: ToleranceSpec,
+    noise_px: float,
+    robot: RobotSpec | None = None,
+) -> Identified:
+    """Learn a unit and its mounting from known presses.
+
+    Parameters
+    ----------
+    twin, layout
+        Of the design.
+    belief
+        What the image at rest told (`learn_rest`).
+    presses
+        At least one; three of different directions tell the mounting.
+    tolerance
+        How far the unit may be from its design.
+    noise_px
+        Standard deviation of a dot's coordinate in one image.
+    robot
+        How well its poses are known.
+
+    Raises
+    ------
+    PalpateError
+        If there is no press, or they do not fit one unit of this design.
+    """
+    if not presses:
+        raise PalpateError("There is no known press.", "Press at least once, better three times, at known poses.")
+    fit = _Fit(twin, presses, noise_px, robot or RobotSpec())
+    return fit.run(belief, layout, tolerance)
+
+
+def learn_presses(
+    model: UnitModel,
+    mounting: Mounting,
+    presses: Sequence[tuple[RobotPress, float]],
+    noise_px: float,
+    robot: RobotSpec,
+) -> FloatArray:
+    """Covariance (15, 15) of `UNKNOWN` and `MOUNTING` after presses of a unit that is as believed.
+
+    Parameters
+    ----------
+    model, mounting
+        What is known of the unit before; the presses are what it shows.
+    presses
+        Known presses, each with its 1/µ.
+    noise_px, robot
+        As for `identify`.
+    """
+    recorded = [press for press, _ in presses]
+    fit = _Fit(model.dots.twin, recorded, noise_px, robot)
+    values = np.zeros(fit.size)
+    values[fit.shared :: 4] = [slip for _, slip in presses]
+    found = fit.assemble(model, mounting, values)
+    return fit.covariance(found, fit.information(mounting))[: fit.shared, : fit.shared]
+
+
+class _Normal(NamedTuple):
+    """Normal matrix and gradient of all dots, how the gradient changes with each dot's place, and the misfit."""
+
+    normal: FloatArray
+    gradient: FloatArray
+    common: FloatArray
+    misfit: float
+
+
+class _Fit:
+    """The unknowns: unit (11), mounting (4), then of every press 1/µ, and rx, ry, depth by which the robot is off."""
+
+    def __init__(
+        self,
+        twin: Twin,
+        presses: Sequence[RobotPress],
+        noise_px: float,
+        robot: RobotSpec,
+    ) -> None:
+        self.twin, self.presses = twin, presses
+        self.shared_variance = noise_px**2 + MODEL_PX**2
+        self.variance = noise_px**2 + self.shared_variance
+        self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
+        self.shared = len(UNKNOWN) + 4
+        self.size = self.shared + 4 * len(presses)
+        self.slip = len(twin.slips) > 1
+
+    def run(self, belief: UnitBelief, layout: MarkerLayout, tolerance: ToleranceSpec) -> Identified:
+        """Iterate to the maximum of the posterior."""
+        prior = mount_unit(belief, tolerance)
+        information = self.information(prior)
+        values = np.zeros(self.size)
+        values[self.shared :: 4] = SLIP_MEAN if self.slip else self.twin.slips[0]
+        before = values.copy()
+        now, mounting = belief, prior
+        for iteration in range(_ITERATIONS):
+            model = model_unit(self.twin, layout, now, tolerance)
+            found = self.assemble(model, mounting, values)
+            normal = found.normal + information
+            gradient = found.gradient - information @ (values - before)
+            free = self._mounted if iteration < _FIRST else np.arange(self.size)
+            spread = np.sqrt(np.diag(np.linalg.inv(normal)))
+            change = np.zeros(self.size)
+            change[free] = np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
+            values = values + change
+            slips = slice(self.shared, None, 4)
+            values[slips] = np.clip(values[slips], self.twin.slips[0], min(self.twin.slips[-1], SLIP_MOST))
+            now = replace(belief, mean=belief.mean + values[: len(UNKNOWN)])
+            mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
+            if iteration > _FIRST and (np.abs(change) < _SMALL * spread).all():
+                break
+        covariance = self.covariance(found, information)
+        off = values[self.shared :].reshape(-1, 4)[:, 1:] / self.robot_sd
+        _refuse(values, found.misfit, off, prior_sd(tolerance))
+        shared = covariance[: self.shared, : self.shared]
+        return Identified(
+            belief=replace(now, covariance=shared[: len(UNKNOWN), : len(UNKNOWN)]),
+            mounting=replace(mounting, covariance=shared),
+            slips=values[slips],
+            slips_sd=np.sqrt(np.diag(covariance)[slips]),
+            misfit=found.misfit,
+            robot_off=off,
+        )
+
+    def information(self, prior: Mounting) -> FloatArray:
+        """Inverse covariance of all unknowns before the presses."""
+        found = np.zeros((self.size, self.size))
+        found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
+        for k in range(len(self.presses)):
+            own = self.shared + 4 * k
+            spread = np.array([SLIP_SD if self.slip else 1e-6, *self.robot_sd])
+            found[own : own + 4, own : own + 4] = np.diag(spread**-2.0)
+        return found
+
+    @property
+    def _mounted(self) -> IntArray:
+        """Numbers of the unknowns that are the mounting's, and of 1/µ."""
+        return np.array([*range(len(UNKNOWN), self.shared), *range(self.shared, self.size, 4)])
+
+    def covariance(self, found: _Normal, information: FloatArray) -> FloatArray:
+        """Covariance of all unknowns.
+
+        What is wrong about a dot at rest, and about the twin, is so in every image: it does not average out.
+        """
+        inverse = np.asarray(np.linalg.inv(found.normal + information), float)
+        together = inverse @ found.common
+        return np.asarray(inverse + self.shared_variance * together @ together.T, float)
+
+    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> _Normal:
+        """What all dots say."""
+        normal, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
+        common = np.zeros((self.size, 2 * len(model.seen)))
+        squares, count, unit = 0.0, 0, len(UNKNOWN)
+        for k, press in enumerate(self.presses):
+            own = self.shared + 4 * k
+            slip, off = float(values[own]), values[own + 1 : own + 4]
+            columns = [*range(self.shared), *range(own, own + 4)]
+            for pose, seen in zip(press.poses, press.pixels, strict=True):
+                there = np.isfinite(seen).all(axis=1) & model.seen
+                at = mounting.to_dome(pose + off)
+                looked = model.look(at, slip)
+                assert looked.by_unit is not None
+                left = (seen - looked.pixels)[there].reshape(-1)
+                turn = np.eye(3)
+                turn[:2, :2] = mounting.turn.T
+                by_robot = looked.by_pose[there].reshape(-1, 4)[:, :3] @ turn
+                jacobian = np.empty((len(left), len(columns)))
+                jacobian[:, :unit] = looked.by_unit[there].reshape(-1, unit)
+                jacobian[:, unit : self.shared] = -by_robot @ mounting.by_mounting(at)
+                jacobian[:, self.shared] = looked.by_pose[there].reshape(-1, 4)[:, 3] * self.slip
+                jacobian[:, self.shared + 1 :] = by_robot
+                weight = weigh_dots(left, self.variance)
+                weighted = jacobian * weight[:, None]
+                normal[np.ix_(columns, columns)] += weighted.T @ jacobian
+                gradient[columns] += weighted.T @ left
+                common[np.ix_(columns, np.flatnonzero(np.repeat(there, 2)))] += weighted.T
+                squares, count = squares + float(left @ left), count + len(left)
+        return _Normal(normal, gradient, common, squares / max(count, 1) / self.variance)
+
+
+def _refuse(values: FloatArray, misfit: float, off: FloatArray, before: FloatArray) -> None:
+    """Never a confident wrong unit."""
+    if misfit > _WRONG:
+        raise PalpateError(
+            f"The presses do not fit a unit of this design: dots are {np.sqrt(misfit):.1f} times as far off as "
+            "their noise.",
+            "Check that design, recording and poses belong together, and the order of the poses.",
+        )
+    worst = np.unravel_index(np.abs(off).argmax(), off.shape)
+    if abs(off[worst]) > _FAR:
+        raise PalpateError(
+            f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
+            "Check the poses and their order, or say how well the robot knows them.",
+        )
+    far = np.abs(values[: len(UNKNOWN)]) / before
+    if far.max() > _FAR:
+        raise PalpateError(
+            f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
+            "Check that the presses are of this unit, or widen the tolerance.",
+        )
+
+
+def weigh_dots(left: FloatArray, variance: float) -> FloatArray:
+    """Weights (2 n,) of coordinates over their variance, by Student's distribution: less for dots that fit badly.
+
+    Where most dots fit badly, as at the beginning of an iteration, what is bad is measured by the median of them.
+    """
+    far = (left.reshape(-1, 2) ** 2).sum(axis=1) / variance
+    scale = max(1.0, float(np.median(far)) / _MEDIAN) if len(far) else 1.0
+    return np.repeat((FREEDOM + 2.0) / (FREEDOM + far / scale), 2) / variance
+
+
+def _turn(degrees: float) -> FloatArray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s], [s, c]])

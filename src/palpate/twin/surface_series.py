@@ -1,0 +1,74 @@
+"""Displacement of a pressed inner surface, as Fourier series on circles from the apex to the rim.
+
+In cylindrical components, and with the azimuth ψ counted from where the mirror plane of the tilt cuts the surface
+(see `circle`), the displacement under a wall is even in ψ radially and along the axis, and odd around it:
+
+    u_r = Σ_k r_k(s) cos kψ,    u_φ = Σ_k f_k(s) sin kψ,    u_z = Σ_k z_k(s) cos kψ,
+
+with the place s on the meridian of the unit disc, 0 at the apex and 1 at the rim. All coefficients are real, and half
+a circle tells them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.design import Skin
+from palpate.fea import Press
+from palpate.mesh import locate_inner
+from palpate.twin.circle import QUARTER_TURN
+
+ORDERS = 14
+"""Orders 0 … 13 of the series are kept: wave lengths down to 28° of azimuth."""
+CIRCLES = 33
+"""Circles from the apex to the rim."""
+_HALF = 32
+"""Equal parts of half a circle."""
+
+
+def place_circles() -> FloatArray:
+    """Places (`CIRCLES`,) of the circles on the meridian, denser towards the apex and the rim."""
+    angle: FloatArray = np.linspace(0.0, np.pi, CIRCLES)
+    return 0.5 - 0.5 * np.cos(angle)
+
+
+def expand_surface(press: Press, *fields: FloatArray) -> FloatArray:
+    """Coefficients (len(fields), n images, `ORDERS`, 3, `CIRCLES`) mm of fields of a press: r cos, φ sin, z cos.
+
+    Parameters
+    ----------
+    press
+        Under a flat wall.
+    fields
+        (n images, n nodes, 3) mm displacement, or a derivative of it with the same symmetry.
+    """
+    psi = np.pi * np.arange(_HALF + 1) / _HALF
+    azimuth = psi + QUARTER_TURN  # the frame of the mesh
+    azimuth += np.deg2rad(press.wall.turn_deg) if press.mesh.spec.whole else 0.0
+    cosine, sine = np.cos(azimuth), np.sin(azimuth)
+    points = surface_points(press.mesh.skin, place_circles(), azimuth).reshape(-1, 3)
+    flip = np.array([-1.0, 1.0, 1.0])
+    beyond = (points[:, 0] < 0)[:, None] & (not press.mesh.spec.whole)
+    places = locate_inner(press.mesh, np.where(beyond, points * flip, points))
+    share = np.full(_HALF + 1, 2.0 / _HALF)
+    share[[0, -1]] /= 2.0
+    order = np.arange(ORDERS)
+    even = np.cos(np.outer(psi, order)) * share[:, None] * np.where(order == 0, 0.5, 1.0)
+    odd = np.sin(np.outer(psi, order)) * share[:, None]
+    found = []
+    for field in fields:
+        at = places.interpolate(field)
+        moved = np.where(beyond, at * flip, at).reshape(len(field), CIRCLES, _HALF + 1, 3)
+        radial = moved[..., 0] * cosine + moved[..., 1] * sine
+        around = -moved[..., 0] * sine + moved[..., 1] * cosine
+        series = np.stack([radial @ even, around @ odd, moved[..., 2] @ even], axis=1)
+        found.append(np.moveaxis(series, -1, 1))
+    return np.array(found)
+
+
+def surface_points(skin: Skin, places: FloatArray, azimuths: FloatArray) -> FloatArray:
+    """Points (len(places), len(azimuths), 3) mm of the undeformed inner surface."""
+    wave = np.stack([np.cos(azimuths), np.sin(azimuths)], axis=-1)
+    disc = places[:, None, None] * wave
+    return skin.point(disc.reshape(-1, 2), 0.0).reshape(*disc.shape[:2], 3)

@@ -1,0 +1,109 @@
+"""Cubic splines over a rectangular grid of three axes, with their partial derivatives, in a compiled kernel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from palpate.core import FloatArray, kernel
+
+_DEGREE = 3
+_BEYOND = 0.25
+"""How far a spline is carried on beyond its last place, over the last distance of its knots."""
+
+
+@dataclass(frozen=True, eq=False)
+class TensorSpline:
+    """Many values as cubic splines (not-a-knot) over three axes.
+
+    Attributes
+    ----------
+    knots
+        Knots of each axis, (n_i + 4,); of an axis of fewer than four values, splines of lower degree are raised.
+    coefficients
+        (n_0, n_1, n_2, m) B-spline coefficients of the m values.
+    """
+
+    knots: tuple[FloatArray, FloatArray, FloatArray]
+    coefficients: FloatArray
+
+    def evaluate(self, at: FloatArray) -> FloatArray:
+        """Values and partial derivatives (4, m) at a point (3,); far beyond the grid, as just beyond its border."""
+        found = np.empty((4, self.coefficients.shape[-1]))
+        _evaluate(self.knots, self.coefficients, np.asarray(at, float), found)
+        return found
+
+
+def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArray) -> TensorSpline:
+    """Spline through values (n_0, n_1, n_2, m) over the rising places (n_i,) of each axis.
+
+    An axis needs four places, or one alone, over which nothing changes.
+    """
+    knots, found = [], np.asarray(values, float)
+    for axis, places in enumerate(axes):
+        if len(places) == 1:
+            ends = places[0] + np.array([-1.0, 1.0])
+            knots.append(np.repeat(ends, _DEGREE + 1))
+            found = np.repeat(found, _DEGREE + 1, axis=axis)
+            continue
+        spline = make_interp_spline(places, found, k=_DEGREE, axis=axis)
+        knots.append(np.asarray(spline.t, float))
+        found = np.moveaxis(spline.c, 0, axis) if axis else spline.c
+    return TensorSpline((knots[0], knots[1], knots[2]), np.ascontiguousarray(found))
+
+
+@kernel
+def _basis(knots: FloatArray, x: float, value: FloatArray, slope: FloatArray) -> int:
+    """Write the four cubic B-splines (4,) that live at x and their slopes; return the number of the first."""
+    last = len(knots) - _DEGREE - 2
+    beyond = _BEYOND * (knots[last + 1] - knots[last])
+    x = min(max(x, knots[_DEGREE]), knots[last + 1] + beyond)
+    span = _DEGREE
+    while span < last and x >= knots[span + 1]:
+        span += 1
+    value[0] = 1.0
+    for degree in range(1, _DEGREE + 1):
+        if degree == _DEGREE:  # the quadratics give the slopes of the cubics
+            slope[:] = 0.0
+            for k in range(degree):
+                width = knots[span + k + 1] - knots[span + k + 1 - degree]
+                slope[k] -= degree * value[k] / width
+                slope[k + 1] += degree * value[k] / width
+        saved = 0.0
+        for k in range(degree):
+            right, left = knots[span + k + 1] - x, x - knots[span + k + 1 - degree]
+            share = value[k] / (right + left)
+            value[k] = saved + right * share
+            saved = left * share
+        value[degree] = saved
+    return span - _DEGREE
+
+
+@kernel
+def _evaluate(
+    knots: tuple[FloatArray, FloatArray, FloatArray], coefficients: FloatArray, at: FloatArray, found: FloatArray
+) -> None:
+    """Write values and partial derivatives (4, m) at a point (3,)."""
+    first = np.empty(3, np.int64)
+    value, slope = np.empty((3, 4)), np.empty((3, 4))
+    first[0] = _basis(knots[0], at[0], value[0], slope[0])
+    first[1] = _basis(knots[1], at[1], value[1], slope[1])
+    first[2] = _basis(knots[2], at[2], value[2], slope[2])
+    found[:, :] = 0.0
+    m = coefficients.shape[3]
+    for i in range(4):
+        for j in range(4):
+            for k in range(4):
+                w0 = value[0, i] * value[1, j] * value[2, k]
+                w1 = slope[0, i] * value[1, j] * value[2, k]
+                w2 = value[0, i] * slope[1, j] * value[2, k]
+                w3 = value[0, i] * value[1, j] * slope[2, k]
+                row = coefficients[first[0] + i, first[1] + j, first[2] + k]
+                for n in range(m):
+                    c = row[n]
+                    found[0, n] += w0 * c
+                    found[1, n] += w1 * c
+                    found[2, n] += w2 * c
+                    found[3, n] += w3 * c

@@ -1,0 +1,56 @@
+"""Tolerances: how far a built unit may be from its design. They are drawn from, and they are the prior of a fit."""
+
+from __future__ import annotations
+
+from palpate.core import Spec, parameter
+
+
+class ToleranceSpec(Spec):
+    """How far a built unit may be from its design, either way: what a careful workshop reaches.
+
+    A mold of printed or turned parts measured by a caliper, a syringe and scale for the two components, pad print,
+    a camera on a printed holder, calibrated by a board.
+    """
+
+    thickness: float = parameter(0.05, unit="mm", meaning="thickness of the wall", ge=0, le=1)
+    modulus: float = parameter(
+        0.03, unit="1", meaning="stiffness, all constants of the law by one share", ge=0, le=0.9
+    )
+    stiffening: float = parameter(
+        0.1, unit="1", meaning="constants of higher order, over the first of the law", ge=0, le=0.9
+    )
+    friction: float = parameter(
+        0.8,
+        unit="1",
+        meaning="least coefficient of friction on a clean wall; up to twice that is met; 0: as in the training",
+        ge=0,
+        le=5,
+    )
+    dot: float = parameter(0.1, unit="mm", meaning="place of each printed dot, in both directions", ge=0, le=2)
+    pad: float = parameter(0.2, unit="mm", meaning="place of the whole print, in both directions", ge=0, le=5)
+    missing: float = parameter(0.02, unit="1", meaning="share of dots that are not there", ge=0, le=0.4)
+    camera_offset: float = parameter(0.5, unit="mm", meaning="camera off the axis, in both directions", ge=0, le=5)
+    camera_distance: float = parameter(0.5, unit="mm", meaning="distance of the camera", ge=0, le=10)
+    camera_tilt_deg: float = parameter(1.0, unit="deg", meaning="tilt of the camera about both axes", ge=0, le=10)
+    camera_roll_deg: float = parameter(5.0, unit="deg", meaning="turn of the camera about its axis", ge=0, le=180)
+    focal: float = parameter(0.003, unit="1", meaning="focal length, left over by the calibration", ge=0, le=0.2)
+    centre_px: float = parameter(
+        1.0, unit="px", meaning="centre of the lens, left over by the calibration, in both directions", ge=0, le=50
+    )
+    distortion: float = parameter(
+        0.01, unit="1", meaning="first coefficient of the distortion, left over by the calibration", ge=0, le=0.5
+    )
+    seating_tilt_deg: float = parameter(
+        0.1, unit="deg", meaning="tilt of the dome against the robot, about both axes", ge=0, le=5
+    )
+    seating_turn_deg: float = parameter(
+        0.3, unit="deg", meaning="turn of the dome about its axis against the robot", ge=0, le=30
+    )
+    touch: float = parameter(
+        1.0,
+        unit="mm",
+        meaning="depth that the robot takes for the first touch",
+        source="depth bias of Zaid et al. 2024, Table 3",
+        ge=0,
+        le=5,
+    )

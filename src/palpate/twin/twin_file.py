@@ -1,0 +1,84 @@
+"""Write and read a twin: one HDF5 file, every array with its unit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from palpate.core import PalpateError, provenance, refuse_outside_links
+from palpate.design import build_skin, skin_from_data
+from palpate.twin.tensor_spline import TensorSpline
+from palpate.twin.twin import Twin
+
+TWIN_VERSION = "1"
+"""Version of the code that decides what a twin says; part of its file and of an artefact's key."""
+_KIND = "palpate twin"
+_AGAIN = "Make it again with `palpate twin`."
+_ARRAYS = {
+    "order": "1",
+    "shapes": "1",
+    "tilts_deg": "deg",
+    "depths_mm": "mm",
+    "slips": "1",
+    "reach_mm": "mm",
+}
+
+
+def write_twin(path: Path, twin: Twin) -> None:
+    """Write a twin.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be written.
+    """
+    try:
+        with h5py.File(path, "w") as file:
+            file.attrs["kind"] = _KIND
+            file.attrs["version"] = TWIN_VERSION
+            file.attrs["skin"] = json.dumps(twin.skin.spec_data)
+            file.attrs["made_by"] = json.dumps(provenance())
+            for name, unit in _ARRAYS.items():
+                file.create_dataset(name, data=getattr(twin, name)).attrs["units"] = unit
+            file.create_dataset("coefficients", data=twin.amplitudes.coefficients).attrs["units"] = (
+                "mm, N, and over mm"
+            )
+            for name, knots in zip(("slip", "tilt", "depth"), twin.amplitudes.knots, strict=True):
+                file.create_dataset(f"knots/{name}", data=knots)
+    except OSError as error:
+        raise PalpateError(f"{path} cannot be written: {error}.", "Choose another place.") from None
+
+
+def read_twin(path: Path) -> Twin:
+    """Read a twin.
+
+    Raises
+    ------
+    PalpateError
+        If the file is not a twin of this version.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            refuse_outside_links(file, path)
+            if file.attrs.get("kind") != _KIND:
+                raise PalpateError(f"{path} is not a twin.", _AGAIN)
+            if file.attrs["version"] != TWIN_VERSION:
+                raise PalpateError(
+                    f"{path} is a twin of version {file.attrs['version']}, this is {TWIN_VERSION}.", _AGAIN
+                )
+            knots = file["knots"]
+            twin = Twin(
+                skin=build_skin(skin_from_data(json.loads(file.attrs["skin"]))),
+                **{name: file[name][:] for name in _ARRAYS},
+                amplitudes=TensorSpline(
+                    (knots["slip"][:], knots["tilt"][:], knots["depth"][:]), file["coefficients"][:]
+                ),
+            )
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN) from None
+    if not all(np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients)):
+        raise PalpateError(f"{path} holds numbers that are none.", _AGAIN)
+    return twin

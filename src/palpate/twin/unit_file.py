@@ -1,0 +1,111 @@
+"""Write and read what is known of a built unit: a JSON file that a sensor is opened with."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.camera import CameraSpec
+from palpate.core import FloatArray, PalpateError, provenance, written_whole
+from palpate.design import MarkerLayout, Skin
+from palpate.twin.identify import MOUNTING, Mounting
+from palpate.twin.unit_model import UNKNOWN, UnitBelief
+
+UNIT_VERSION = "1"
+_KIND = "palpate unit"
+_AGAIN = "Make it again with `palpate identify`."
+
+
+@dataclass(frozen=True, eq=False)
+class KnownUnit:
+    """An identified unit.
+
+    Attributes
+    ----------
+    skin_data, markers_mm
+        Its design: the skin's spec as plain data, and the layout (m, 3) mm.
+    belief, mounting
+        What is known of it, and how it sits on its robot.
+    """
+
+    skin_data: dict[str, Any]
+    markers_mm: FloatArray
+    belief: UnitBelief
+    mounting: Mounting
+
+    def check(self, skin: Skin, layout: MarkerLayout) -> None:
+        """Refuse another design, with a `PalpateError`."""
+        same = len(layout) == len(self.markers_mm) and np.allclose(layout.positions, self.markers_mm, atol=1e-6)
+        if skin.spec_data != self.skin_data or not same:
+            raise PalpateError(
+                f"The unit file is of another design than {skin.name} with {len(layout)} markers.",
+                "Give the file of this unit, or its design's numbers.",
+            )
+
+
+def write_unit(path: Path, unit: KnownUnit) -> None:
+    """Write an identified unit.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be written.
+    """
+    belief, mounting = unit.belief, unit.mounting
+    sd = np.sqrt(np.diag(mounting.covariance))
+    values = np.concatenate([belief.mean, mounting.mean])
+    content = {
+        "kind": _KIND,
+        "version": UNIT_VERSION,
+        "skin": unit.skin_data,
+        "markers_mm": unit.markers_mm.tolist(),
+        "camera": belief.nominal.model_dump(mode="json"),
+        "rest_px": [None if np.isnan(u) else [u, v] for u, v in belief.rest_px.tolist()],
+        "known": {
+            name: {"mean": float(mean), "sd": float(deviation)}
+            for name, mean, deviation in zip((*UNKNOWN, *MOUNTING), values, sd, strict=True)
+        },
+        "covariance": mounting.covariance.tolist(),
+        "made_by": provenance(),
+    }
+    with written_whole(path) as draft:
+        draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def read_unit(path: Path) -> KnownUnit:
+    """Read an identified unit.
+
+    Raises
+    ------
+    PalpateError
+        If the file is not a unit of this version.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content.get("kind") != _KIND or content.get("version") != UNIT_VERSION:
+            raise PalpateError(f"{path} is not a unit of version {UNIT_VERSION}.", _AGAIN)
+        values = np.array([content["known"][name]["mean"] for name in (*UNKNOWN, *MOUNTING)], float)
+        covariance = np.array(content["covariance"], float)
+        rest = np.array([[np.nan, np.nan] if dot is None else dot for dot in content["rest_px"]], float)
+        unit = KnownUnit(
+            content["skin"],
+            np.array(content["markers_mm"], float).reshape(-1, 3),
+            UnitBelief(
+                CameraSpec.model_validate(content["camera"]),
+                rest.reshape(-1, 2),
+                values[: len(UNKNOWN)],
+                covariance[: len(UNKNOWN), : len(UNKNOWN)],
+            ),
+            Mounting(values[len(UNKNOWN) :], covariance),
+        )
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise PalpateError(f"{path} cannot be read as a unit: {error}.", _AGAIN) from None
+    size = len(UNKNOWN) + len(MOUNTING)
+    sound = covariance.shape == (size, size) and np.isfinite(covariance).all() and np.isfinite(values).all()
+    if not sound or len(unit.belief.rest_px) != len(unit.markers_mm) or np.linalg.eigvalsh(covariance).min() < -1e-9:
+        raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN)
+    return unit

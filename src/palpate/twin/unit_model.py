@@ -1,0 +1,303 @@
+"""A built unit under its camera: from pose and friction to the pixels of its dots, with all derivatives.
+
+What is not as designed about a unit is a vector of named numbers (`UNKNOWN`): where its camera is and what its lens
+is, and how thick its wall is. Each has the workshop's tolerance as its prior. Dots are where the image at rest shows
+them: a dot's place on the undeformed surface is where the ray of its pixel leaves that surface, whatever was
+misprinted, stretched or turned. So a change of the camera moves the dots with it, and what remains uncertain is what
+the rest image cannot tell: camera against print.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, dot_edges
+from palpate.core import BoolArray, FloatArray
+from palpate.design import MarkerLayout
+from palpate.twin.deviation import Deviation
+from palpate.twin.tolerance import ToleranceSpec
+from palpate.twin.twin import PrintedTwin, Twin
+
+CAMERA = (
+    "offset_x",
+    "offset_y",
+    "distance",
+    "tilt_x_deg",
+    "tilt_y_deg",
+    "roll_deg",
+    "focal",
+    "centre_x_px",
+    "centre_y_px",
+    "k1",
+)
+"""Numbers of a `Deviation` that are the camera's."""
+UNKNOWN = (*CAMERA, "thickness")
+"""Numbers of a `Deviation` that a unit's images depend on, and are not known of it beforehand."""
+_TOLERANCE = {
+    "offset_x": "camera_offset",
+    "offset_y": "camera_offset",
+    "distance": "camera_distance",
+    "tilt_x_deg": "camera_tilt_deg",
+    "tilt_y_deg": "camera_tilt_deg",
+    "roll_deg": "camera_roll_deg",
+    "focal": "focal",
+    "centre_x_px": "centre_px",
+    "centre_y_px": "centre_px",
+    "k1": "distortion",
+    "thickness": "thickness",
+}
+_STEP_MM = 0.05
+"""Distance of the dots beside a dot, between which its surroundings are taken as straight."""
+_STEP = 0.02
+"""Step of a difference by an unknown, over its standard deviation beforehand."""
+_LEAST_SD = 1e-6
+_FORGIVEN = 3.0
+"""Standard deviations beyond which a misprint no longer pulls with its square."""
+
+
+def prior_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (11,) of `UNKNOWN` before any image: even within the tolerances."""
+    found = np.array([float(getattr(tolerance, _TOLERANCE[name])) for name in UNKNOWN]) / np.sqrt(3.0)
+    return np.maximum(found, _LEAST_SD)
+
+
+@dataclass(frozen=True, eq=False)
+class UnitBelief:
+    """What is known of a unit: the image at rest, and a normal distribution of what is not as designed.
+
+    Attributes
+    ----------
+    nominal
+        The camera as designed, or as calibrated.
+    rest_px
+        (m, 2) dots in the image at rest; NaN where none was seen.
+    mean, covariance
+        (11,) and (11, 11) of `UNKNOWN`.
+    """
+
+    nominal: CameraSpec
+    rest_px: FloatArray
+    mean: FloatArray
+    covariance: FloatArray
+
+    def camera(self, change: FloatArray | None = None) -> Camera:
+        """The camera believed in, or one whose unknowns differ by `change` (11,)."""
+        values = self.mean if change is None else self.mean + change
+        return build_camera(_camera_of(self.nominal, values))
+
+
+def _camera_of(nominal: CameraSpec, values: FloatArray) -> CameraSpec:
+    named: dict[str, Any] = dict(zip(CAMERA, (float(value) for value in values), strict=False))
+    return Deviation(**named).camera(nominal)
+
+
+def learn_rest(
+    twin: Twin,
+    layout: MarkerLayout,
+    nominal: CameraSpec,
+    rest_px: FloatArray,
+    tolerance: ToleranceSpec,
+    noise_px: float,
+) -> UnitBelief:
+    """What the image at rest tells about a unit.
+
+    Parameters
+    ----------
+    twin, layout
+        Skin and print as designed.
+    nominal
+        The camera as designed or calibrated, about where it is.
+    rest_px
+        (m, 2) the layout's dots in the image; NaN where none was seen.
+    tolerance
+        How far the unit may be from its design.
+    noise_px
+        Standard deviation of a dot's coordinate.
+
+    Returns
+    -------
+    UnitBelief
+        Maximum of the posterior, and its covariance there.
+    """
+    seen = np.isfinite(rest_px).all(axis=1)
+    before = prior_sd(tolerance)
+    sd = np.concatenate([before[: len(CAMERA)], np.full(2, max(tolerance.pad, _LEAST_SD) / np.sqrt(3.0))])
+    scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
+    spread = np.hypot(noise_px, scale * tolerance.dot / np.sqrt(3.0))
+
+    def miss(values: FloatArray) -> FloatArray:
+        camera = build_camera(_camera_of(nominal, values))
+        x, y = layout.positions[seen, 0] + values[-2], layout.positions[seen, 1] + values[-1]
+        printed = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
+        left = camera.project(printed) + _bias(camera, twin, printed, layout.diameter) - rest_px[seen]
+        return np.concatenate([np.nan_to_num(left, nan=1e3).ravel() / spread, values / sd])
+
+    fit = least_squares(miss, np.zeros(len(sd)), x_scale=sd, loss="huber", f_scale=_FORGIVEN)
+    covariance = np.zeros((len(UNKNOWN), len(UNKNOWN)))
+    covariance[:-1, :-1] = np.linalg.inv(fit.jac.T @ fit.jac)[: len(CAMERA), : len(CAMERA)]
+    covariance[-1, -1] = before[-1] ** 2
+    return UnitBelief(nominal, rest_px, np.append(fit.x[: len(CAMERA)], 0.0), covariance)
+
+
+def _bias(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:
+    """How far the trace of a dot lies from its centre (n, 2) px."""
+    return centre_bias(camera, points, dot_edges(points, twin.skin.normal(points), diameter))
+
+
+class Look(NamedTuple):
+    """What a unit shows at one pose.
+
+    Attributes
+    ----------
+    pixels
+        (m, 2) px; NaN for a dot that was not seen at rest.
+    by_pose
+        (m, 2, 4): px over a degree of rx, of ry, mm of depth, 1/µ.
+    by_unit
+        (m, 2, 11) px over `UNKNOWN`; `None` where it was not asked for.
+    force, force_by
+        (3,) N on the wall, and (3, 5) by pose, slip and thickness.
+    """
+
+    pixels: FloatArray
+    by_pose: FloatArray
+    by_unit: FloatArray | None
+    force: FloatArray
+    force_by: FloatArray
+
+
+class ShiftedCameras:
+    """Cameras a little beside one, in pairs, for differences by the numbers of `CAMERA`.
+
+    Parameters
+    ----------
+    pairs
+        Camera with each number a step greater, and with it a step smaller.
+    steps
+        (10,) those steps.
+    """
+
+    def __init__(self, pairs: list[tuple[Camera, Camera]], steps: FloatArray) -> None:
+        cameras = [camera for pair in pairs for camera in pair]
+        self._turn = np.array([camera.camera_from_dome.T for camera in cameras])
+        self._offset = np.array([camera.origin @ camera.camera_from_dome.T for camera in cameras])[:, None, :]
+        self._scale = np.array([(camera.spec.fx_px, camera.spec.fy_px) for camera in cameras])[:, None, :]
+        self._middle = np.array([(camera.spec.cx_px, camera.spec.cy_px) for camera in cameras])[:, None, :]
+        lenses = list(dict.fromkeys(camera.lens for camera in cameras))
+        self._lenses = [(lens, [k for k, camera in enumerate(cameras) if camera.lens == lens]) for lens in lenses]
+        self._twice = 2 * steps[: len(pairs)]
+
+    def slopes(self, points: FloatArray) -> FloatArray:
+        """Derivatives (m, 2, 10) of the pixels of points (m, 3) mm."""
+        seen = points @ self._turn - self._offset
+        plane = seen[..., :2] / seen[..., 2:]
+        for lens, which in self._lenses:
+            plane[which] = lens.distort(plane[which])
+        pixels = plane * self._scale + self._middle
+        return np.moveaxis(pixels[::2] - pixels[1::2], 0, -1) / self._twice
+
+
+@dataclass(frozen=True, eq=False)
+class UnitModel:
+    """A unit ready to be looked at.
+
+    Attributes
+    ----------
+    belief
+        What is known of it.
+    camera
+        The camera believed in.
+    dots
+        The twin of its print; a dot that was not seen is at its place in the layout.
+    seen
+        (m,) whether a dot was seen at rest.
+    bias_px
+        (m, 2) how far a dot's trace lies from its centre.
+    place_by
+        (m, 3, 10) mm: how the dots move on the undeformed surface as the camera changes.
+    waves_beside
+        Derivative of the print's waves along two tangents, and the tangents (m, 3).
+    shifted
+        Cameras beside the one believed in.
+    """
+
+    belief: UnitBelief
+    camera: Camera
+    dots: PrintedTwin
+    seen: BoolArray
+    bias_px: FloatArray
+    place_by: FloatArray
+    waves_beside: tuple[tuple[FloatArray, FloatArray], ...]
+    shifted: ShiftedCameras
+
+    def look(self, pose: FloatArray, slip: float, *, unit: bool = True) -> Look:
+        """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
+
+        With `unit`, also their derivatives by what is not known of the unit.
+        """
+        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]))
+        pixels, slopes = _project(self.camera, moved.positions)
+        by_pose = slopes @ moved.by
+        by_unit = None
+        if unit:
+            by_unit = np.empty((len(pixels), 2, len(UNKNOWN)))
+            by_unit[..., -1] = by_pose[..., -1]
+            by_unit[..., :-1] = slopes @ self._carried(pose, slip)
+            by_unit[..., :-1] += self.shifted.slopes(moved.positions)
+        pixels = np.where(self.seen[:, None], pixels + self.bias_px, np.nan)
+        return Look(pixels, by_pose[..., :4], by_unit, moved.force, moved.force_by)
+
+    def _carried(self, pose: FloatArray, slip: float) -> FloatArray:
+        """How pressed dots (m, 3, 10) mm move as their places do."""
+        rates = self.place_by.copy()
+        amplitude = self.dots.amplitudes(pose, slip, float(self.belief.mean[-1]))
+        for waves, tangent in self.waves_beside:
+            along = np.einsum("mi,mik->mk", tangent, self.place_by)
+            rates += (waves @ amplitude).reshape(-1, 3)[:, :, None] * along[:, None, :]
+        return rates
+
+
+def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: ToleranceSpec) -> UnitModel:
+    """Make the model of a unit from what is known of it."""
+    skin, camera = twin.skin, belief.camera()
+    steps = _STEP * prior_sd(tolerance)
+    seen: BoolArray = np.asarray(np.isfinite(belief.rest_px).all(axis=1), dtype=np.bool_)
+    about = np.where(seen[:, None], _places(camera, twin, belief.rest_px, np.zeros_like(belief.rest_px)), np.nan)
+    bias = _bias(camera, twin, np.where(np.isfinite(about), about, layout.positions), layout.diameter)
+    places = _places(camera, twin, belief.rest_px, bias)
+    seen = np.logical_and(seen, np.isfinite(places).all(axis=1))
+    places = np.where(seen[:, None], places, layout.positions)
+    rates, shifted = np.zeros((len(places), 3, len(CAMERA))), []
+    for k in range(len(CAMERA)):
+        change = steps[k] * np.eye(len(UNKNOWN))[k]
+        pair = belief.camera(change), belief.camera(-change)
+        high, low = (_places(each, twin, belief.rest_px, bias) for each in pair)
+        rates[..., k] = np.nan_to_num((high - low) / (2 * steps[k]))
+        shifted.append(pair)
+    _, along, around = skin.tangents(places)
+    beside = []
+    for tangent in (along, around):
+        high, low = (twin.print_dots(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
+        beside.append(((high - low) / (2 * _STEP_MM), tangent))
+    return UnitModel(
+        belief, camera, twin.print_dots(places), seen, bias, rates, tuple(beside), ShiftedCameras(shifted, steps)
+    )
+
+
+def _places(camera: Camera, twin: Twin, pixels: FloatArray, bias: FloatArray) -> FloatArray:
+    """Where the rays of dots (m, 2) px leave the undeformed inner surface, (m, 3) mm; NaN where there is none."""
+    known = np.isfinite(pixels).all(axis=1)
+    places = np.full((len(pixels), 3), np.nan)
+    places[known] = twin.skin.hit(camera.origin, camera.back_project(pixels[known] - bias[known]))
+    return places
+
+
+def _project(camera: Camera, points: FloatArray, step: float = 1e-4) -> tuple[FloatArray, FloatArray]:
+    """Pixels (m, 2) of points (m, 3) mm, and their derivatives (m, 2, 3)."""
+    around = np.concatenate([points[None], points + step * np.eye(3)[:, None, :]])
+    found = camera.project(around)
+    return found[0], np.moveaxis((found[1:] - found[0]) / step, 0, -1)

@@ -1,0 +1,244 @@
+"""What images tell about a unit, held against units drawn by another route: camera, print and wall one by one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.learn import PoseFitter
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import RigSpec
+from palpate.twin import (
+    MOUNTING,
+    THICKNESS,
+    UNKNOWN,
+    Deviation,
+    ForeseeSpec,
+    KnownUnit,
+    RobotPress,
+    ToleranceSpec,
+    Twin,
+    build_twin,
+    draw_deviation,
+    foresee,
+    identify,
+    learn_rest,
+    model_unit,
+    read_unit,
+    write_unit,
+)
+
+ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
+SKIN = DomeSpec(height=20, thickness=2)
+DOME = build_skin(SKIN)
+LAYOUT = place_markers(DOME, MarkerSpec(count=91))
+NOMINAL = CameraSpec()
+TOLERANCE = ToleranceSpec()
+NOISE = 0.02
+
+
+def press(tilt: float, contact: str | float) -> Press:
+    wall = WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, image_step=0.5)
+    return solve_press(mesh_skin(DOME, MeshSpec(cells=9)), ECOFLEX, wall, SolverSpec(derivatives=(THICKNESS,)))
+
+
+@pytest.fixture(scope="module")
+def twin() -> Twin:
+    return build_twin(
+        [press(tilt, friction) for friction in ("no-slip", 1.4, 0.8, 0.4) for tilt in (0.0, 4.0, 8.0, 12.0)]
+    )
+
+
+class Built:
+    """A unit as built: where its dots are, its camera, and what it shows of a press in some direction."""
+
+    def __init__(self, number: int, **changes: float) -> None:
+        self.deviation: Deviation = replace(draw_deviation(TOLERANCE, 11, number), friction=1.0, **changes)
+        self.camera = build_camera(self.deviation.camera(NOMINAL))
+        self._rng = np.random.default_rng([11, number])
+        x, y = (LAYOUT.positions[:, :2] + [self.deviation.pad_x, self.deviation.pad_y]).T
+        off = self.deviation.dot * self._rng.uniform(-1, 1, (len(LAYOUT), 3))
+        self.dots = DOME.nearest(DOME.inner_point(np.hypot(x, y), np.arctan2(y, x)) + off)
+
+    def shot(self, points: np.ndarray) -> np.ndarray:
+        return self.camera.project(points) + self._rng.normal(0, NOISE, (len(points), 2))
+
+    def press(self, press: Press, azimuth_deg: float) -> tuple[np.ndarray, np.ndarray]:
+        """Poses (n, 3) on the robot's scale, and dots (n, m, 2), of images deeper than 2 mm."""
+        turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+        deep = np.flatnonzero(press.depth >= 2.0)
+        tilt, azimuth = press.wall.tilt_deg, np.radians(azimuth_deg + self.deviation.seating_turn_deg)
+        flat = [
+            tilt * np.cos(azimuth) + self.deviation.seating_x_deg,
+            tilt * np.sin(azimuth) + self.deviation.seating_y_deg,
+        ]
+        depth = press.depth[deep] + self.deviation.touch
+        poses = np.column_stack([np.tile(flat, (len(deep), 1)), depth])
+        return poses, np.array([self.shot(points) for points in turned.positions(self.dots)[deep]])
+
+
+@pytest.fixture(scope="module")
+def seen() -> list[Press]:
+    """Presses between the twin's own, µ = 1."""
+    return [press(tilt, 1.0) for tilt in (3.0, 10.0, 6.5)]
+
+
+@pytest.fixture(scope="module")
+def units() -> list[Built]:
+    return [Built(number, thickness=0.0) for number in range(1, 7)]
+
+
+def opened(twin: Twin, unit: Built):
+    return learn_rest(twin, LAYOUT, NOMINAL, unit.shot(unit.dots), TOLERANCE, NOISE)
+
+
+def known(unit: Built, seen: list[Press]) -> list[RobotPress]:
+    return [RobotPress(*unit.press(seen[k % 2], 40.0 + 144.0 * k)) for k in range(4)]
+
+
+def test_the_rest_image_tells_the_camera_as_well_as_it_says(twin: Twin, units: list[Built]) -> None:
+    off = []
+    for unit in units:
+        belief = opened(twin, unit)
+        truth = np.array([getattr(unit.deviation, name) for name in UNKNOWN])
+        off.append((belief.mean - truth)[:-1] / np.sqrt(np.diag(belief.covariance)[:-1]))
+    assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.5
+    assert np.abs(off).max() < 4
+
+
+def test_an_image_is_read_without_any_known_press(twin: Twin, units: list[Built], seen: list[Press]) -> None:
+    """Pose against the dome, friction, and intervals that cover the truth; without friction it would be off by 1°."""
+    errors, told = [], []
+    for number, unit in enumerate(units):
+        fitter = PoseFitter(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), NOISE)
+        bare = replace(unit.deviation, seating_x_deg=0.0, seating_y_deg=0.0, seating_turn_deg=0.0, touch=0.0)
+        unit = Built.__new__(Built)
+        unit.__dict__ = units[number].__dict__ | {"deviation": bare}
+        for pose, dots in zip(*unit.press(seen[2], 70.0 * number), strict=True):
+            fit = fitter.fit(dots)
+            errors.append(np.append(fit.pose - pose, fit.slip - 1.0))
+            told.append(errors[-1] / np.sqrt(np.diag(fit.covariance)))
+            assert fit.misfit < 3
+    rms = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert rms[:2].max() < 0.12
+    assert rms[2] < 0.03
+    assert rms[3] < 0.15
+    assert np.sqrt(np.mean(np.square(told))) < 2
+
+
+def test_known_presses_tell_the_unit_and_its_mounting(twin: Twin, units: list[Built], seen: list[Press]) -> None:
+    before, after = [], []
+    for number, unit in enumerate(units):
+        belief = opened(twin, unit)
+        found = identify(twin, LAYOUT, belief, known(unit, seen), TOLERANCE, NOISE)
+        assert found.belief.mean[-1] == pytest.approx(0.0, abs=0.02)
+        assert found.slips == pytest.approx(1.0, abs=0.1)
+        truth = [getattr(unit.deviation, name) for name in MOUNTING]
+        off = (found.mounting.mean - truth) / np.sqrt(np.diag(found.mounting.covariance)[len(UNKNOWN) :])
+        assert np.abs(off).max() < 3.5
+        assert np.abs((found.mounting.mean - truth)[[0, 1, 3]]).max() < 0.08
+        blind = PoseFitter(model_unit(twin, LAYOUT, belief, TOLERANCE), NOISE)
+        knows = PoseFitter(model_unit(twin, LAYOUT, found.belief, TOLERANCE), NOISE, found.mounting)
+        for pose, dots in zip(*unit.press(seen[2], 70.0 * number + 15.0), strict=True):
+            before.append((blind.fit(dots).pose - pose)[:2])
+            after.append(knows.fit(dots).pose - pose)
+    rms = np.sqrt(np.mean(np.square(after), axis=0))
+    assert rms[:2].max() < 0.05
+    assert rms[2] < 0.03
+    assert np.abs(np.array(after)[:, :2]).max() < 0.2
+    assert rms[:2].max() < 0.6 * np.sqrt(np.mean(np.square(before)))
+
+
+def test_wrong_presses_never_make_a_confident_unit(twin: Twin, units: list[Built], seen: list[Press]) -> None:
+    unit = units[0]
+    belief, presses = opened(twin, unit), known(unit, seen)
+    with pytest.raises(PalpateError, match="no known press"):
+        identify(twin, LAYOUT, belief, [], TOLERANCE, NOISE)
+    swapped = [RobotPress(presses[(k + 1) % 4].poses, presses[k].pixels) for k in range(4)]
+    with pytest.raises(PalpateError, match=r"standard deviations off|do not fit a unit"):
+        identify(twin, LAYOUT, belief, swapped, TOLERANCE, NOISE)
+    wrong = [replace(presses[0], poses=presses[0].poses + np.array([1.0, 0.0, 0.0])), *presses[1:]]
+    with pytest.raises(PalpateError, match="standard deviations off"):
+        identify(twin, LAYOUT, belief, wrong, TOLERANCE, NOISE)
+    other = [replace(each, pixels=each.pixels[:, ::-1]) for each in presses]
+    with pytest.raises(PalpateError, match="do not fit a unit"):
+        identify(twin, LAYOUT, belief, other, TOLERANCE, NOISE)
+
+
+def test_one_press_leaves_open_what_it_cannot_tell(twin: Twin, units: list[Built], seen: list[Press]) -> None:
+    """Its direction alone: the turn of the seating stays as it was beforehand, and says so."""
+    unit = units[1]
+    belief = opened(twin, unit)
+    one = identify(twin, LAYOUT, belief, known(unit, seen)[:1], TOLERANCE, NOISE)
+    rows = {row["name"]: row for row in one.rows(TOLERANCE)}
+    assert rows["seating_turn_deg"]["sd"] > 0.8 * rows["seating_turn_deg"]["before"]
+    assert abs(rows["touch"]["mean"] - unit.deviation.touch) < 4 * rows["touch"]["sd"] < 0.2
+
+
+def test_an_image_of_another_dome_does_not_fit(twin: Twin, units: list[Built]) -> None:
+    """Dots of a taller dome's press, of a print that is bent, and dots named wrongly."""
+    unit = units[2]
+    belief = opened(twin, unit)
+    fitter = PoseFitter(model_unit(twin, LAYOUT, belief, TOLERANCE), NOISE)
+    other = build_skin(DomeSpec(height=26, thickness=2))
+    taller = solve_press(mesh_skin(other, MeshSpec(cells=9)), ECOFLEX, WallSpec(tilt_deg=5, depth=4, image_step=2))
+    places = other.inner_point(np.hypot(*LAYOUT.positions[:, :2].T), np.arctan2(*LAYOUT.positions[:, 1::-1].T))
+    moved = unit.camera.project(taller.positions(places)[-1]) - unit.camera.project(places)
+    assert fitter.fit(belief.rest_px + moved).misfit > RigSpec().misfit
+    right = fitter.model.look(np.array([4.0, 3.0, 3.0]), 1.0, unit=False).pixels
+    assert fitter.fit(right).misfit < 0.1
+    assert fitter.fit(np.roll(right, 1, axis=0)).misfit > 20
+
+
+def test_dots_that_are_missing_or_wrong_hardly_matter(twin: Twin, units: list[Built], seen: list[Press]) -> None:
+    unit = units[3]
+    fitter = PoseFitter(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), NOISE)
+    dots = unit.press(seen[2], 200.0)[1][-1]
+    whole = fitter.fit(dots)
+    spoiled = dots.copy()
+    spoiled[::9] = np.nan
+    spoiled[4::30] += 5.0
+    again = fitter.fit(spoiled)
+    assert again.pose == pytest.approx(whole.pose, abs=0.08)
+    assert again.covariance[0, 0] > whole.covariance[0, 0]
+
+
+def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Press], tmp_path) -> None:
+    unit = units[4]
+    found = identify(twin, LAYOUT, opened(twin, unit), known(unit, seen)[:2], TOLERANCE, NOISE)
+    written = KnownUnit(DOME.spec_data, LAYOUT.positions, found.belief, found.mounting)
+    write_unit(tmp_path / "unit.json", written)
+    again = read_unit(tmp_path / "unit.json")
+    again.check(DOME, LAYOUT)
+    assert again.belief.mean == pytest.approx(found.belief.mean)
+    assert again.mounting.covariance == pytest.approx(found.mounting.covariance)
+    assert again.belief.nominal == NOMINAL
+    with pytest.raises(PalpateError, match="of another design than H10 T2 with 91 markers"):
+        again.check(build_skin(DomeSpec(height=10, thickness=2)), LAYOUT)
+    (tmp_path / "unit.json").write_text('{"kind": "something"}')
+    with pytest.raises(PalpateError, match="is not a unit of version"):
+        read_unit(tmp_path / "unit.json")
+
+
+def test_what_is_foreseen_is_what_units_show(twin: Twin, units: list[Built], seen: list[Press]) -> None:
+    """The linear figure, from no unit, against whole fits of drawn units; and known presses make it better."""
+    spec = ForeseeSpec(units=100, poses=30, least_depth=2.0, max_tilt_deg=10.0, noise_px=NOISE)
+    beforehand = foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec)
+    errors = []
+    for number, unit in enumerate(units):
+        fitter = PoseFitter(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), NOISE)
+        for k in range(3):
+            for pose, dots in zip(*unit.press(seen[k], 120.0 * k + 31.0 * number), strict=True):
+                errors.append((fitter.fit(dots).pose - pose)[:2])
+    assert beforehand.rmse_deg == pytest.approx(np.sqrt(np.mean(np.square(errors))), rel=0.35)
+    assert beforehand.noise_deg < beforehand.rmse_deg < beforehand.worst_deg
+    known_too = foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, replace(spec, known=5))
+    assert known_too.rmse_deg < 0.5 * beforehand.rmse_deg
+    fewer = foresee(twin, place_markers(DOME, MarkerSpec(count=7)), build_camera(NOMINAL), TOLERANCE, spec)
+    assert fewer.rmse_deg > 1.5 * beforehand.rmse_deg

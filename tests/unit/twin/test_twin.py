@@ -1,0 +1,170 @@
+"""The twin of a design against presses that it has not seen, whole presses of other units, and closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from palpate.camera import build_camera
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import THICKNESS, Twin, build_twin, read_twin, write_twin
+from palpate.twin.tensor_spline import fit_spline
+
+ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
+SKIN = DomeSpec(height=20, thickness=2)
+DOME = build_skin(SKIN)
+LAYOUT = place_markers(DOME, MarkerSpec(count=37))
+CAMERA = build_camera()
+TILTS = (0.0, 4.0, 8.0, 12.0)
+FRICTIONS = ("no-slip", 1.2, 0.6, 0.3)
+
+
+def press(tilt: float, contact: str | float, thickness: float = 2.0, **wall: float) -> Press:
+    skin = build_skin(SKIN.model_copy(update={"thickness": thickness}))
+    spec = WallSpec(tilt_deg=tilt, contact=contact, depth=3.2, image_step=0.4, **wall)
+    return solve_press(mesh_skin(skin, MeshSpec(cells=9)), ECOFLEX, spec, SolverSpec(derivatives=(THICKNESS,)))
+
+
+@pytest.fixture(scope="module")
+def presses() -> list[Press]:
+    return [press(tilt, friction) for friction in FRICTIONS for tilt in TILTS]
+
+
+@pytest.fixture(scope="module")
+def twin(presses: list[Press]) -> Twin:
+    return build_twin(presses)
+
+
+def at(tilt: float, azimuth_deg: float, depth: float) -> np.ndarray:
+    azimuth = np.radians(azimuth_deg)
+    return np.array([tilt * np.cos(azimuth), tilt * np.sin(azimuth), depth])
+
+
+def pixels_apart(found: np.ndarray, press: Press, image: int) -> float:
+    """Root mean square distance of a coordinate in the image, px."""
+    return float(
+        np.sqrt(np.mean((CAMERA.project(found) - CAMERA.project(press.positions(LAYOUT.positions)[image])) ** 2))
+    )
+
+
+def test_a_press_in_another_direction_and_friction_is_foreseen(twin: Twin) -> None:
+    """Tilt, direction and friction between those that were pressed; four tilts and frictions instead of seven."""
+    seen = press(6.0, 0.9, azimuth_deg=77.0)
+    dots = twin.print_dots(LAYOUT.positions)
+    for image in (4, 8):
+        motion = dots.move(at(6.0, 77.0, float(seen.depth[image])), 1 / 0.9)
+        assert pixels_apart(motion.positions, seen, image) < 0.03
+        assert motion.force == pytest.approx(seen.force[image], abs=0.02 * seen.force[image, 2])
+
+
+def test_without_depth_nothing_moves(twin: Twin) -> None:
+    motion = twin.print_dots(LAYOUT.positions).move(at(5.0, 30.0, 0.0), 0.5)
+    assert motion.positions == pytest.approx(LAYOUT.positions, abs=2e-3)
+    assert np.abs(motion.force).max() < 1e-3
+
+
+@pytest.mark.parametrize("azimuth_deg", [0.0, 111.0, 260.0])
+def test_a_turned_wall_turns_everything(twin: Twin, azimuth_deg: float) -> None:
+    """The dots of a print that is turned along move as those of the other, turned; so does the force."""
+    angle = np.radians(azimuth_deg)
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    here = twin.print_dots(LAYOUT.positions).move(at(7.0, 20.0, 2.0), 0.8)
+    there = twin.print_dots(LAYOUT.positions @ turn.T).move(at(7.0, 20.0 + azimuth_deg, 2.0), 0.8)
+    assert there.positions == pytest.approx(here.positions @ turn.T, abs=1e-9)
+    assert there.force == pytest.approx(turn @ here.force, abs=1e-12)
+
+
+def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
+    dots, pose, step = twin.print_dots(LAYOUT.positions), at(6.5, 200.0, 2.3), 1e-5
+    motion = dots.move(pose, 0.7, 0.02)
+    for k in range(5):
+        changes = np.eye(5)[k] * step
+        high, low = (
+            dots.move(pose + side * changes[:3], 0.7 + side * changes[3], 0.02 + side * changes[4])
+            for side in (1, -1)
+        )
+        assert motion.by[..., k] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
+        assert motion.force_by[:, k] == pytest.approx((high.force - low.force) / (2 * step), abs=1e-7)
+
+
+def test_at_the_straight_press_the_directions_are_alike(twin: Twin) -> None:
+    """Nothing tells a direction from another at tilt 0: both derivatives are one pattern, a quarter turn apart."""
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    places = LAYOUT.positions
+    here = twin.print_dots(places).move(at(0.0, 0.0, 2.0), 0.5).by[..., 0]
+    there = twin.print_dots(places @ quarter.T).move(at(0.0, 0.0, 2.0), 0.5).by[..., 1]
+    assert np.linalg.norm(there - here @ quarter.T) < 0.05 * np.linalg.norm(here)
+
+
+def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
+    write_twin(tmp_path / "dome.h5", twin)
+    again = read_twin(tmp_path / "dome.h5")
+    pose = at(3.0, 50.0, 1.7)
+    assert again.print_dots(LAYOUT.positions).move(pose, 0.4).positions == pytest.approx(
+        twin.print_dots(LAYOUT.positions).move(pose, 0.4).positions, abs=1e-12
+    )
+    (tmp_path / "none.h5").write_bytes(b"no twin")
+    with pytest.raises(PalpateError, match="cannot be read as a twin"):
+        read_twin(tmp_path / "none.h5")
+
+
+def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
+    with pytest.raises(PalpateError, match="none was given"):
+        build_twin([])
+    with pytest.raises(
+        PalpateError, match=r"1 presses are missing, the first at a tilt of 8° and a friction of 0\.6"
+    ):
+        build_twin([each for each in presses if (each.wall.tilt_deg, each.wall.contact) != (8.0, 0.6)])
+    with pytest.raises(PalpateError, match="no derivative by thickness"):
+        build_twin([replace(presses[0], derivatives={}), *presses[1:]])
+    with pytest.raises(PalpateError, match="2 tilts from 0° on and 4 frictions do not make a twin"):
+        build_twin([each for each in presses if each.wall.tilt_deg <= 4.0])
+    with pytest.raises(PalpateError, match="of several designs"):
+        build_twin([*presses, press(0.0, 0.9, thickness=3.0)])
+
+
+def test_dots_outside_the_dome_are_refused(twin: Twin) -> None:
+    places = LAYOUT.positions.copy()
+    places[3] = np.nan
+    with pytest.raises(PalpateError, match="1 dots lie outside the dome"):
+        twin.print_dots(places)
+
+
+def test_a_thicker_wall_is_foreseen() -> None:
+    """A whole press of a unit that is 0.1 mm thicker, of which nothing was in the twin; of one contact law only."""
+    presses = [press(tilt, "frictionless") for tilt in TILTS]
+    dots, image = build_twin(presses).print_dots(LAYOUT.positions), 8
+    thick = press(4.0, "frictionless", thickness=2.1)
+    pose = at(4.0, 0.0, float(thick.depth[image]))
+    told, blind = dots.move(pose, 1.0, 0.1), dots.move(pose, 1.0)
+    assert np.abs(told.by[..., 3]).max() < 1e-12  # there is no friction to depend on
+    seen = [CAMERA.project(each.positions(LAYOUT.positions)[image]) for each in (thick, presses[1])]
+    expected, found = seen[0] - seen[1], CAMERA.project(told.positions) - CAMERA.project(blind.positions)
+    assert np.linalg.norm(found - expected) < 0.1 * np.linalg.norm(expected)
+    assert told.force[2] == pytest.approx(thick.force[image, 2], rel=0.01)
+    assert blind.force[2] < 0.95 * thick.force[image, 2]
+
+
+def test_splines_give_cubics_exactly() -> None:
+    rng = np.random.default_rng(0)
+    axes = (np.array([0.0, 0.3, 1.0, 1.4, 2.0]), np.linspace(-2, 3, 6), np.array([0.0, 1.0, 1.5, 4.0]))
+    powers = rng.normal(size=(4, 4, 4, 2))
+
+    def value(at: np.ndarray, orders: tuple[int, int, int] = (0, 0, 0)) -> np.ndarray:
+        waves = [np.polynomial.polynomial.polyder(np.eye(4), order, axis=1) for order in orders]
+        x = [np.polynomial.polynomial.polyval(place, wave.T) for place, wave in zip(at, waves, strict=True)]
+        return np.einsum("i,j,k,ijkm->m", *x, powers)
+
+    grid = np.array([[[value(np.array([a, b, c])) for c in axes[2]] for b in axes[1]] for a in axes[0]])
+    spline = fit_spline(axes, grid)
+    for place in rng.uniform([0, -2, 0], [2, 3, 4], (20, 3)):
+        found = spline.evaluate(place)
+        assert found[0] == pytest.approx(value(place), rel=1e-9, abs=1e-9)
+        for axis in range(3):
+            orders = tuple(int(axis == k) for k in range(3))
+            assert found[1 + axis] == pytest.approx(value(place, orders), rel=1e-8, abs=1e-8)
