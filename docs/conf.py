@@ -39,6 +39,7 @@ STAGES = [
     "camera",
     "markers",
     "twin",
+    "built",
     "dataset",
     "learn",
     "fabricate",

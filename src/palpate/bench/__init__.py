@@ -6,7 +6,7 @@ from palpate.bench.result import describe_bench, run_bench, write_bench
 from palpate.bench.simulate import SimulatedSource, draw_touches, simulate_sensor
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.bench.write_budget import describe_budget, write_budget
-from palpate.twin import Deviation, ToleranceSpec
+from palpate.built import Deviation, ToleranceSpec
 
 __all__ = [
     "Bench",

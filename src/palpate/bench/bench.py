@@ -17,13 +17,16 @@ import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.spec import VirtualBenchSpec
+from palpate.built import Deviation, RobotSpec
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator, provenance
 from palpate.deck import CalculixSpec
@@ -37,11 +40,11 @@ from palpate.design import (
     place_markers,
 )
 from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, write_press
+from palpate.learn import Predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import (
-    Model,
     Sensor,
     TouchZero,
     Unit,
@@ -50,9 +53,8 @@ from palpate.sensor import (
     identify_unit,
     open_model,
     open_sensor,
-    see_press,
 )
-from palpate.twin import Deviation, RobotPress, RobotSpec
+from palpate.twin import Twin
 
 BENCH_VERSION = "2"
 """Version of the code that decides what a played unit says; part of its key."""
@@ -96,7 +98,7 @@ class Bench:
         return build_skin(self.dome)
 
     @cached_property
-    def reads_with(self) -> Model:
+    def reads_with(self) -> Predictor | Twin:
         """The model, opened."""
         return open_model(self.model)
 
@@ -246,7 +248,7 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
 
 def _known(
     bench: Bench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
-) -> list[RobotPress]:
+) -> list[tuple[FloatArray, list[NDArray[np.uint8]]]]:
     """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off."""
     tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in _KNOWN_TILTS[: bench.spec.known]]
     solved, first, found = [_press(bench, deviation, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
@@ -255,9 +257,8 @@ def _known(
         poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
         poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
         poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)
-        seen = see_press(sensor, poses, scene.through(press))
-        deep = seen.poses[:, 2] - poses[0, 2] >= bench.spec.least_depth - 1e-9
-        found.append(RobotPress(seen.poses[deep], seen.pixels[deep]))
+        deep = press.depth >= bench.spec.least_depth - 1e-9
+        found.append((poses[deep], list(compress(scene.through(press), deep))))
     return found
 
 

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from palpate.bench.bench import Bench, Played, play_unit
+from palpate.built import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
 from palpate.camera import RenderSpec
 from palpate.core import FloatArray, PalpateError, parameters
-from palpate.twin import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
 
 DRAWS = 2
 """Units of opposite signs and other dots off, for an imperfection that needs no press of its own."""

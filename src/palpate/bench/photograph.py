@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.built import Deviation
 from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, dot_edges, render, tangent_pair
 from palpate.core import FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark
 from palpate.fea import Press
-from palpate.twin import Deviation
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from palpate.bench.bench import Bench, Played, play_unit
+from palpate.built import Deviation, ToleranceSpec, draw_deviation
 from palpate.core import parameters
 from palpate.sensor import PAPER_TABLE_3, Score, made_by, score_readings, table_lines, write_report
-from palpate.twin import Deviation, ToleranceSpec, draw_deviation
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
 """Roll and pitch of a unit that is as good as the paper's sensor."""

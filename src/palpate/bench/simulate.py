@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.bench.photograph import set_scene
+from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source, render
 from palpate.core import FloatArray, child_seed, generator
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit
-from palpate.twin import Deviation
 
 _CELLS = 10
 """A coarse mesh is solved in seconds and is good enough to look at."""

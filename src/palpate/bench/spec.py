@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
 
+from palpate.built import ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
 from palpate.fea import check_contact
-from palpate.twin import ToleranceSpec
 
 DEGRADED = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
 """Light, lens and sensor of the bench's images."""

@@ -21,7 +21,9 @@ from palpate.sensor import AcceptSpec
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from palpate.sensor import Model, Truth, Unit
+    from palpate.learn import Predictor
+    from palpate.sensor import Truth, Unit
+    from palpate.twin import Twin
 
 OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as in `palpate verify`."""
@@ -75,7 +77,7 @@ def accept(
     return 0 if found.passed else OUTSIDE
 
 
-def _read(folder: Path, known: Truth, model: Model, unit: Unit) -> tuple[FloatArray, BoolArray]:
+def _read(folder: Path, known: Truth, model: Predictor | Twin, unit: Unit) -> tuple[FloatArray, BoolArray]:
     import numpy as np
 
     from palpate.sensor import check_model, open_sensor, run_sensor

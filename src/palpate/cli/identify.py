@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
+from numpy.typing import NDArray
 
 from palpate.camera import read_image
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.cli.unit import UnitFlags
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 
 if TYPE_CHECKING:
-    from palpate.sensor import Sensor, Truth
-    from palpate.twin import RobotPress
+    from palpate.sensor import Truth
 
 _TRUTH = (
     "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
@@ -27,34 +28,46 @@ _TILT = "Standard deviation of the robot's tilts, degrees."
 _DEPTH = "Standard deviation of the robot's depths, mm."
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class RobotFlags:
+    """How well the robot knows its poses."""
+
+    robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02
+    robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02
+
+    def check(self) -> None:
+        """Refuse what cannot be meant."""
+        if not (0 < self.robot_tilt <= 5 and 0 < self.robot_depth <= 5):
+            raise PalpateError(
+                f"A robot is not off by {self.robot_tilt:g}° and {self.robot_depth:g} mm.",
+                "Give more than 0, and at most 5.",
+            )
+
+
 def identify(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
     model: Annotated[Path, Parameter(help=_MODEL)],
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     built: UnitFlags = UnitFlags(),
-    robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02,
-    robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02,
+    robot: RobotFlags = RobotFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
+    from palpate.built import KnownUnit, RobotSpec, write_unit
     from palpate.sensor import identify_unit, open_model, open_sensor, read_truth
-    from palpate.twin import KnownUnit, RobotSpec, write_unit
 
     check_file(out, ".json")
-    if not (0 < robot_tilt <= 5 and 0 < robot_depth <= 5):
-        raise PalpateError(
-            f"A robot that is off by {robot_tilt:g}° and {robot_depth:g} mm says nothing.",
-            "Give more than 0, at most 5.",
-        )
+    robot.check()
     known, unit = read_truth(truth), built.unit()
     if not known.rest:
         raise PalpateError(
             "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
         )
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model))
-    presses = list(_presses(sensor, truth.parent, known))
-    found = identify_unit(sensor, presses, RobotSpec(robot_tilt, robot_depth))
+    presses = list(_presses(truth.parent, known))
+    found = identify_unit(sensor, presses, RobotSpec(robot.robot_tilt, robot.robot_depth))
     if out is not None:
         write_unit(out, KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting))
     rows = found.rows(unit.tolerance)
@@ -72,11 +85,9 @@ def identify(
     )
 
 
-def _presses(sensor: Sensor, folder: Path, known: Truth) -> Iterator[RobotPress]:
+def _presses(folder: Path, known: Truth) -> Iterator[tuple[FloatArray, list[NDArray[Any]]]]:
     """The presses of a recording; images whose depth is not known, or that do not touch, tell nothing."""
     import numpy as np
-
-    from palpate.sensor import see_press
 
     for number in range(int(known.press.max()) + 1):
         which = np.flatnonzero((known.press == number) & np.isfinite(known.poses[:, 2]))
@@ -85,4 +96,4 @@ def _presses(sensor: Sensor, folder: Path, known: Truth) -> Iterator[RobotPress]
                 f"Press {number + 1} has no depth.", "Give the robot's depth of its images; its zero may be anywhere."
             )
         images = [read_image(folder / known.images[k]) for k in which]
-        yield see_press(sensor, known.poses[which], images)
+        yield known.poses[which], images

@@ -48,9 +48,9 @@ class UnitFlags(DesignFlags):
 
     def unit(self) -> Unit:
         """The unit of these flags."""
+        from palpate.built import read_unit
         from palpate.camera import read_calibration
         from palpate.sensor import Unit
-        from palpate.twin import read_unit
 
         skin = build_skin(self.skin_spec())
         layout = place_markers(skin, self.markers)

@@ -4,7 +4,6 @@ from palpate.learn.calibrate import Coverage, calibrate, measure_coverage
 from palpate.learn.control import SplitComparison, compare_splits, shuffle_labels
 from palpate.learn.device import find_device
 from palpate.learn.estimator import LEARN_VERSION, Estimator
-from palpate.learn.fit_pose import PoseFit, PoseFitter
 from palpate.learn.interval import Interval, Prediction
 from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.judge import PooledLimit, compare_with_limit, find_leak, pool_limits
@@ -28,8 +27,6 @@ __all__ = [
     "Interval",
     "Metrics",
     "PooledLimit",
-    "PoseFit",
-    "PoseFitter",
     "Prediction",
     "Predictor",
     "SearchSpec",

@@ -14,7 +14,7 @@ Lengths of increments are those of the spec times `unit`, so a body ten times as
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from palpate.mechanics.newton import Equilibrium, Loads, Problem, SolveOutcome
 from palpate.mechanics.sensitivity import Advance, Sensitivity
 from palpate.mechanics.solid import State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
-from palpate.mechanics.term import Damping, Term
+from palpate.mechanics.term import Damping
 
 _JUMP_STEP = 0.02
 """An increment this small (mm, times the unit) that still breaks the energy balance is a jump of the body."""
@@ -35,8 +35,6 @@ _RELEASE_STEP = 0.1
 """Increment (mm, times the unit) below which a lost branch is let go."""
 _IMBALANCE = 0.06
 """Greatest share by which the energy gained may miss the work (trapezoid) of a continuous increment."""
-_CLOSE = 1e3
-"""Residual over the tolerance at which a solve that ran out of iterations may go on once."""
 _NOTHING = 1e-9
 """Distance (mm) and energy (mJ), times the unit and its cube, that count as none."""
 _ROUNDING = 1e-6
@@ -243,25 +241,14 @@ class Continuation:
         while True:
             terms = self.loading.terms(depth, history) + (() if damping is None else (damping,))
             slack = _SLACK if rough else 1.0
-            found = self._equilibrate(start, terms, slack, descend=damping is not None)
+            found = self.problem.solve(start, terms, self.spec.iterations, slack, descend=damping is not None)
+            self.iterations += found.iterations
             self._history, passes = history, passes + 1
             if not rough or damping is not None or not found.converged:
                 return found
             history = self.loading.correct(history, (last.depth, last.state), (depth, found.state))
             start = found.state
             rough = passes < _PASSES and not _agree(self._history.limit, history.limit)
-
-    def _equilibrate(self, start: State, terms: Sequence[Term], slack: float, *, descend: bool) -> Equilibrium:
-        """Equilibrium near a state; a solve that is close when its iterations end may go on once.
-
-        So it is where points stick and slip in turn: a shorter increment finds it no sooner.
-        """
-        found = self.problem.solve(start, terms, self.spec.iterations, slack, descend=descend)
-        self.iterations += found.iterations
-        if found.outcome is SolveOutcome.TOO_MANY_ITERATIONS and found.residual < _CLOSE * self.problem.tolerance:
-            found = self.problem.solve(found.state, terms, self.spec.iterations, slack, descend=descend)
-            self.iterations += found.iterations
-        return found
 
     def _stuck(self, depth: float, predicted: State) -> State:
         """The predicted state, with the points that touch at the last equilibrium drawn to the obstacle.

@@ -19,6 +19,8 @@ _TRIALS = 5
 """Most trials of a line search."""
 _SLOPE_FALL = 0.5
 """Share of the first slope to which a line search goes down."""
+_CLOSE = 1e3
+"""Residual over the tolerance at which an iteration that has not ended goes on."""
 _BLOW_UP = 10.0
 """Share of the first slope to which a step along a rising one may raise it."""
 _FIRST_SHIFT, _SHIFTS = 1e-3, 8
@@ -141,7 +143,7 @@ class Problem:
         terms
             What acts on the body.
         iterations
-            Most Newton iterations.
+            Most Newton iterations; twice as many where points stick and slip in turn and the end is near.
         slack
             Factor on the tolerance.
         descend
@@ -155,7 +157,8 @@ class Problem:
         state, pivots = start, -1
         history: list[float] = []
         loads = self.assemble(state, terms)
-        for iteration in range(iterations + 1):
+        most = iterations
+        for iteration in range(2 * iterations + 1):
             if not np.isfinite(loads.elastic):
                 return self._end(SolveOutcome.INVERTED_CELL, state, loads, history, pivots)
             residual = self._system.residual[self.body.free]
@@ -164,7 +167,9 @@ class Problem:
                 return self._end(SolveOutcome.DIVERGED, state, loads, history, pivots)
             if history[-1] <= slack * self.tolerance and iteration > 0:
                 return self._end(SolveOutcome.CONVERGED, state, loads, history, pivots)
-            if iteration == iterations:
+            if iteration == iterations and history[-1] < _CLOSE * self.tolerance:
+                most = 2 * iterations
+            if iteration == most:
                 break
             try:
                 pivots, step = self._direction(residual, descend=descend)

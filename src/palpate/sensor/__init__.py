@@ -3,16 +3,16 @@
 from palpate.sensor.accept import AcceptSpec, accept_unit
 from palpate.sensor.device import Device
 from palpate.sensor.draw_inspection import draw_inspection
-from palpate.sensor.identify_unit import identify_unit, see_press
+from palpate.sensor.identify_unit import identify_unit
 from palpate.sensor.inspect_unit import Inspection, InspectSpec, inspect_unit
 from palpate.sensor.known_press import KnownPress
-from palpate.sensor.reader import Model, check_model, open_model
+from palpate.sensor.reader import check_model, open_model
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.report import made_by, table_lines, write_report
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
-from palpate.sensor.sensor import Rest, Sensor, open_sensor, read_rest, run_sensor
+from palpate.sensor.sensor import Sensor, open_sensor, run_sensor
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.touch import TouchZero, find_zero
 from palpate.sensor.unit import Unit
@@ -27,10 +27,8 @@ __all__ = [
     "InspectSpec",
     "Inspection",
     "KnownPress",
-    "Model",
     "Reading",
     "Registration",
-    "Rest",
     "RigSpec",
     "Score",
     "Sensor",
@@ -49,12 +47,10 @@ __all__ = [
     "open_model",
     "open_sensor",
     "read_readings",
-    "read_rest",
     "read_truth",
     "register_dome",
     "run_sensor",
     "score_readings",
-    "see_press",
     "table_lines",
     "write_acceptance",
     "write_readings",

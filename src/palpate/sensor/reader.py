@@ -6,7 +6,7 @@ rest image, and the network reads its own rest plus the difference. So roll, til
 real camera are taken out exactly, print and seating errors at rest vanish, and an offset is taken out as far as the
 dome follows the wall. The wall is that of a first estimate; of another obstacle only the heights at rest are used.
 
-A twin is fitted to the dots as the real camera sees them (`palpate.learn.fit_pose`).
+A twin is fitted to the dots as the real camera sees them (`palpate.built.fit_pose`).
 """
 
 from __future__ import annotations
@@ -18,16 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from palpate.built import PoseFit, PoseFitter, learn_rest, model_unit
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
-from palpate.learn import PoseFit, PoseFitter, Predictor, open_predictor
+from palpate.learn import Predictor, open_predictor
 from palpate.markers import Naming, Sighting
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
-from palpate.twin import Twin, learn_rest, model_unit, read_twin
+from palpate.twin import Twin, read_twin
 
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""

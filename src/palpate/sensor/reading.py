@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from palpate.built import PoseFit
 from palpate.design import TILT_DEPTH, PoseSpace
-from palpate.learn import PoseFit
 from palpate.markers import Sighting
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from palpate.built import KnownUnit, ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.design import MarkerLayout, Skin
-from palpate.twin import KnownUnit, ToleranceSpec
 
 
 @dataclass(frozen=True, eq=False)

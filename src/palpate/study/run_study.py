@@ -126,6 +126,7 @@ class Hands:
     cluster: str | None = None
 
     def crew(self, store: ArtefactStore, tasks: int) -> WorkerPool:
+        """Workers for so many tasks."""
         if self.cluster is not None:
             return ClusterWorkers(store, self.cluster)
         return LocalWorkers(store, min(self.workers or fitting_workers(), tasks))

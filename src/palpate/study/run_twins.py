@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from palpate.built import BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
 from palpate.camera import build_camera
 from palpate.core import PalpateError
 from palpate.design import MarkerSpec, SkinSpec, place_markers
@@ -15,7 +16,7 @@ from palpate.study.plan import check_markers
 from palpate.study.run_study import Hands, Run, writable
 from palpate.study.study import Study
 from palpate.study.task import PressTask, Task, TwinTask, find_made
-from palpate.twin import THICKNESS, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee, read_twin
+from palpate.twin import THICKNESS, read_twin
 
 FRICTIONS: tuple[str | float, ...] = ("no-slip", 2.0, 1.2, 0.8, 0.5, 0.3, 0.2)
 """Contact laws of a twin's presses, where a study's wall is not frictionless."""

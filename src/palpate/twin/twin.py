@@ -125,7 +125,7 @@ class Twin:
         return np.ascontiguousarray(np.concatenate(turned, axis=-1).reshape(-1, 2 * len(self.order)))
 
 
-class Motion(NamedTuple):
+class MovedDots(NamedTuple):
     """Where dots are at one pose, and how that changes.
 
     Attributes
@@ -168,7 +168,7 @@ class PrintedTwin:
     azimuth: FloatArray
     waves: FloatArray
 
-    def move(self, pose: FloatArray, slip: float, thickness: float = 0.0) -> Motion:
+    def move(self, pose: FloatArray, slip: float, thickness: float = 0.0) -> MovedDots:
         """Dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`, in a wall thicker by some mm."""
         rx, ry, depth = (float(value) for value in pose)
         tilt, azimuth = max(float(np.hypot(rx, ry)), STRAIGHT_DEG), float(np.arctan2(ry, rx))
@@ -187,7 +187,7 @@ class PrintedTwin:
             out[..., 0] = each[..., 1] * c - around * (s / tilt)
             out[..., 1] = each[..., 1] * s + around * (c / tilt)
             out[..., 2:] = each[..., 2:5]
-        return Motion(self.places + moved[..., 0], by, force[:, 0], force_by)
+        return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by)
 
     def amplitudes(self, pose: FloatArray, slip: float, thickness: float) -> FloatArray:
         """Amplitudes (2 r,) of the waves at a pose."""

@@ -9,8 +9,9 @@ from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, rend
 from palpate.core import PalpateError, generator
 from palpate.design import MarkerSpec, build_skin, place_markers
 from palpate.markers import build_pattern, name_by_press, name_markers
-from palpate.sensor import KnownPress, Unit, read_rest
+from palpate.sensor import KnownPress, Unit
 from palpate.sensor.known_press import ask_press
+from palpate.sensor.sensor import read_rest
 from small_chain import DOME, MARKERS, MATERIAL, solve
 
 BUILT = build_skin(DOME)

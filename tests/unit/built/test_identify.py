@@ -5,26 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.camera import CameraSpec, build_camera
-from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, solve_press
-from palpate.learn import PoseFitter
-from palpate.material import get_material
-from palpate.mechanics import SolverSpec
-from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import RigSpec
-from palpate.twin import (
+from palpate.built import (
     MOUNTING,
-    THICKNESS,
     UNKNOWN,
     Deviation,
     ForeseeSpec,
     KnownUnit,
+    PoseFitter,
     RobotPress,
     ToleranceSpec,
-    Twin,
-    build_twin,
     draw_deviation,
     foresee,
     identify,
@@ -33,6 +22,15 @@ from palpate.twin import (
     read_unit,
     write_unit,
 )
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import RigSpec
+from palpate.twin import THICKNESS, Twin, build_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
@@ -136,7 +134,7 @@ def test_known_presses_tell_the_unit_and_its_mounting(twin: Twin, units: list[Bu
     before, after = [], []
     for number, unit in enumerate(units):
         belief = opened(twin, unit)
-        found = identify(twin, LAYOUT, belief, known(unit, seen), TOLERANCE, NOISE)
+        found = identify(model_unit(twin, LAYOUT, belief, TOLERANCE), known(unit, seen), NOISE)
         assert found.belief.mean[-1] == pytest.approx(0.0, abs=0.02)
         assert found.slips == pytest.approx(1.0, abs=0.1)
         truth = [getattr(unit.deviation, name) for name in MOUNTING]
@@ -159,23 +157,23 @@ def test_wrong_presses_never_make_a_confident_unit(twin: Twin, units: list[Built
     unit = units[0]
     belief, presses = opened(twin, unit), known(unit, seen)
     with pytest.raises(PalpateError, match="no known press"):
-        identify(twin, LAYOUT, belief, [], TOLERANCE, NOISE)
+        identify(model_unit(twin, LAYOUT, belief, TOLERANCE), [], NOISE)
     swapped = [RobotPress(presses[(k + 1) % 4].poses, presses[k].pixels) for k in range(4)]
     with pytest.raises(PalpateError, match=r"standard deviations off|do not fit a unit"):
-        identify(twin, LAYOUT, belief, swapped, TOLERANCE, NOISE)
+        identify(model_unit(twin, LAYOUT, belief, TOLERANCE), swapped, NOISE)
     wrong = [replace(presses[0], poses=presses[0].poses + np.array([1.0, 0.0, 0.0])), *presses[1:]]
     with pytest.raises(PalpateError, match="standard deviations off"):
-        identify(twin, LAYOUT, belief, wrong, TOLERANCE, NOISE)
+        identify(model_unit(twin, LAYOUT, belief, TOLERANCE), wrong, NOISE)
     other = [replace(each, pixels=each.pixels[:, ::-1]) for each in presses]
     with pytest.raises(PalpateError, match="do not fit a unit"):
-        identify(twin, LAYOUT, belief, other, TOLERANCE, NOISE)
+        identify(model_unit(twin, LAYOUT, belief, TOLERANCE), other, NOISE)
 
 
 def test_one_press_leaves_open_what_it_cannot_tell(twin: Twin, units: list[Built], seen: list[Press]) -> None:
     """Its direction alone: the turn of the seating stays as it was beforehand, and says so."""
     unit = units[1]
     belief = opened(twin, unit)
-    one = identify(twin, LAYOUT, belief, known(unit, seen)[:1], TOLERANCE, NOISE)
+    one = identify(model_unit(twin, LAYOUT, belief, TOLERANCE), known(unit, seen)[:1], NOISE)
     rows = {row["name"]: row for row in one.rows(TOLERANCE)}
     assert rows["seating_turn_deg"]["sd"] > 0.8 * rows["seating_turn_deg"]["before"]
     assert abs(rows["touch"]["mean"] - unit.deviation.touch) < 4 * rows["touch"]["sd"] < 0.2
@@ -211,7 +209,7 @@ def test_dots_that_are_missing_or_wrong_hardly_matter(twin: Twin, units: list[Bu
 
 def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Press], tmp_path) -> None:
     unit = units[4]
-    found = identify(twin, LAYOUT, opened(twin, unit), known(unit, seen)[:2], TOLERANCE, NOISE)
+    found = identify(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), known(unit, seen)[:2], NOISE)
     written = KnownUnit(DOME.spec_data, LAYOUT.positions, found.belief, found.mounting)
     write_unit(tmp_path / "unit.json", written)
     again = read_unit(tmp_path / "unit.json")

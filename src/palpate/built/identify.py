@@ -18,14 +18,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from palpate.built.tolerance import ToleranceSpec
+from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.design import MarkerLayout
-from palpate.twin.tolerance import ToleranceSpec
-from palpate.twin.twin import Twin
-from palpate.twin.unit_model import UNKNOWN, UnitBelief, UnitModel, model_unit, prior_sd
+from palpate.twin import Twin
 
 MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
-"""Numbers of a `palpate.twin.Deviation` that say how a unit sits on its robot."""
+"""Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
 SLIP_MEAN, SLIP_SD, SLIP_MOST = 1.0, 1.0, 5.0
 """1/µ beforehand: silicone on metal is near 1, no slip is 0, and more than 5 has not been met."""
 MODEL_PX = 0.02
@@ -162,26 +161,16 @@ def mount_unit(belief: UnitBelief, tolerance: ToleranceSpec) -> Mounting:
 
 
 def identify(
-    twin: Twin,
-    layout: MarkerLayout,
-    belief: UnitBelief,
-    presses: Sequence[RobotPress],
-    tolerance: ToleranceSpec,
-    noise_px: float,
-    robot: RobotSpec | None = None,
+    model: UnitModel, presses: Sequence[RobotPress], noise_px: float, robot: RobotSpec | None = None
 ) -> Identified:
     """Learn a unit and its mounting from known presses.
 
     Parameters
     ----------
-    twin, layout
-        Of the design.
-    belief
-        What the image at rest told (`learn_rest`).
+    model
+        The unit, as the image at rest told it (`learn_rest`).
     presses
         At least one; three of different directions tell the mounting.
-    tolerance
-        How far the unit may be from its design.
     noise_px
         Standard deviation of a dot's coordinate in one image.
     robot
@@ -194,8 +183,7 @@ def identify(
     """
     if not presses:
         raise PalpateError("There is no known press.", "Press at least once, better three times, at known poses.")
-    fit = _Fit(twin, presses, noise_px, robot or RobotSpec())
-    return fit.run(belief, layout, tolerance)
+    return _Fit(model.dots.twin, presses, noise_px, robot or RobotSpec()).run(model)
 
 
 def learn_presses(
@@ -251,16 +239,16 @@ class _Fit:
         self.size = self.shared + 4 * len(presses)
         self.slip = len(twin.slips) > 1
 
-    def run(self, belief: UnitBelief, layout: MarkerLayout, tolerance: ToleranceSpec) -> Identified:
+    def run(self, model: UnitModel) -> Identified:
         """Iterate to the maximum of the posterior."""
-        prior = mount_unit(belief, tolerance)
+        belief, prior = model.belief, mount_unit(model.belief, model.tolerance)
         information = self.information(prior)
         values = np.zeros(self.size)
         values[self.shared :: 4] = SLIP_MEAN if self.slip else self.twin.slips[0]
         before = values.copy()
         now, mounting = belief, prior
         for iteration in range(_ITERATIONS):
-            model = model_unit(self.twin, layout, now, tolerance)
+            model = model.believing(now)
             found = self.assemble(model, mounting, values)
             normal = found.normal + information
             gradient = found.gradient - information @ (values - before)
@@ -277,7 +265,7 @@ class _Fit:
                 break
         covariance = self.covariance(found, information)
         off = values[self.shared :].reshape(-1, 4)[:, 1:] / self.robot_sd
-        _refuse(values, found.misfit, off, prior_sd(tolerance))
+        _refuse(values, found.misfit, off, prior_sd(model.tolerance))
         shared = covariance[: self.shared, : self.shared]
         return Identified(
             belief=replace(now, covariance=shared[: len(UNKNOWN), : len(UNKNOWN)]),

@@ -16,13 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from palpate.built.identify import MODEL_PX, SLIP_SD, Mounting, RobotPress, RobotSpec, learn_presses, mount_unit
+from palpate.built.tolerance import ToleranceSpec
+from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
-from palpate.twin.identify import MODEL_PX, SLIP_SD, Mounting, RobotPress, RobotSpec, learn_presses, mount_unit
-from palpate.twin.tolerance import ToleranceSpec
-from palpate.twin.twin import Twin
-from palpate.twin.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
+from palpate.twin import Twin
 
 _TILT_SD = 20.0
 

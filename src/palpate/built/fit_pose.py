@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.built.identify import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, Mounting, weigh_dots
+from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
-from palpate.twin import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, UNKNOWN, Look, Mounting, UnitModel, weigh_dots
 
 _TILT_SD = 20.0
 _STEPS = 12

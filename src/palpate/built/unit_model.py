@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
+from palpate.built.deviation import Deviation
+from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, dot_edges
 from palpate.core import BoolArray, FloatArray
 from palpate.design import MarkerLayout
-from palpate.twin.deviation import Deviation
-from palpate.twin.tolerance import ToleranceSpec
-from palpate.twin.twin import PrintedTwin, Twin
+from palpate.twin import PrintedTwin, Twin
 
 CAMERA = (
     "offset_x",
@@ -207,6 +207,8 @@ class UnitModel:
 
     Attributes
     ----------
+    layout, tolerance
+        Its print as designed, and how far it may be from its design.
     belief
         What is known of it.
     camera
@@ -225,6 +227,8 @@ class UnitModel:
         Cameras beside the one believed in.
     """
 
+    layout: MarkerLayout
+    tolerance: ToleranceSpec
     belief: UnitBelief
     camera: Camera
     dots: PrintedTwin
@@ -233,6 +237,10 @@ class UnitModel:
     place_by: FloatArray
     waves_beside: tuple[tuple[FloatArray, FloatArray], ...]
     shifted: ShiftedCameras
+
+    def believing(self, belief: UnitBelief) -> UnitModel:
+        """The model of the same unit, of which something else is known."""
+        return model_unit(self.dots.twin, self.layout, belief, self.tolerance)
 
     def look(self, pose: FloatArray, slip: float, *, unit: bool = True) -> Look:
         """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
@@ -284,7 +292,16 @@ def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: 
         high, low = (twin.print_dots(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
         beside.append(((high - low) / (2 * _STEP_MM), tangent))
     return UnitModel(
-        belief, camera, twin.print_dots(places), seen, bias, rates, tuple(beside), ShiftedCameras(shifted, steps)
+        layout,
+        tolerance,
+        belief,
+        camera,
+        twin.print_dots(places),
+        seen,
+        bias,
+        rates,
+        tuple(beside),
+        ShiftedCameras(shifted, steps),
     )
 
 

@@ -5,11 +5,11 @@ import pytest
 
 from palpate.bench import Deviation, ToleranceSpec
 from palpate.bench.photograph import set_scene
+from palpate.built import IMPERFECTIONS, draw_deviation, single_deviation
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
-from palpate.twin import IMPERFECTIONS, draw_deviation, single_deviation
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))

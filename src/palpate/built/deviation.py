@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import child_seed, generator
 from palpate.design import SkinSpec
 from palpate.material import Material
-from palpate.twin.tolerance import ToleranceSpec
 
 
 @dataclass(frozen=True)

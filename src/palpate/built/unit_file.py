@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from palpate.built.identify import MOUNTING, Mounting
+from palpate.built.unit_model import UNKNOWN, UnitBelief
 from palpate.camera import CameraSpec
 from palpate.core import FloatArray, PalpateError, provenance, written_whole
 from palpate.design import MarkerLayout, Skin
-from palpate.twin.identify import MOUNTING, Mounting
-from palpate.twin.unit_model import UNKNOWN, UnitBelief
 
 UNIT_VERSION = "1"
 _KIND = "palpate unit"

@@ -1,0 +1,51 @@
+"""Built: a unit as it was built: tolerances, what its images tell of it, poses by fit, and how good it will be."""
+
+from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw_deviation, single_deviation
+from palpate.built.fit_pose import PoseFit, PoseFitter
+from palpate.built.foresee import BuiltFigure, ForeseeSpec, foresee
+from palpate.built.identify import (
+    MODEL_PX,
+    MOUNTING,
+    SLIP_MEAN,
+    SLIP_SD,
+    Identified,
+    Mounting,
+    RobotPress,
+    RobotSpec,
+    identify,
+)
+from palpate.built.tolerance import ToleranceSpec
+from palpate.built.unit_file import KnownUnit, read_unit, write_unit
+from palpate.built.unit_model import UNKNOWN, Look, UnitBelief, UnitModel, learn_rest, model_unit
+
+__all__ = [
+    "IMPERFECTIONS",
+    "MODEL_PX",
+    "MOUNTING",
+    "SLIP_MEAN",
+    "SLIP_SD",
+    "UNKNOWN",
+    "BuiltFigure",
+    "Deviation",
+    "ForeseeSpec",
+    "Identified",
+    "Imperfection",
+    "KnownUnit",
+    "Look",
+    "Mounting",
+    "PoseFit",
+    "PoseFitter",
+    "RobotPress",
+    "RobotSpec",
+    "ToleranceSpec",
+    "UnitBelief",
+    "UnitModel",
+    "draw_deviation",
+    "foresee",
+    "identify",
+    "learn_rest",
+    "model_unit",
+    "read_unit",
+    "single_deviation",
+    "write_unit",
+]
