@@ -30,7 +30,7 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import RigSpec
-from palpate.twin import THICKNESS, Twin, build_twin
+from palpate.twin import THICKNESS, Twin, build_twin, write_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
@@ -240,3 +240,51 @@ def test_what_is_foreseen_is_what_units_show(twin: Twin, units: list[Built], see
     assert known_too.rmse_deg < 0.5 * beforehand.rmse_deg
     fewer = foresee(twin, place_markers(DOME, MarkerSpec(count=7)), build_camera(NOMINAL), TOLERANCE, spec)
     assert fewer.rmse_deg > 1.5 * beforehand.rmse_deg
+
+
+def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[Press], tmp_path, capsys) -> None:
+    """Rendered images of known presses, a table of poses: a unit file by which further images are read and judged."""
+    import cv2
+
+    from palpate.bench.photograph import set_scene
+    from palpate.camera import RenderSpec
+    from palpate.cli import main
+
+    deviation = replace(draw_deviation(TOLERANCE, 11, 7), friction=1.0, thickness=0.0, missing=0.0)
+    scene = set_scene(DOME, LAYOUT, deviation, NOMINAL, RenderSpec(noise=2.0, blur_px=0.6))
+    rows, number = [], 0
+    cv2.imwrite(str(tmp_path / "rest.png"), scene.at_rest())
+    for k, azimuth_deg in enumerate((40.0, 184.0, 328.0, 112.0, 256.0)):
+        wall = seen[k % 3].wall.model_copy(update={"azimuth_deg": azimuth_deg})
+        azimuth = np.radians(azimuth_deg + deviation.seating_turn_deg)
+        rx = wall.tilt_deg * np.cos(azimuth) + deviation.seating_x_deg
+        ry = wall.tilt_deg * np.sin(azimuth) + deviation.seating_y_deg
+        for depth, image in zip(seen[k % 3].depth, scene.through(replace(seen[k % 3], wall=wall)), strict=True):
+            if depth >= 2.0:
+                number += 1
+                cv2.imwrite(str(tmp_path / f"{number:03}.png"), image)
+                rows.append(f"{number:03}.png,{k},{rx:.4f},{ry:.4f},{depth + deviation.touch:.4f}")
+    header = "image,press,rx_deg,ry_deg,depth_mm\nrest.png,rest,,,\n"
+    (tmp_path / "known.csv").write_text(header + "\n".join(rows[:-10]) + "\n")
+    (tmp_path / "judged.csv").write_text(header + "\n".join(rows[-10:]) + "\n")
+    swapped = [row.split(",") for row in rows[:-10]]
+    swapped = [",".join([a[0], a[1], *b[2:]]) for a, b in zip(swapped, swapped[5:] + swapped[:5], strict=True)]
+    (tmp_path / "swapped.csv").write_text(header + "\n".join(swapped) + "\n")
+    write_twin(tmp_path / "twin.h5", twin)
+    design = ["--markers", "91"]
+
+    def run(*words: str) -> int:
+        with pytest.raises(SystemExit) as left:
+            main([*words, "--model", str(tmp_path / "twin.h5"), *design])
+        return int(left.value.code or 0)
+
+    assert run("identify", str(tmp_path / "known.csv"), "--out", str(tmp_path / "unit.json")) == 0
+    assert "seating_x_deg" in capsys.readouterr().out
+    unit = ["--unit", str(tmp_path / "unit.json")]
+    assert run("accept", str(tmp_path / "judged.csv"), "--rmse", "0.1", "--max-error", "0.2", *unit) == 0
+    assert run("identify", str(tmp_path / "swapped.csv")) == 2
+    assert "standard deviations off" in (told := capsys.readouterr().err) or "do not fit" in told
+    assert run("identify", str(tmp_path / "known.csv"), "--robot-tilt", "0") == 2
+    design = ["--markers", "37"]
+    assert run("accept", str(tmp_path / "judged.csv"), *unit) == 2
+    assert "of another design than H20 T2 with 37 markers" in capsys.readouterr().err
