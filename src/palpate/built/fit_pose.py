@@ -25,6 +25,8 @@ _TRUST = np.array([4.0, 4.0, 1.5, 1.5])
 """Longest step."""
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3])
 """Change of pose and 1/µ within which the image depends on the unit's numbers as before."""
+_TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
+"""What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
@@ -212,7 +214,7 @@ class PoseFitter:
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
-        return pose, by @ whole @ by.T
+        return pose, by @ whole @ by.T + np.diag(_TWIN_SD**2)
 
     def _inside(self, theta: FloatArray) -> FloatArray:
         """The nearest pose that the twin knows."""

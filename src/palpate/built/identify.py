@@ -29,6 +29,11 @@ SLIP_MEAN, SLIP_SD, SLIP_MOST = 1.0, 1.0, 5.0
 """1/µ beforehand: silicone on metal is near 1, no slip is 0, and more than 5 has not been met."""
 MODEL_PX = 0.02
 """What the twin itself may be off, px."""
+_TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
+"""What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
+
+The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images.
+"""
 FREEDOM = 6.0
 """Degrees of freedom of Student's distribution, of dots that are not where they should be."""
 _MEDIAN = 2.0 * np.log(2.0)
@@ -298,7 +303,10 @@ class _Fit:
         """
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
-        return np.asarray(inverse + self.shared_variance * together @ together.T, float)
+        covariance: FloatArray = inverse + self.shared_variance * together @ together.T
+        names = [*UNKNOWN, *MOUNTING, *(["slip"] + [""] * 3) * len(self.presses)]
+        covariance[np.diag_indices(self.size)] += [_TWIN_SD.get(name, 0.0) ** 2 for name in names]
+        return covariance
 
     def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> _Normal:
         """What all dots say."""
