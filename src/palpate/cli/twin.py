@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.bench import read_tolerance
-from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
 from palpate.cli.progress import Lines
@@ -51,7 +50,6 @@ def twin(
         raise PalpateError("Twins are made on this machine.", "Give --workers instead of --cluster.")
     study = read_study(source)
     folder = out or RESULTS / study.name
-    announce_compilation()
     found = run_twins(study, folder, hands.workers, Lines(), read_tolerance(tolerance), known)
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)

@@ -14,9 +14,12 @@ import numpy as np
 
 from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.dataset import Normalisation
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark
 from palpate.grid import evaluate_grid, write_grid
 from palpate.learn import Estimator, write_estimator
+from palpate.twin import Twin, write_twin
+from palpate.twin.surface_series import place_circles
+from palpate.twin.tensor_spline import fit_spline
 
 sys.path.append(str(Path(__file__).parents[1] / "grid"))
 from results import PAPER
@@ -72,6 +75,12 @@ ROWS = {
         ("--name cheese", "--name yeoh:1", "--name yeoh:nan,1,1", "--name yeoh:inf,1,1"),
     ),
     "limit": Row("--source first --out new", ("--source",), ("--out",), ("--workers 0",)),
+    "twin": Row(
+        "--source first --out new",
+        ("--source",),
+        ("--out",),
+        ("--workers 0", "--known 0", "--tolerance x=1", "--cluster local:2"),
+    ),
     "grid show": Row("--directory {results}", ("--directory",), (), ("--where x>1", "--where (", "--sort x")),
     "grid plot": Row(
         "--directory {results} --out new", ("--directory",), ("--out",), ("--kind pie", "--metric x", "--where x>1")
@@ -106,7 +115,7 @@ ROWS = {
     "find": Row("--folder {images}", ("--folder",), (), ("--polarity x", "--method x")),
     "live": Row(
         f"--model {{model}} --source {{images}} {BUILT}",
-        ("--model", "--source", "--layout", "--lens", "--press-image"),
+        ("--model", "--source", "--layout", "--lens", "--unit", "--press-image"),
         ("--out",),
         (
             "--out a.txt",
@@ -119,7 +128,7 @@ ROWS = {
     ),
     "inspect": Row(
         f"--image {{image}} {BUILT}",
-        ("--image", "--layout", "--lens"),
+        ("--image", "--layout", "--lens", "--unit"),
         ("--out", "--picture"),
         ("--out a.txt", "--picture a.txt"),
     ),
@@ -141,9 +150,15 @@ ROWS = {
             "--least-depth 9",
         ),
     ),
+    "identify": Row(
+        f"--truth {{truth}} --model {{twin}} {BUILT}",
+        ("--truth", "--model", "--layout", "--lens", "--unit"),
+        ("--out",),
+        ("--height 10", "--robot-tilt 0", "--robot-depth 9"),
+    ),
     "accept": Row(
         f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --least-depth 0",
-        ("--truth", "--model", "--readings", "--layout", "--lens"),
+        ("--truth", "--model", "--readings", "--layout", "--lens", "--unit"),
         ("--out",),
         ("--readings {truth}", "--markers 91"),
     ),
@@ -176,6 +191,8 @@ def furnish(folder: Path) -> dict[str, Path]:
     right["curve"].write_text(f"strain (mm/mm),stress (MPa)\n{rows}\n")
     right["model"] = folder / "model.onnx"
     write_estimator(right["model"], still_model(build_camera().project(layout.positions)))
+    right["twin"] = folder / "twin.h5"
+    write_twin(right["twin"], still_twin(dome))
     kept = right["results"] / "store" / "estimator" / "ff" / "ff.onnx"
     kept.parent.mkdir(parents=True)
     kept.write_bytes(right["model"].read_bytes())
@@ -187,6 +204,22 @@ def furnish(folder: Path) -> dict[str, Path]:
         wrong[name] = folder / name
         wrong[name].write_bytes(content)
     return {**right, **wrong}
+
+
+def still_twin(dome: Skin) -> Twin:
+    """A twin of a dome that nothing moves."""
+    tilts, depths = np.arange(0.0, 12.1, 4.0), np.arange(0.0, 8.1, 2.0)
+    nothing = np.zeros((1, len(tilts), len(depths), 6))
+    return Twin(
+        skin=dome,
+        order=np.zeros(1, int),
+        shapes=np.zeros((1, 3, len(place_circles()))),
+        tilts_deg=tilts,
+        depths_mm=depths,
+        slips=np.zeros(1),
+        reach_mm=np.full((1, len(tilts)), 8.0),
+        amplitudes=fit_spline((np.zeros(1), tilts, depths), nothing),
+    )
 
 
 def still_model(rest: "np.ndarray[tuple[int, int], np.dtype[np.float64]]") -> Estimator:
