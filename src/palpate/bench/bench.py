@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.spec import VirtualBenchSpec
-from palpate.built import Deviation, RobotSpec
+from palpate.built import KNOWN_TILTS, KNOWN_TURN_DEG, Deviation, RobotSpec
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator, provenance
 from palpate.deck import CalculixSpec
@@ -59,8 +59,6 @@ from palpate.twin import Twin
 BENCH_VERSION = "2"
 """Version of the code that decides what a played unit says; part of its key."""
 _FINER = 9.0 / 8.0
-_KNOWN_TILTS = (0.35, 0.8)
-"""Tilts of known presses, over the greatest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,10 +248,10 @@ def _known(
     bench: Bench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
 ) -> list[tuple[FloatArray, list[NDArray[np.uint8]]]]:
     """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off."""
-    tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in _KNOWN_TILTS[: bench.spec.known]]
+    tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in KNOWN_TILTS[: bench.spec.known]]
     solved, first, found = [_press(bench, deviation, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
     for number in range(bench.spec.known):
-        press = _turned(solved[number % len(solved)], (first + 144.0 * number) % 360.0)
+        press = _turned(solved[number % len(solved)], (first + KNOWN_TURN_DEG * number) % 360.0)
         poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
         poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
         poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)

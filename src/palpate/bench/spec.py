@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.built import ToleranceSpec
+from palpate.built import RobotSpec, ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
 from palpate.fea import check_contact
@@ -43,10 +43,10 @@ class VirtualBenchSpec(Spec):
         0, unit="1", meaning="known presses from which each unit is identified beforehand; needs a twin", ge=0, le=5
     )
     robot_tilt_deg: float = parameter(
-        0.02, unit="deg", meaning="standard deviation of the robot's tilts in known presses", gt=0, le=5
+        RobotSpec.tilt_deg, unit="deg", meaning="standard deviation of the robot's tilts in known presses", gt=0, le=5
     )
     robot_depth: float = parameter(
-        0.02, unit="mm", meaning="standard deviation of the robot's depths in known presses", gt=0, le=5
+        RobotSpec.depth, unit="mm", meaning="standard deviation of the robot's depths in known presses", gt=0, le=5
     )
     zero: bool = parameter(
         True, unit="", meaning="whether the depth's zero is found by a first press before those that count"

@@ -4,10 +4,10 @@ from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw
 from palpate.built.fit_pose import PoseFit, PoseFitter
 from palpate.built.foresee import BuiltFigure, ForeseeSpec, foresee
 from palpate.built.identify import (
-    MODEL_PX,
+    KNOWN_TILTS,
+    KNOWN_TURN_DEG,
     MOUNTING,
-    SLIP_MEAN,
-    SLIP_SD,
+    NOISE_PX,
     Identified,
     Mounting,
     RobotPress,
@@ -20,10 +20,10 @@ from palpate.built.unit_model import UNKNOWN, Look, UnitBelief, UnitModel, learn
 
 __all__ = [
     "IMPERFECTIONS",
-    "MODEL_PX",
+    "KNOWN_TILTS",
+    "KNOWN_TURN_DEG",
     "MOUNTING",
-    "SLIP_MEAN",
-    "SLIP_SD",
+    "NOISE_PX",
     "UNKNOWN",
     "BuiltFigure",
     "Deviation",

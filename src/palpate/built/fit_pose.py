@@ -13,11 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.built.identify import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, Mounting, weigh_dots
+from palpate.built.identify import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, TILT_SD_DEG, Mounting, weigh_dots
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
 
-_TILT_SD = 20.0
 _STEPS = 12
 _SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3])
 """Change of pose and 1/µ below which a fit is done."""
@@ -25,7 +24,7 @@ _TRUST = np.array([4.0, 4.0, 1.5, 1.5])
 """Longest step."""
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3])
 """Change of pose and 1/µ within which the image depends on the unit's numbers as before."""
-_TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
+TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
@@ -162,7 +161,7 @@ class PoseFitter:
         variance = 2.0 * self.noise_px**2 + MODEL_PX**2
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
-        prior = np.array([_TILT_SD, _TILT_SD, np.inf, SLIP_SD]) ** -2.0
+        prior = np.array([TILT_SD_DEG, TILT_SD_DEG, np.inf, SLIP_SD]) ** -2.0
         for step in range(1, _STEPS + 1):
             looked, every = self._look(theta, again=step in (1, 3))
             by_unit = every[there].reshape(-1, len(z))
@@ -214,7 +213,7 @@ class PoseFitter:
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
-        return pose, by @ whole @ by.T + np.diag(_TWIN_SD**2)
+        return pose, by @ whole @ by.T + np.diag(TWIN_SD**2)
 
     def _inside(self, theta: FloatArray) -> FloatArray:
         """The nearest pose that the twin knows."""

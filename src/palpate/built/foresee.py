@@ -6,7 +6,7 @@ each of many poses the image of such a unit is read by the fit of the twin, in i
     error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
 
 with the unit's numbers δq, the same in all its images, and noise n of its own in each. How the unit sits on the robot
-is added. Nothing is pressed, rendered or trained.
+is added, and what the twin itself is off (`TWIN_SD`, from the bench of one design). Nothing is pressed or trained.
 """
 
 from __future__ import annotations
@@ -16,15 +16,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.identify import MODEL_PX, SLIP_SD, Mounting, RobotPress, RobotSpec, learn_presses, mount_unit
+from palpate.built.fit_pose import TWIN_SD
+from palpate.built.identify import (
+    KNOWN_TILTS,
+    KNOWN_TURN_DEG,
+    MODEL_PX,
+    NOISE_PX,
+    SLIP_SD,
+    TILT_SD_DEG,
+    Mounting,
+    RobotPress,
+    RobotSpec,
+    learn_presses,
+    mount_unit,
+)
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
-
-_TILT_SD = 20.0
 
 
 @dataclass(frozen=True)
@@ -51,7 +62,7 @@ class ForeseeSpec:
     poses: int = 60
     least_depth: float = 2.4
     max_tilt_deg: float = 12.0
-    noise_px: float = 0.02
+    noise_px: float = NOISE_PX
     known: int = 0
     robot: RobotSpec = field(default_factory=RobotSpec)
     seed: int = 0
@@ -111,7 +122,7 @@ def foresee(
     model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
     mounting = mount_unit(belief, tolerance)
     if spec.known:
-        presses = _known_presses(model, mounting, spec, tolerance, rng)
+        presses = _known_presses(model, spec, tolerance, rng)
         learnt = learn_presses(model, mounting, presses, spec.noise_px, spec.robot)
         mounting = replace(mounting, covariance=learnt)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
@@ -121,7 +132,8 @@ def foresee(
         drawn = rng.standard_normal(len(spread))
         for k, gain in enumerate(gains):
             noise = np.sqrt(2.0) * spec.noise_px * rng.standard_normal(gain.by_noise.shape[1])
-            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn
+            off = TWIN_SD[:3] * rng.standard_normal(3)
+            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn + off
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
     return BuiltFigure(
@@ -155,13 +167,16 @@ def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -
 
 
 def _known_presses(
-    model: UnitModel, mounting: Mounting, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
+    model: UnitModel, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[RobotPress, float]]:
     """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""
     twin, found = model.dots.twin, []
     first, slip = 2 * np.pi * rng.uniform(), _draw_slip(twin, tolerance, rng)
     for number in range(spec.known):
-        tilt, turn = (0.35, 0.8)[number % 2] * spec.max_tilt_deg, first + np.radians(144.0) * number
+        tilt, turn = (
+            KNOWN_TILTS[number % len(KNOWN_TILTS)] * spec.max_tilt_deg,
+            first + np.radians(KNOWN_TURN_DEG) * number,
+        )
         depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), 8)
         poses = np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
         pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
@@ -180,7 +195,9 @@ def _gain(
     by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
     variance = 2.0 * noise_px**2 + MODEL_PX**2
     jacobian = np.hstack([by_pose, by_unit])
-    prior = np.concatenate([[_TILT_SD**-2.0, _TILT_SD**-2.0, 0.0, SLIP_SD**-2.0][:free], np.ones(spread.shape[1])])
+    prior = np.concatenate(
+        [[TILT_SD_DEG**-2.0, TILT_SD_DEG**-2.0, 0.0, SLIP_SD**-2.0][:free], np.ones(spread.shape[1])]
+    )
     gain = np.linalg.solve(jacobian.T @ jacobian / variance + np.diag(prior), jacobian.T / variance)
     # a unit's numbers are fitted along, and move what the mounting is taken for
     to_robot = np.hstack([np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]])

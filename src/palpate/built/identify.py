@@ -34,6 +34,12 @@ _TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
 
 The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images.
 """
+NOISE_PX = 0.02
+"""Standard deviation of a dot's coordinate in an image of 346 x 260 px, as the detector finds it on the bench."""
+KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
+"""Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
+TILT_SD_DEG = 20.0
+"""Standard deviation of a tilt before its image is seen."""
 FREEDOM = 6.0
 """Degrees of freedom of Student's distribution, of dots that are not where they should be."""
 _MEDIAN = 2.0 * np.log(2.0)

@@ -56,6 +56,4 @@ class UnitFlags(DesignFlags):
         layout = place_markers(skin, self.markers)
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
         known = read_unit(self.unit_file) if self.unit_file else None
-        if known is not None:
-            known.check(skin, layout)
         return Unit(skin, layout, marked=self.mark, lens=lens, known=known)

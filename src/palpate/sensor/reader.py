@@ -162,8 +162,12 @@ def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> Non
             raise PalpateError(
                 f"The twin is of {model.skin.name}, the design is {unit.skin.name}.", "Use its own twin."
             )
+        if unit.known is not None:
+            unit.known.check(unit.skin, unit.layout)
         estimates = TILT_DEPTH
     else:
+        if unit.known is not None:
+            raise PalpateError("A network cannot use what presses told about a unit.", "Read by the design's twin.")
         if model.markers != len(unit.layout):
             raise PalpateError(
                 f"The model reads {model.markers} markers, the design has {len(unit.layout)}.",

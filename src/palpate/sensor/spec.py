@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from palpate.built import NOISE_PX
 from palpate.core import Spec, parameter
 
 
@@ -19,7 +20,7 @@ class RigSpec(Spec):
         False, unit="", meaning="whether the rest image refines focal length and centre of the lens"
     )
     noise_px: float = parameter(
-        0.02, unit="px", meaning="standard deviation of a dot's coordinate in one image", gt=0, le=5
+        NOISE_PX, unit="px", meaning="standard deviation of a dot's coordinate in one image", gt=0, le=5
     )
     misfit: float = parameter(
         4.0,
