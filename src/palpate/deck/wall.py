@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.core import FloatArray, IntArray
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.deck.mesh import node_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
 from palpate.fea import ObstacleSpec
@@ -49,6 +49,8 @@ def ascii_words(wall: ObstacleSpec) -> str:
 
 def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
     """The obstacle over a mesh; `elements` are already numbered."""
+    if getattr(wall, "drifts", False):
+        raise PalpateError("A deck has no wall that drifts.", "Leave the drift out.")
     obstacle, touched = wall.at_touch(mesh)
     half = 2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness)
     points, facets = obstacle.patch(touched, half)

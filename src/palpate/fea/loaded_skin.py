@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
-from palpate.mechanics import ContactLaw, ContactLoading, Obstacle, OuterSurface, Solid, SolverSpec
+from palpate.mechanics import ContactLaw, ContactLoading, OuterSurface, Solid, SolverSpec
 from palpate.mesh import Mesh
 
 POINTS_PER_SIDE = 6
@@ -36,9 +34,4 @@ def load_surface(
         tangential_stiffness=solver.tangential_ratio * stiffness,
         friction=wall.friction,
     )
-    return ContactLoading(mesh.nodes, surface, law, partial(descended, wall.at_touch(mesh)[0]))
-
-
-def descended(obstacle: Obstacle, depth: float) -> Obstacle:
-    """An obstacle that touches the skin, brought down by a depth in mm."""
-    return obstacle.moved(np.array([0.0, 0.0, -depth]))
+    return ContactLoading(mesh.nodes, surface, law, wall.path(mesh))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -110,6 +112,10 @@ class ObstacleSpec(Spec, ABC):
             If it does not touch the skin first.
         """
 
+    def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
+        """The obstacle at a depth in mm: brought down along the skin's axis, unless it says otherwise."""
+        return partial(descended, self.at_touch(mesh)[0])
+
     def clamp_depth(self, mesh: Mesh) -> float:
         """Depth in mm at which the obstacle reaches the clamped rim; infinite unless an obstacle can tell."""
         return float("inf")
@@ -117,3 +123,8 @@ class ObstacleSpec(Spec, ABC):
     def turn(self, mesh: Mesh) -> FloatArray:
         """Rotation (3, 3) from the frame of the mesh to the skin's."""
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
+
+
+def descended(obstacle: Obstacle, depth: float) -> Obstacle:
+    """An obstacle that touches the skin, brought down by a depth in mm."""
+    return obstacle.moved(np.array([0.0, 0.0, -depth]))

@@ -9,6 +9,9 @@ name                  parameter                                            unit
 ``shift``             sideways travel along the tilt, after the press      mm
 ``shift_across``      the same across it                                   mm
 ``twist_deg``         turn of the wall about its normal, after the press   deg
+``drift``             travel along the wall's slope over depth             mm/mm
+``drift_across``      the same across it                                   mm/mm
+``twist_rate_deg``    turn of the wall about its normal over depth         deg/mm
 ``friction``          coefficient of friction                              1
 ``thickness``, …      any number of the skin: ``height``, ``base_radius``  mm
 ``C10``, …            any constant of the material                         MPa
@@ -28,16 +31,15 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.design import build_skin, rotation_vector, skin_from_data, turn_about_axis, wall_normal
-from palpate.fea.loaded_skin import descended
-from palpate.fea.spec import ObstacleSpec
-from palpate.fea.wall import Plane, WallSpec
+from palpate.fea.spec import ObstacleSpec, descended
+from palpate.fea.wall import Plane, WallSpec, drifting, slope_ways
 from palpate.material import Material, material_from_data
 from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
 from palpate.mesh import Mesh, reshape_mesh
 
-WALL_NAMES = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg", "friction")
+WALL_NAMES = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg", *WallSpec.DRIFTS, "friction")
 """What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
-_STEP = 1e-5
+_STEP = 1e-7
 """Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
 
 
@@ -67,7 +69,7 @@ def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, .
     """Names by which a press may be differentiated."""
     contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
     if not isinstance(wall, WallSpec):
-        contact = [name for name in contact if name not in ("tilt_deg", "across_deg", "twist_deg")]
+        contact = [name for name in contact if name in ("depth", "shift", "shift_across", "friction")]
     skin = [name for name, value in mesh.skin.spec_data.items() if isinstance(value, float)]
     return (*contact, *skin, *material.key_data()["constants"])
 
@@ -97,12 +99,15 @@ def _vary(made: Made, name: str) -> Variation:
         return Variation(name, _STEP, high, low)
     if name in ("tilt_deg", "across_deg"):
         return _vary_wall(made, name)
+    if name in WallSpec.DRIFTS:
+        return _vary_drift(made, name)
     half = not made.mesh.spec.whole
     if name == "twist_deg":
-        normal = made.loading.obstacle(0.0).gap(made.loading.obstacle(0.0).point[None]).normal[0]
-        return Variation(
-            name, _STEP, made.loading, made.loading, turn=np.radians(1.0) * normal, lasting=False, across=half
+        high, low = (
+            replace(made.loading, obstacle=partial(_twisted, made.loading.obstacle, np.radians(by)))
+            for by in (_STEP, -_STEP)
         )
+        return Variation(name, _STEP, high, low, lasting=False, across=half)
     turn = np.eye(3) if half else turn_about_axis(np.radians(made.wall.turn_deg))
     way = turn @ {"depth": [0.0, 0.0, -1.0], "shift": [0.0, 1.0, 0.0], "shift_across": [1.0, 0.0, 0.0]}[name]
     high, low = (
@@ -113,6 +118,28 @@ def _vary(made: Made, name: str) -> Variation:
 
 def _travelled(obstacle: Callable[[float], Obstacle], by: FloatArray, depth: float) -> Obstacle:
     return obstacle(depth).moved(by)
+
+
+def _twisted(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obstacle:
+    plane = obstacle(depth)
+    assert isinstance(plane, Plane)
+    return plane.twisted(by)
+
+
+def _vary_drift(made: Made, name: str) -> Variation:
+    """The wall that drifts more, or less, on its way."""
+    assert isinstance(made.wall, WallSpec)
+    touched = made.loading.obstacle(0.0)
+    assert isinstance(touched, Plane)
+    half = not made.mesh.spec.whole
+    ways = slope_ways(touched.normal, 0.0 if half else np.radians(made.wall.azimuth_deg))
+    way = {"drift": ways[0], "drift_across": ways[1]}.get(name, np.zeros(3))
+    twist = np.radians(1.0) if name == "twist_rate_deg" else 0.0
+    high, low = (
+        replace(made.loading, obstacle=partial(drifting, made.loading.obstacle, by * way, by * twist))
+        for by in (_STEP, -_STEP)
+    )
+    return Variation(name, _STEP, high, low, across=half and name != "drift", sideways=True)
 
 
 def _vary_wall(made: Made, name: str) -> Variation:

@@ -1,15 +1,23 @@
-"""The flat wall: a rigid plane turned by (rx, ry) that moves along the skin's axis from first touch."""
+"""The flat wall: a rigid plane turned by (rx, ry) that moves along the skin's axis from first touch.
+
+A robot's wall drifts a little as it comes down: sideways in its own plane, and turning about its normal. Both are
+proportional to the depth, and change nothing but what sticks.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self, final
+from functools import partial
+from typing import Any, ClassVar, Self, final
 
 import numpy as np
+from pydantic import SerializerFunctionWrapHandler, model_serializer
+from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, IntArray, PalpateError, kernel, parameter
 from palpate.design import TILT_DEPTH, PoseSpace, rotation_vector, wall_normal
-from palpate.fea.spec import ObstacleSpec
+from palpate.fea.spec import ObstacleSpec, descended
 from palpate.mechanics import Gap, Obstacle, tangents
 from palpate.mesh import Mesh
 
@@ -23,9 +31,31 @@ class WallSpec(ObstacleSpec):
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
 
+    DRIFTS: ClassVar[tuple[str, ...]] = ("drift", "drift_across", "twist_rate_deg")
+    """Fields, and names of derivatives, by which it moves other than along the skin's axis."""
+
+    drift: float = parameter(
+        0.0, unit="mm/mm", meaning="travel in the wall's plane, up or down its slope, over depth", ge=-1, le=1
+    )
+    drift_across: float = parameter(0.0, unit="mm/mm", meaning="the same across the slope", ge=-1, le=1)
+    twist_rate_deg: float = parameter(
+        0.0, unit="deg/mm", meaning="turn about the wall's normal over depth", ge=-5, le=5
+    )
+
+    @model_serializer(mode="wrap")
+    def _leave_out_drift(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A wall that does not drift is written as before there was drift, so that artefacts keep their keys."""
+        content: dict[str, Any] = dump(self)
+        return {name: value for name, value in content.items() if name not in self.DRIFTS or value}
+
+    @property
+    def drifts(self) -> bool:
+        """Whether it moves other than along the skin's axis."""
+        return any(getattr(self, name) for name in self.DRIFTS)
+
     @property
     def words(self) -> str:
-        return f"tilt {self.tilt_deg:g}°"
+        return f"tilt {self.tilt_deg:g}°" + (" that drifts" if self.drifts else "")
 
     @property
     def pose_space(self) -> PoseSpace:
@@ -43,6 +73,21 @@ class WallSpec(ObstacleSpec):
         normal = self.normal(mesh)
         touched = mesh.skin.touch(normal)
         return Plane(normal, touched), touched
+
+    def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
+        touched, _ = self.at_touch(mesh)
+        if not self.drifts:
+            return partial(descended, touched)
+        if not mesh.spec.whole and (self.drift_across or self.twist_rate_deg):
+            raise PalpateError(
+                f"A wall that drifts by {self.drift_across:g} mm/mm across its slope, or turns by "
+                f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
+                "Use a whole mesh: MeshSpec(whole=True).",
+            )
+        assert isinstance(touched, Plane)
+        along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)
+        way = self.drift * along + self.drift_across * across
+        return partial(drifting, partial(descended, touched), way, np.radians(self.twist_rate_deg))
 
     def normal(self, mesh: Mesh) -> FloatArray:
         """Outward normal (3,) in the frame of the mesh: a half model lies in the tilt plane.
@@ -81,9 +126,15 @@ class Plane(Obstacle):
 
     normal: FloatArray
     point: FloatArray
+    axes: FloatArray | None = None
 
     def moved(self, by: FloatArray) -> Self:
-        return type(self)(self.normal, self.point + by)
+        return type(self)(self.normal, self.point + by, self.axes)
+
+    def twisted(self, angle: float) -> Self:
+        """The plane turned about its normal by an angle in rad: it stays where it is, what sticks to it turns."""
+        axes = np.eye(3) if self.axes is None else self.axes
+        return type(self)(self.normal, self.point, Rotation.from_rotvec(angle * self.normal).as_matrix() @ axes)
 
     def gap(self, points: FloatArray) -> Gap:
         return Gap(_height(points, self.point, self.normal), np.tile(self.normal, (len(points), 1)), None)
@@ -99,7 +150,21 @@ class Plane(Obstacle):
 
     def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         reach = self.reach(points)
-        return reach, points - self.point - reach[:, None] * self.normal
+        place = points - self.point - reach[:, None] * self.normal
+        return reach, place if self.axes is None else place @ self.axes
+
+
+def slope_ways(normal: FloatArray, azimuth: float) -> tuple[FloatArray, FloatArray]:
+    """Unit vectors (3,) in a wall's plane along its slope and across it; its tilt's axis is at an azimuth in rad."""
+    across = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    return np.cross(normal, across), across
+
+
+def drifting(wall: Callable[[float], Obstacle], way: FloatArray, twist: float, depth: float) -> Plane:
+    """A wall at a depth in mm that goes the `way` (3,) mm/mm besides, and turns by `twist` rad/mm."""
+    plane = wall(depth)
+    assert isinstance(plane, Plane)
+    return plane.moved(depth * way).twisted(depth * twist)
 
 
 @kernel

@@ -100,7 +100,12 @@ class ContactLoading(PathLoading):
         return untouched(len(self.surface.points))
 
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
-        return (Contact(self.surface, self.law, self.obstacle(at), history),)
+        return (self.contact(at, history),)
+
+    def contact(self, at: float, history: ContactHistory) -> Contact:
+        """Contact with the obstacle at a depth in mm, with this history."""
+        obstacle = self.obstacle(at)
+        return Contact(self.surface, self.law, obstacle, history._replace(anchor=obstacle.seen(history.anchor)))
 
     def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
         pull = np.where(self.touching(last, state), self.law.stiffness, history.stabilisation)

@@ -2,7 +2,8 @@
 
 Contact needs of an obstacle only its gap function: the penetration ``delta(x)`` of a point, positive inside, its
 gradient ``n``, which points into the obstacle, and its Hessian (Wriggers, *Computational Contact Mechanics*, 2006,
-chapter 4: closest point projection). An obstacle moves without turning; what sticks to it moves with it.
+chapter 4: closest point projection). An obstacle moves and may turn where that does not change its surface; what
+sticks to it moves with it.
 """
 
 from __future__ import annotations
@@ -40,9 +41,12 @@ class Obstacle(ABC):
     ----------
     point
         (3,) mm, a point that moves with the obstacle.
+    axes
+        (3, 3) the obstacle's own axes as columns, in which places on it are kept; None as long as it has not turned.
     """
 
     point: FloatArray
+    axes: FloatArray | None = None
 
     @abstractmethod
     def moved(self, by: FloatArray) -> Self:
@@ -81,13 +85,21 @@ class Obstacle(ABC):
         return self.gap(points).reach
 
     def normal_at(self, place: FloatArray) -> FloatArray:
-        """Normals (n, 3) at places (n, 3) mm seen from `point`."""
-        return self.gap(self.point + place).normal
+        """Normals (n, 3) at places (n, 3) mm seen from `point`, in the obstacle's axes."""
+        return self.gap(self.point + self.seen(place)).normal
+
+    def seen(self, place: FloatArray) -> FloatArray:
+        """Places (n, 3) mm of the obstacle's own axes in those of space."""
+        return place if self.axes is None else place @ self.axes.T
 
     def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Penetration (n,) mm of points (n, 3) mm, and the places (n, 3) mm nearest to them, seen from `point`."""
+        """Penetration (n,) mm of points (n, 3) mm, and the places (n, 3) mm nearest to them.
+
+        A place is seen from `point`, in the obstacle's own axes.
+        """
         reach = self.reach(points)
-        return reach, points - self.point - reach[:, None] * self.gap(points).normal
+        place = points - self.point - reach[:, None] * self.gap(points).normal
+        return reach, place if self.axes is None else place @ self.axes
 
 
 def tangents(normal: FloatArray) -> tuple[FloatArray, FloatArray]:

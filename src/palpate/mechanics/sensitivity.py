@@ -26,7 +26,6 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray
-from palpate.mechanics.contact import Contact
 from palpate.mechanics.element import System
 from palpate.mechanics.friction import ContactHistory, arrival
 from palpate.mechanics.loading import ContactLoading
@@ -39,6 +38,8 @@ _STEP = 1e-5
 """Half the difference of the path's own parameter, mm."""
 _SLOWEST = 0.02
 """Least pace at which a point nears the obstacle, over the greatest, for which its delay is its own."""
+_EDGE_POWER = 1.5
+"""Power of the distance from what sticks, as which the derivative of a free point's place leaves that at the edge."""
 _LIMIT_ROUNDS = 3
 """Rounds in which the limit of friction follows the derivative of the pressure."""
 
@@ -58,13 +59,12 @@ class Variation:
         What presses with the parameter greater and smaller.
     solids
         The body likewise; None where the parameter leaves it alone.
-    turn
-        (3,) rotation vector, rad over the unit of the parameter, by which what sticks turns about the obstacle's
-        point.
     lasting
         Whether the parameter has been different since rest; otherwise it changes at the increment alone.
     across
         Whether it breaks the mirror symmetry of half a body.
+    sideways
+        Whether it moves the obstacle in its own surface alone, so that no point is reached sooner or later for it.
     """
 
     name: str
@@ -72,9 +72,9 @@ class Variation:
     above: ContactLoading
     below: ContactLoading
     solids: tuple[Solid, Solid] | None = None
-    turn: FloatArray | None = None
     lasting: bool = True
     across: bool = False
+    sideways: bool = False
 
     def loading(self, side: float) -> ContactLoading:
         """What presses with the parameter greater (1) or smaller (-1)."""
@@ -219,10 +219,7 @@ class Sensitivity:
         state = step.after if u is None else State(step.after.u + by * u, step.after.p)
         if each.solids is not None and u is None:
             each.solids[0 if side > 0 else 1].add_residual(state, to.system.residual)
-        history = _moved(step.history, rate, by)
-        if each.turn is not None:
-            history = history._replace(anchor=history.anchor + by * np.cross(each.turn, history.anchor))
-        share = Contact(loading.surface, loading.law, loading.obstacle(step.end), history).add_residual(state, to)
+        share = loading.contact(step.end, _moved(step.history, rate, by)).add_residual(state, to)
         return to.system.residual, share.force
 
     def _arrive(self, step: Advance) -> _Arrivals:
@@ -240,14 +237,18 @@ class Sensitivity:
         What stuck before goes on. A point that touches anew at the depth d_c sticks at its place s there, and
         ``ds/dq = s_q + s_d d_c,q`` with ``d_c,q = -g_q / g_d`` of its gap g. Ahead of the edge of what sticks, s_q
         and s_d go as the root of the distance from it, and in the sum the roots cancel: so it is taken at the last
-        equilibria and carried on to the share of the increment at which the point is reached.
+        equilibria and carried on to the share of the increment at which the point is reached. Where the obstacle
+        moves sideways alone and nothing slips, what is left goes as the distance to the power 1.5, for the rate of a
+        free point vanishes at the edge, and is carried on by that law; otherwise straight.
         """
         reach, place = self._foot_rate(each, step, old.u)
         ahead = place - (reach / arrivals.pace)[:, None] * arrivals.drift
         arrived = ahead
         if each.name in self._ahead and (step.earlier.limit > 0).any():
             earlier, then = self._ahead[each.name]
-            arrived = ahead + (arrivals.after / (step.start - earlier))[:, None] * (ahead - then)
+            power = _EDGE_POWER if each.sideways and np.isinf(each.above.law.friction) else 1.0
+            left, made = arrivals.after**power, (arrivals.after + step.start - earlier) ** power
+            arrived = ahead + (left / (made - left))[:, None] * (ahead - then)
         self._ahead[each.name] = (step.start, ahead)
         anchor = np.where(arrivals.fresh[:, None], arrived, old.history.anchor)
         high, low = (

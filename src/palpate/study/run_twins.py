@@ -16,7 +16,7 @@ from palpate.study.plan import check_markers
 from palpate.study.run_study import Hands, Run, writable
 from palpate.study.study import Study
 from palpate.study.task import PressTask, Task, TwinTask, find_made
-from palpate.twin import THICKNESS, read_twin
+from palpate.twin import TWIN_DERIVATIVES, read_twin
 
 FRICTIONS: tuple[str | float, ...] = ("no-slip", 2.0, 1.2, 0.8, 0.5, 0.3, 0.2)
 """Contact laws of a twin's presses, where a study's wall is not frictionless."""
@@ -111,7 +111,7 @@ def _foresee(study: Study, path: Path, markers: MarkerSpec, tolerance: Tolerance
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     slippery = study.wall.contact == "frictionless"
-    solver: SolverSpec = study.solver.model_copy(update={"derivatives": (THICKNESS,)})
+    solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
     for contact in (study.wall.contact,) if slippery else FRICTIONS:
         for tilt_deg in study.tilts_deg:
             changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.image_step}

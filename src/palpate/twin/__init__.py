@@ -1,6 +1,6 @@
 """Twin: where every marker goes and what the wall bears, interpolated from presses for any pose and friction."""
 
-from palpate.twin.build_twin import THICKNESS, build_twin
+from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
 from palpate.twin.field import MarkerField, build_field
 from palpate.twin.jacobian import image_jacobian
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
@@ -8,7 +8,7 @@ from palpate.twin.twin import MovedDots, PrintedTwin, Twin
 from palpate.twin.twin_file import TWIN_VERSION, read_twin, write_twin
 
 __all__ = [
-    "THICKNESS",
+    "TWIN_DERIVATIVES",
     "TWIN_VERSION",
     "MarkerField",
     "MovedDots",

@@ -8,18 +8,21 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
-from palpate.fea import Branch, Press
+from palpate.fea import Branch, Press, WallSpec
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
 from palpate.twin.tilt_runs import SAME_DEPTH_MM
-from palpate.twin.twin import Twin
+from palpate.twin.twin import FORCES, Twin
 
 THICKNESS = "thickness"
-"""Derivative that the presses of a twin have."""
+TWIN_DERIVATIVES = (THICKNESS, *WallSpec.DRIFTS)
+"""Derivatives that the presses of a twin have: of the wall of silicone, and of how the other wall drifts."""
+_ACROSS = np.array([False, False, False, True, True])
+"""Whether displacement, thickness, and drift along, across and in twist break the mirror symmetry of a press."""
+_WEIGHTS = np.array([1.0, 0.3, 0.3, 0.3, 0.5])
+"""Change of thickness (mm), drift (mm) and twist (degrees) for which the modes are made."""
 _LOST_MM = 1.2e-3
 """Root mean square over all presses, mm, of what all modes that are left out may carry."""
-_THICKER_MM = 0.3
-"""Change of thickness for which the modes are made, mm."""
 _FEWEST = 4
 """Tilts, depths, or frictions where there are several, that a cubic spline needs."""
 
@@ -30,7 +33,7 @@ def build_twin(presses: Sequence[Press]) -> Twin:
     Parameters
     ----------
     presses
-        At every tilt from 0 on, one for each friction, with the derivative by thickness; images at the same depths.
+        At every tilt from 0 on, one for each friction, with `TWIN_DERIVATIVES`; images at the same depths.
 
     Returns
     -------
@@ -40,28 +43,34 @@ def build_twin(presses: Sequence[Press]) -> Twin:
     Raises
     ------
     PalpateError
-        If presses are missing, of several designs or without the derivative, or the skin is no body of revolution.
+        If presses are missing, of several designs or without the derivatives, or the skin is no body of revolution.
     """
     _refuse_others(presses)
     slips, tilts, table = _sort(presses)
     depths = _depths(presses)
     fields, forces = [], []
     for press in table:
-        expanded = expand_surface(press, press.displacement, press.derivatives[THICKNESS].displacement)
-        fields.append([_fill(part, press, depths) for part in expanded])
-        parts = (press.force, press.derivatives[THICKNESS].force)
-        forces.append([_fill(_along_tilt(press, force), press, depths) for force in parts])
-    shape = (len(slips), len(tilts), 2, len(depths))
-    values = np.array(fields).reshape(*shape, ORDERS, -1)
-    # under a straight wall nothing depends on the direction: what does is of the mesh, centred where it touches
-    values[..., 1:, :] -= values[:, :1, :, :, 1:]
-    order, modes, amplitudes = _reduce(values)
-    pushes = np.array(forces).reshape(*shape, 2)
-    pushes[..., 0] -= pushes[:, :1, ..., 0]
-    everything = np.concatenate([amplitudes, pushes], axis=-1)
-    everything = np.moveaxis(everything, 2, 3).reshape(len(slips), len(tilts), len(depths), -1)
-    parity = np.tile(np.concatenate([(-1.0) ** order, [-1.0, 1.0]]), 2)
-    both = np.concatenate([-tilts[:0:-1], tilts]), np.concatenate([parity * everything[:, :0:-1], everything], axis=1)
+        rates = [press.derivatives[name] for name in TWIN_DERIVATIVES]
+        parts = [press.displacement, *(rate.displacement for rate in rates)]
+        expanded = expand_surface(press, *zip(parts, _ACROSS.tolist(), strict=True))
+        fields.append([_fill(part, press, depths) for part in _over_travel(expanded, press)])
+        pushes = np.array([_along_tilt(press, force) for force in (press.force, *(rate.force for rate in rates))])
+        forces.append([_fill(part, press, depths) for part in _over_travel(pushes, press)])
+    shape = (len(slips), len(tilts), len(_ACROSS), len(depths))
+    values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
+    pushes = np.array(forces).reshape(*shape, FORCES)
+    _straighten(values, pushes)
+    order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1))
+    blocks = np.concatenate([amplitudes, pushes], axis=-1)
+    # a tilt of -t is the tilt t seen from the other side, from where a wall drifts the other way, but twists alike
+    parity = np.outer([1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
+    both = np.concatenate([parity[:, None] * blocks[:, :0:-1], blocks], axis=1)
+    everything = np.moveaxis(both, 2, 3)
+    axes = (slips if len(slips) > 1 else np.zeros(1), np.concatenate([-tilts[:0:-1], tilts]), depths)
+    pressed, drifts = (
+        fit_spline(axes, part.reshape(*part.shape[:3], -1))
+        for part in (everything[..., :2, :], everything[..., 2:, :])
+    )
     reach = np.array([_reach(press) for press in table]).reshape(shape[:2])
     return Twin(
         skin=presses[0].mesh.skin,
@@ -71,7 +80,8 @@ def build_twin(presses: Sequence[Press]) -> Twin:
         depths_mm=depths,
         slips=slips,
         reach_mm=reach,
-        amplitudes=fit_spline((slips if len(slips) > 1 else np.zeros(1), both[0], depths), both[1]),
+        amplitudes=pressed,
+        drifts=drifts,
     )
 
 
@@ -85,10 +95,11 @@ def _refuse_others(presses: Sequence[Press]) -> None:
                 f"The presses are of several designs: {first.mesh.skin.name} and {press.mesh.skin.name}.",
                 "Give those of one design and material.",
             )
-        if THICKNESS not in press.derivatives:
+        missing = [name for name in TWIN_DERIVATIVES if name not in press.derivatives]
+        if missing:
             raise PalpateError(
-                f"The press under {press.wall.words} has no derivative by thickness.",
-                "Press with `derivatives: [thickness]`.",
+                f"The press under {press.wall.words} has no derivative by {missing[0]}.",
+                f"Press with `derivatives: [{', '.join(TWIN_DERIVATIVES)}]`.",
             )
     if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(press.wall.pose_space.tilts for press in presses):
         raise PalpateError("A twin is of a body of revolution under a flat wall.", "Use single presses instead.")
@@ -145,9 +156,40 @@ def _reach(press: Press) -> float:
 
 
 def _along_tilt(press: Press, force: FloatArray) -> FloatArray:
-    """Force (n, 2) N across the tilt's axis and along the dome's, of forces (n, 3) in the dome's frame."""
+    """Force (n, 3) N up the slope, along the dome's axis and the tilt's, of forces (n, 3) in the dome's frame."""
     azimuth = np.radians(press.wall.turn_deg)
-    return np.stack([force[:, 1] * np.cos(azimuth) - force[:, 0] * np.sin(azimuth), force[:, 2]], axis=-1)
+    c, s = np.cos(azimuth), np.sin(azimuth)
+    return np.stack([force[:, 1] * c - force[:, 0] * s, force[:, 2], force[:, 0] * c + force[:, 1] * s], axis=-1)
+
+
+def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
+    """Derivatives by drift (mm/mm) among the parts (5, n, …) of a press as those by the travel so far (mm)."""
+    found = parts.copy()
+    depth = press.depth.reshape(-1, *[1] * (parts.ndim - 2))
+    found[2:, 1:] = parts[2:, 1:] / depth[1:]
+    found[2:, 0] = 2.0 * found[2:, 1] - found[2:, 2]
+    return found
+
+
+def _straighten(values: FloatArray, forces: FloatArray) -> None:
+    """Take out what the mesh adds at tilt 0, in values (slip, tilt, 5, depth, order, …) and forces (…, 3).
+
+    Under a straight wall nothing depends on the direction: only order 0 is pressed and twisted, and a drift is one
+    field of order 1, whatever its direction. What else there is comes of the mesh, centred where it touches.
+    """
+    straight, push = values[:, :1].copy(), forces[:, :1].copy()
+    for part, order in enumerate((0, 0, 1, 1, 0)):
+        straight[:, :, part, :, order] = 0.0
+    along, across = (
+        values[:, :1, 2, :, 1],
+        values[:, :1, 3, :, 1],
+    )  # a quarter turn makes the one the other's negative
+    straight[:, :, 2, :, 1] = straight[:, :, 3, :, 1] = 0.5 * (along + across)
+    push[:, :, :2, :, 1] = 0.0
+    along, across = forces[:, :1, 2, :, 0], forces[:, :1, 3, :, 2]
+    push[:, :, 2, :, 0], push[:, :, 3, :, 2] = 0.5 * (along - across), 0.5 * (across - along)
+    values -= straight
+    forces -= push
 
 
 def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
@@ -159,12 +201,13 @@ def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
 
 
 def _reduce(values: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Modes of series (slip, tilt, 2, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
-    weighted = values * np.array([1.0, _THICKER_MM])[:, None, None, None]
+    """Modes of series (slip, tilt, 5, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
+    weighted = values * _WEIGHTS[:, None, None, None]
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]
     strength = np.sort(np.concatenate([each for each, _ in found]))
-    carried = np.sqrt(np.cumsum(strength**2) / (2 * len(pressed) * CIRCLES))  # half a square is a wave's mean
+    presses = len(pressed) * 2 // len(_ACROSS)
+    carried = np.sqrt(np.cumsum(strength**2) / (2 * presses * CIRCLES))  # half a square is a wave's mean
     weakest = strength[np.searchsorted(carried, _LOST_MM)]
     kept = [modes[each >= weakest] for each, modes in found]
     amplitudes = [values[..., k, :] @ modes.T for k, modes in enumerate(kept)]

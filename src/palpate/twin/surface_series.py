@@ -6,7 +6,8 @@ In cylindrical components, and with the azimuth ψ counted from where the mirror
     u_r = Σ_k r_k(s) cos kψ,    u_φ = Σ_k f_k(s) sin kψ,    u_z = Σ_k z_k(s) cos kψ,
 
 with the place s on the meridian of the unit disc, 0 at the apex and 1 at the rim. All coefficients are real, and half
-a circle tells them.
+a circle tells them. What breaks the mirror symmetry, as a wall that travels across its slope, is odd where this is
+even: ``u_r = Σ r_k sin kψ, u_φ = -Σ f_k cos kψ, u_z = Σ z_k sin kψ``, the same waves turned by a quarter wave.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ def place_circles() -> FloatArray:
     return 0.5 - 0.5 * np.cos(angle)
 
 
-def expand_surface(press: Press, *fields: FloatArray) -> FloatArray:
-    """Coefficients (len(fields), n images, `ORDERS`, 3, `CIRCLES`) mm of fields of a press: r cos, φ sin, z cos.
+def expand_surface(press: Press, *fields: tuple[FloatArray, bool]) -> FloatArray:
+    """Coefficients (len(fields), n images, `ORDERS`, 3, `CIRCLES`) mm of fields of a press: in r, φ, z.
 
     Parameters
     ----------
     press
         Under a flat wall.
     fields
-        (n images, n nodes, 3) mm displacement, or a derivative of it with the same symmetry.
+        (n images, n nodes, 3) mm displacement, or a derivative of it, and whether it breaks the mirror symmetry.
     """
     psi = np.pi * np.arange(_HALF + 1) / _HALF
     azimuth = psi + QUARTER_TURN  # the frame of the mesh
@@ -57,12 +58,13 @@ def expand_surface(press: Press, *fields: FloatArray) -> FloatArray:
     even = np.cos(np.outer(psi, order)) * share[:, None] * np.where(order == 0, 0.5, 1.0)
     odd = np.sin(np.outer(psi, order)) * share[:, None]
     found = []
-    for field in fields:
+    for field, across in fields:
         at = places.interpolate(field)
-        moved = np.where(beyond, at * flip, at).reshape(len(field), CIRCLES, _HALF + 1, 3)
+        moved = np.where(beyond, at * (-flip if across else flip), at).reshape(len(field), CIRCLES, _HALF + 1, 3)
         radial = moved[..., 0] * cosine + moved[..., 1] * sine
         around = -moved[..., 0] * sine + moved[..., 1] * cosine
-        series = np.stack([radial @ even, around @ odd, moved[..., 2] @ even], axis=1)
+        waves, other = (odd, -even) if across else (even, odd)
+        series = np.stack([radial @ waves, around @ other, moved[..., 2] @ waves], axis=1)
         found.append(np.moveaxis(series, -1, 1))
     return np.array(found)
 

@@ -4,7 +4,8 @@ Presses at tilts from 0 on, at depths from first touch on, under frictions from 
 series on circles (`surface_series`), reduced to the modes in which they differ (a singular value decomposition of
 each order), and the amplitudes of these modes are splines over 1/µ, tilt and depth. A tilt of −t is the tilt t turned
 by half a turn, which gives the spline no end at the straight press. The derivative of every press by the
-thickness of its wall is carried in the same modes.
+thickness of its wall is carried in the same modes, and so are those by how far the obstacle has travelled sideways
+and turned on its way down.
 """
 
 from __future__ import annotations
@@ -23,24 +24,8 @@ from palpate.twin.tensor_spline import TensorSpline
 
 STRAIGHT_DEG = 1e-3
 """Tilt below which a wall counts as straight; its derivatives are taken there."""
-FORCES = 2
-"""Amplitudes after those of the modes: force across the wall's tilt and along the dome's axis, N."""
-
-
-class Amplitudes(NamedTuple):
-    """Amplitudes at one pose, of modes and force.
-
-    Attributes
-    ----------
-    value, by_tilt, by_depth, by_slip, by_thickness
-        (r + 2,) mm and N, and derivatives over a degree, mm, 1/µ, and mm of thickness.
-    """
-
-    value: FloatArray
-    by_tilt: FloatArray
-    by_depth: FloatArray
-    by_slip: FloatArray
-    by_thickness: FloatArray
+FORCES = 3
+"""Amplitudes after those of the modes: force up the wall's slope, along the dome's axis, and along the tilt's, N."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +46,8 @@ class Twin:
         (n slips, n tilts) depth that each press reached on the flat branch.
     amplitudes
         Splines over (slip, tilt, depth): first those of the press, then their derivative by the thickness.
+    drifts
+        Splines likewise of the derivatives by drift up the slope (mm), along the tilt's axis (mm), and by twist (°).
     """
 
     skin: Skin
@@ -71,13 +58,7 @@ class Twin:
     slips: FloatArray
     reach_mm: FloatArray
     amplitudes: TensorSpline
-
-    def at(self, tilt_deg: float, depth_mm: float, slip: float, thickness: float = 0.0) -> Amplitudes:
-        """Amplitudes at a tilt, depth and 1/µ, or just beyond what was pressed, in a wall thicker by some mm."""
-        found = self.amplitudes.evaluate(np.array([slip, tilt_deg, depth_mm]))
-        half = found.shape[1] // 2
-        value, by_slip, by_tilt, by_depth = found[:, :half] + thickness * found[:, half:]
-        return Amplitudes(value, by_tilt, by_depth, by_slip, found[0, half:])
+    drifts: TensorSpline
 
     def reach(self, tilt_deg: float, slip: float = 0.0) -> float:
         """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""
@@ -133,11 +114,12 @@ class MovedDots(NamedTuple):
     positions
         (m, 3) mm.
     by
-        (m, 3, 5): mm over a degree of rx, of ry, mm of depth, 1/µ, and mm of thickness.
+        (m, 3, 5 or 8): mm over a degree of rx, of ry, mm of depth, 1/µ, and mm of thickness; where drift is given,
+        also over a mm of it in x and in y, and over a degree of twist.
     force
         (3,) N on the wall, dome's frame.
     force_by
-        (3, 5) the same.
+        (3, 5 or 8) the same.
     """
 
     positions: FloatArray
@@ -168,37 +150,86 @@ class PrintedTwin:
     azimuth: FloatArray
     waves: FloatArray
 
-    def move(self, pose: FloatArray, slip: float, thickness: float = 0.0) -> MovedDots:
-        """Dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`, in a wall thicker by some mm."""
-        rx, ry, depth = (float(value) for value in pose)
-        tilt, azimuth = max(float(np.hypot(rx, ry)), STRAIGHT_DEG), float(np.arctan2(ry, rx))
-        order = self.twin.order
+    def move(
+        self, pose: FloatArray, slip: float, thickness: float = 0.0, drift: FloatArray | None = None
+    ) -> MovedDots:
+        """Dots under a wall.
+
+        Parameters
+        ----------
+        pose
+            (3,) rx, ry (degrees) and depth (mm), or just beyond what was pressed.
+        slip
+            1/µ.
+        thickness
+            By how much the dome's wall is thicker, mm.
+        drift
+            (3,) how far the obstacle has travelled on the way down in its own plane, in x and y (mm, axes turned
+            with the wall), and its twist about its normal (degrees). Without it, there is none.
+        """
+        tilt, azimuth = max(float(np.hypot(pose[0], pose[1])), STRAIGHT_DEG), float(np.arctan2(pose[1], pose[0]))
+        even, odd = self._parts(np.array([slip, tilt, float(pose[2])]), thickness, azimuth, drift)
+        order, modes, count = self.twin.order[:, None], len(self.twin.order), even.shape[1] - 1
         cos, sin = np.cos(order * azimuth), np.sin(order * azimuth)
-        modes = len(order)
-        rows = np.empty((2 * modes, 6))
-        a = np.stack(self.twin.at(tilt, depth, slip, thickness), axis=1)
-        rows[:modes, :5], rows[modes:, :5] = a[:modes] * cos[:, None], a[:modes] * sin[:, None]
-        rows[:modes, 5], rows[modes:, 5] = -a[:modes, 0] * order * sin, a[:modes, 0] * order * cos
-        moved = (self.waves @ rows).reshape(-1, 3, 6)
-        force, turn = self._force(a[modes:], azimuth)
-        by, force_by = np.empty((len(moved), 3, 5)), np.empty((3, 5))
-        for out, each, around in ((by, moved, moved[..., 5]), (force_by, force, turn)):
-            c, s = np.cos(azimuth), np.sin(azimuth)
+        rows = np.empty((2 * modes, count + 1))
+        rows[:modes], rows[modes:] = even[:modes] * cos, even[:modes] * sin
+        if odd is not None:
+            rows[:modes] -= odd[:modes] * sin
+            rows[modes:] += odd[:modes] * cos
+        rows[:modes, count] -= order[:, 0] * rows[modes:, 0]
+        rows[modes:, count] += order[:, 0] * rows[:modes, 0]
+        moved = (self.waves @ rows).reshape(-1, 3, count + 1)
+        force = _turn_force(even[modes:] if odd is None else even[modes:] + odd[modes:], azimuth)
+        by, force_by = np.empty((len(moved), 3, count)), np.empty((3, count))
+        c, s = np.cos(azimuth), np.sin(azimuth)
+        for out, each in ((by, moved), (force_by, force)):
+            around = each[..., count]
             out[..., 0] = each[..., 1] * c - around * (s / tilt)
             out[..., 1] = each[..., 1] * s + around * (c / tilt)
-            out[..., 2:] = each[..., 2:5]
+            out[..., 2:] = each[..., 2:count]
         return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by)
 
-    def amplitudes(self, pose: FloatArray, slip: float, thickness: float) -> FloatArray:
-        """Amplitudes (2 r,) of the waves at a pose."""
-        order, tilt = self.twin.order, float(np.hypot(pose[0], pose[1]))
-        value = self.twin.at(tilt, float(pose[2]), slip, thickness).value[: len(order)]
-        angle = order * float(np.arctan2(pose[1], pose[0]))
-        return np.concatenate([value * np.cos(angle), value * np.sin(angle)])
+    def _parts(
+        self, place: FloatArray, thickness: float, azimuth: float, drift: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Amplitudes of modes and force (r + 3, n) that keep and that break the mirror symmetry of the tilt.
 
-    @staticmethod
-    def _force(parts: FloatArray, azimuth: float) -> tuple[FloatArray, FloatArray]:
-        """Force (3, n) N from its parts (2, n) across and along the axis, and its derivative (3,) over a rad."""
-        c, s = np.cos(azimuth), np.sin(azimuth)
-        across, along = parts
-        return np.stack([-s * across, c * across, along]), np.array([-c * across[0], -s * across[0], 0.0])
+        Their columns: value; over tilt, depth, slip, thickness and, with drift, x, y and twist; over the azimuth of
+        the wall while the drift stays.
+        """
+        twin = self.twin
+        found = twin.amplitudes.evaluate(place)
+        half = found.shape[1] // 2
+        even = np.zeros((half, 6 if drift is None else 9))
+        even[:, [0, 3, 1, 2]] = (found[:, :half] + thickness * found[:, half:]).T
+        even[:, 4] = found[0, half:]
+        if drift is None:
+            return even, None
+        odd, (c, s) = np.zeros_like(even), (np.cos(azimuth), np.sin(azimuth))
+        up, across, twist = twin.drifts.evaluate(place).reshape(4, 3, half).transpose(1, 2, 0)
+        along, aside = drift[1] * c - drift[0] * s, drift[0] * c + drift[1] * s
+        even[:, [0, 3, 1, 2]] += along * up
+        odd[:, [0, 3, 1, 2]] = aside * across + drift[2] * twist
+        even[:, 5], even[:, 6], even[:, 8] = -s * up[:, 0], c * up[:, 0], -aside * up[:, 0]
+        odd[:, 5], odd[:, 6], odd[:, 7], odd[:, 8] = (
+            c * across[:, 0],
+            s * across[:, 0],
+            twist[:, 0],
+            along * across[:, 0],
+        )
+        return even, odd
+
+    def amplitudes(self, pose: FloatArray, slip: float, thickness: float) -> FloatArray:
+        """Amplitudes (2 r,) of the waves at a pose, without drift."""
+        order, tilt, azimuth = self.twin.order, float(np.hypot(pose[0], pose[1])), float(np.arctan2(pose[1], pose[0]))
+        value = self._parts(np.array([slip, tilt, float(pose[2])]), thickness, azimuth, None)[0][: len(order), 0]
+        return np.concatenate([value * np.cos(order * azimuth), value * np.sin(order * azimuth)])
+
+
+def _turn_force(parts: FloatArray, azimuth: float) -> FloatArray:
+    """Force (3, n) N from its parts up the slope, along the dome's axis and the tilt's; the last over the azimuth."""
+    c, s = np.cos(azimuth), np.sin(azimuth)
+    slope, axial, axis = parts
+    force = np.stack([axis * c - slope * s, slope * c + axis * s, axial])
+    force[:2, -1] += [-slope[0] * c - axis[0] * s, axis[0] * c - slope[0] * s]
+    return force

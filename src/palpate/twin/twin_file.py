@@ -13,7 +13,7 @@ from palpate.design import build_skin, skin_from_data
 from palpate.twin.tensor_spline import TensorSpline
 from palpate.twin.twin import Twin
 
-TWIN_VERSION = "1"
+TWIN_VERSION = "2"
 """Version of the code that decides what a twin says; part of its file and of an artefact's key."""
 _KIND = "palpate twin"
 _AGAIN = "Make it again with `palpate twin`."
@@ -43,9 +43,9 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["made_by"] = json.dumps(provenance())
             for name, unit in _ARRAYS.items():
                 file.create_dataset(name, data=getattr(twin, name)).attrs["units"] = unit
-            file.create_dataset("coefficients", data=twin.amplitudes.coefficients).attrs["units"] = (
-                "mm, N, and over mm"
-            )
+            for name in ("amplitudes", "drifts"):
+                data = getattr(twin, name).coefficients
+                file.create_dataset(name, data=data).attrs["units"] = "mm, N, and over mm or degrees"
             for name, knots in zip(("slip", "tilt", "depth"), twin.amplitudes.knots, strict=True):
                 file.create_dataset(f"knots/{name}", data=knots)
     except OSError as error:
@@ -69,16 +69,17 @@ def read_twin(path: Path) -> Twin:
                 raise PalpateError(
                     f"{path} is a twin of version {file.attrs['version']}, this is {TWIN_VERSION}.", _AGAIN
                 )
-            knots = file["knots"]
+            knots = (file["knots/slip"][:], file["knots/tilt"][:], file["knots/depth"][:])
             twin = Twin(
                 skin=build_skin(skin_from_data(json.loads(file.attrs["skin"]))),
                 **{name: file[name][:] for name in _ARRAYS},
-                amplitudes=TensorSpline(
-                    (knots["slip"][:], knots["tilt"][:], knots["depth"][:]), file["coefficients"][:]
-                ),
+                amplitudes=TensorSpline(knots, file["amplitudes"][:]),
+                drifts=TensorSpline(knots, file["drifts"][:]),
             )
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN) from None
-    if not all(np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients)):
+    if not all(
+        np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients, twin.drifts.coefficients)
+    ):
         raise PalpateError(f"{path} holds numbers that are none.", _AGAIN)
     return twin

@@ -10,7 +10,7 @@ from palpate.design import DomeSpec, build_skin
 from palpate.fea import Press, WallSpec, read_press, solve_press, write_press
 from palpate.material import get_material, material_from_data
 from palpate.mechanics import SolverSpec
-from palpate.mesh import Mesh, MeshSpec, centre_mesh, mesh_skin, reshape_mesh
+from palpate.mesh import Mesh, MeshSpec, centre_mesh, locate_inner, mesh_skin, reshape_mesh
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
@@ -94,6 +94,29 @@ def test_what_sticks_is_dragged_along(stuck: Press) -> None:
         assert found.force[-1, axis] < -0.02
         assert np.abs(found.displacement[-1][:, axis]).max() == pytest.approx(1.0, abs=0.25)
         assert np.abs(found.displacement[-1][stuck.mesh.base]).max() == 0
+
+
+@pytest.mark.parametrize(("name", "by"), [("drift", 0.05), ("drift_across", 0.05), ("twist_rate_deg", 0.5)])
+def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> None:
+    """The derivative of half a model against whole models under walls that do drift, one and the other way."""
+    wall = WALL.model_copy(update={"contact": "no-slip", "depth": 3.2})
+    rate = solve_press(mesh_of(), MATERIAL, wall, SolverSpec(derivatives=(name,))).derivative(name)
+    whole = mesh_skin(build_skin(SKIN), MeshSpec(cells=10, whole=True))
+    high, low = (solve_press(whole, MATERIAL, wall.model_copy(update={name: side * by})) for side in (1, -1))
+    places = build_skin(SKIN).inner_point(np.array([0.0, 2.0, 4.0, 6.0]), np.array([0.0, 0.5, 1.0, 1.4]))
+    found = locate_inner(mesh_of(), places).interpolate(rate.displacement[-1])
+    moved = (high.positions(places)[-1] - low.positions(places)[-1]) / (2 * by)
+    assert np.linalg.norm(found - moved) < 0.05 * np.linalg.norm(moved)
+
+
+def test_a_frictionless_wall_may_drift() -> None:
+    rate = solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("drift",))).derivative("drift")
+    assert np.abs(rate.displacement).max() < 1e-6
+
+
+def test_half_a_model_cannot_drift_across_its_plane() -> None:
+    with pytest.raises(PalpateError, match=r"across its slope.*is not symmetric"):
+        solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"drift_across": 0.1}))
 
 
 def test_derivatives_survive_the_file(press: Press, tmp_path) -> None:

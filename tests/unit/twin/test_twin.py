@@ -12,7 +12,7 @@ from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import THICKNESS, Twin, build_twin, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, read_twin, write_twin
 from palpate.twin.tensor_spline import fit_spline
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
@@ -27,7 +27,7 @@ FRICTIONS = ("no-slip", 1.2, 0.6, 0.3)
 def press(tilt: float, contact: str | float, thickness: float = 2.0, **wall: float) -> Press:
     skin = build_skin(SKIN.model_copy(update={"thickness": thickness}))
     spec = WallSpec(tilt_deg=tilt, contact=contact, depth=3.2, image_step=0.4, **wall)
-    return solve_press(mesh_skin(skin, MeshSpec(cells=9)), ECOFLEX, spec, SolverSpec(derivatives=(THICKNESS,)))
+    return solve_press(mesh_skin(skin, MeshSpec(cells=9)), ECOFLEX, spec, SolverSpec(derivatives=TWIN_DERIVATIVES))
 
 
 @pytest.fixture(scope="module")
@@ -81,11 +81,17 @@ def test_a_turned_wall_turns_everything(twin: Twin, azimuth_deg: float) -> None:
 
 def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
     dots, pose, step = twin.print_dots(LAYOUT.positions), at(6.5, 200.0, 2.3), 1e-5
-    motion = dots.move(pose, 0.7, 0.02)
-    for k in range(5):
-        changes = np.eye(5)[k] * step
+    drift = np.array([0.2, -0.3, 0.8])
+    motion = dots.move(pose, 0.7, 0.02, drift)
+    for k in range(8):
+        changes = np.eye(8)[k] * step
         high, low = (
-            dots.move(pose + side * changes[:3], 0.7 + side * changes[3], 0.02 + side * changes[4])
+            dots.move(
+                pose + side * changes[:3],
+                0.7 + side * changes[3],
+                0.02 + side * changes[4],
+                drift + side * changes[5:],
+            )
             for side in (1, -1)
         )
         assert motion.by[..., k] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
@@ -103,6 +109,27 @@ def test_at_the_straight_press_the_directions_are_alike(twin: Twin) -> None:
     assert second.force_by[:, 1] == pytest.approx(quarter @ first.force_by[:, 0], abs=1e-6)
     here, there = first.by[..., 0], second.by[..., 1]
     assert np.linalg.norm(there - here @ quarter.T) < 0.25 * np.linalg.norm(here)
+
+
+def test_a_wall_that_drifts_and_twists_is_foreseen(twin: Twin) -> None:
+    """A whole model under a wall that does so all the way down, in another direction, tilt and friction."""
+    skin, azimuth = build_skin(SKIN), np.radians(77.0)
+    wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=3.2, image_step=1.6)
+    mesh, drifting = mesh_skin(skin, MeshSpec(cells=9, whole=True)), {"drift": 0.06, "drift_across": -0.1}
+    seen = solve_press(mesh, ECOFLEX, wall.model_copy(update={**drifting, "twist_rate_deg": 0.3}))
+    dots, pose = twin.print_dots(LAYOUT.positions), at(6.0, 77.0, 3.2)
+    up, aside = 3.2 * wall.model_copy(update=drifting).drift, -3.2 * 0.1
+    drift = np.array(
+        [
+            aside * np.cos(azimuth) - up * np.sin(azimuth),
+            aside * np.sin(azimuth) + up * np.cos(azimuth),
+            3.2 * 0.3,
+        ]
+    )
+    told, blind = (dots.move(pose, 1 / 0.9, 0.0, each) for each in (drift, np.zeros(3)))
+    assert pixels_apart(told.positions, seen, -1) < 0.05
+    assert pixels_apart(blind.positions, seen, -1) > 0.5
+    assert told.force == pytest.approx(seen.force[-1], abs=0.03 * seen.force[-1, 2])
 
 
 def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
