@@ -38,6 +38,7 @@ from palpate.design import (
     SkinSpec,
     build_skin,
     place_markers,
+    wall_normal,
 )
 from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, write_press
 from palpate.learn import Predictor
@@ -56,7 +57,7 @@ from palpate.sensor import (
 )
 from palpate.twin import Twin
 
-BENCH_VERSION = "2"
+BENCH_VERSION = "3"
 """Version of the code that decides what a played unit says; part of its key."""
 _FINER = 9.0 / 8.0
 
@@ -246,8 +247,11 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
 
 def _known(
     bench: Bench, scene: Scene, sensor: Sensor, deviation: Deviation, rng: np.random.Generator
-) -> list[tuple[FloatArray, list[NDArray[np.uint8]]]]:
-    """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off."""
+) -> list[tuple[FloatArray, list[NDArray[np.uint8]], FloatArray]]:
+    """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off.
+
+    Its load cell is read once, at the deepest image of the first.
+    """
     tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in KNOWN_TILTS[: bench.spec.known]]
     solved, first, found = [_press(bench, deviation, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
     for number in range(bench.spec.known):
@@ -256,8 +260,16 @@ def _known(
         poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
         poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)
         deep = press.depth >= bench.spec.least_depth - 1e-9
-        found.append((poses[deep], list(compress(scene.through(press), deep))))
+        cell = np.full(int(deep.sum()), np.nan)
+        if not number:
+            cell[-1] = _weigh(press)
+        found.append((poses[deep], list(compress(scene.through(press), deep)), cell))
     return found
+
+
+def _weigh(press: Press) -> float:
+    """What a load cell under the wall says at the deepest image of a press, N along its normal."""
+    return float(press.force[-1] @ wall_normal(np.radians(press.wall.radial), 0.0))  # as it was solved, not turned
 
 
 def _robot(bench: Bench) -> RobotSpec:
@@ -287,29 +299,34 @@ def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: D
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
-    """The press with its wall in another direction; the solution of a half model turns with it."""
+    """The press with its wall in another direction; its solution turns with it (`Scene.through`)."""
     return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
 def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
-    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench))
+    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench, deviation))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
     return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
 
 
-def _mesh_spec(bench: Bench) -> MeshSpec:
+def _mesh_spec(bench: Bench, deviation: Deviation) -> MeshSpec:
+    whole = bool(deviation.lateral or deviation.twist_deg)
     if bench.spec.cells is not None:
-        return MeshSpec(cells=bench.spec.cells)
+        return MeshSpec(cells=bench.spec.cells, whole=whole)
     own = mesh_skin(bench.nominal).spec.cells or 0
-    return MeshSpec(cells=round(_FINER * own))
+    return MeshSpec(cells=own if whole else round(_FINER * own), whole=whole)
 
 
 def _wall(bench: Bench, deviation: Deviation, tilt_deg: float) -> WallSpec:
+    """The wall of a press; where robots drift, as far as is drawn for this press."""
+    shares = generator(bench.spec.seed, "drift", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0, 3)
+    most = np.array([deviation.lateral, deviation.lateral, deviation.twist_deg]) / bench.spec.depth
     return WallSpec(
         tilt_deg=tilt_deg,
         depth=bench.spec.depth,
         image_step=bench.spec.image_step,
         contact=deviation.friction or bench.spec.contact,
+        **dict(zip(WallSpec.DRIFTS, (most * shares).round(6).tolist(), strict=True)),
     )
 
 
@@ -318,7 +335,7 @@ def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float) -> Recipe
     solver = CalculixSpec() if calculix else SolverSpec()
     spec = {
         "dome": deviation.dome(bench.dome).model_dump(mode="json"),
-        "mesh": _mesh_spec(bench).model_dump(mode="json"),
+        "mesh": _mesh_spec(bench, deviation).model_dump(mode="json"),
         "material": deviation.material(bench.material).key_data(),
         "wall": _wall(bench, deviation, tilt_deg).model_dump(mode="json"),
         "solver": {bench.spec.solver: solver.model_dump(mode="json")},

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from palpate.built import Deviation
 from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, dot_edges, render, tangent_pair
 from palpate.core import FloatArray, child_seed, generator
-from palpate.design import MarkerLayout, Skin, place_orientation_mark
+from palpate.design import MarkerLayout, Skin, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
 
 
@@ -38,8 +38,9 @@ class Scene:
         return self._look(self.edges, "rest")
 
     def through(self, press: Press) -> Iterator[NDArray[np.uint8]]:
-        """Images (h, w) of a press, rest included."""
-        flat = press.positions(self.edges.reshape(-1, 3))
+        """Images (h, w) of a press, rest included; one of a whole model was solved at azimuth 0."""
+        own = turn_about_axis(np.radians(press.wall.turn_deg)) if press.mesh.spec.whole else np.eye(3)
+        flat = press.positions(self.edges.reshape(-1, 3) @ own) @ own.T
         for number, points in enumerate(flat):
             yield self._look(points.reshape(self.edges.shape), press.wall.radial, press.wall.turn_deg, number)
 

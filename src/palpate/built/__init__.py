@@ -2,6 +2,7 @@
 
 from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw_deviation, single_deviation
 from palpate.built.fit_pose import PoseFit, PoseFitter
+from palpate.built.force import Force, ForceScale, expect_scale, learn_scale
 from palpate.built.foresee import BuiltFigure, ForeseeSpec, foresee
 from palpate.built.identify import (
     KNOWN_TILTS,
@@ -27,6 +28,8 @@ __all__ = [
     "UNKNOWN",
     "BuiltFigure",
     "Deviation",
+    "Force",
+    "ForceScale",
     "ForeseeSpec",
     "Identified",
     "Imperfection",
@@ -41,9 +44,11 @@ __all__ = [
     "UnitBelief",
     "UnitModel",
     "draw_deviation",
+    "expect_scale",
     "foresee",
     "identify",
     "learn_rest",
+    "learn_scale",
     "model_unit",
     "read_unit",
     "single_deviation",

@@ -40,6 +40,8 @@ class Deviation:
         Turns of the dome against the robot.
     touch
         Depth that the robot takes for first touch, mm.
+    lateral, twist_deg
+        Greatest sideways travel (mm) and turn (degrees) of the robot in a press.
     seed
         Seed of which dots are off and missing.
     unit
@@ -68,6 +70,8 @@ class Deviation:
     seating_y_deg: float = 0.0
     seating_turn_deg: float = 0.0
     touch: float = 0.0
+    lateral: float = 0.0
+    twist_deg: float = 0.0
     seed: int = 0
     unit: int = 0
 
@@ -136,11 +140,13 @@ IMPERFECTIONS = (
     Imperfection("seating_tilt_deg", "seating, tilt", ("seating_x_deg", "seating_y_deg")),
     Imperfection("seating_turn_deg", "seating, turn", ("seating_turn_deg",)),
     Imperfection("touch", "touch zero", ("touch",)),
+    Imperfection("lateral", "sideways travel", ("lateral",), signed=False, solved=True),
+    Imperfection("twist_deg", "twist", ("twist_deg",), signed=False, solved=True),
 )
 
 
 def draw_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
-    """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and twice that.
+    """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and the greatest.
 
     Examples
     --------
@@ -154,7 +160,7 @@ def draw_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
         for part in item.parts:
             values[part] = limit * float(rng.uniform(-1.0, 1.0)) if item.signed else limit
         if item.name == "friction":
-            values["friction"] = limit * float(rng.uniform(1.0, 2.0))
+            values["friction"] = tolerance.draw_friction(float(rng.uniform())) if limit else 0.0
     return Deviation(**values)
 
 

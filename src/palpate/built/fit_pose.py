@@ -13,19 +13,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.built.force import Force, ForceScale, expect_scale, scale_force
 from palpate.built.identify import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, TILT_SD_DEG, Mounting, weigh_dots
+from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
+from palpate.design import wall_normal
 
 _STEPS = 12
-_SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3])
-"""Change of pose and 1/µ below which a fit is done."""
-_TRUST = np.array([4.0, 4.0, 1.5, 1.5])
+TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "drift_x", "drift_y", "twist_deg")
+"""What is fitted beside the unit: pose, 1/µ, and how far the wall travelled (mm) and turned on its way."""
+_SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 5e-3, 5e-3, 0.02])
+"""Change of a touch below which a fit is done."""
+_TRUST = np.array([4.0, 4.0, 1.5, 1.5, 0.5, 0.5, 2.0])
 """Longest step."""
-_NEAR = np.array([0.4, 0.4, 0.2, 0.3])
-"""Change of pose and 1/µ within which the image depends on the unit's numbers as before."""
+_NEAR = np.array([0.4, 0.4, 0.2, 0.3, 0.3, 0.3, 1.0])
+"""Change of a touch within which the image depends on the unit's numbers as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
+_MEAN = np.array([0.0, 0.0, 0.0, SLIP_MEAN, 0.0, 0.0, 0.0])
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
@@ -46,10 +52,10 @@ class PoseFit:
         1/µ.
     covariance
         (4, 4) of pose and slip, what is unknown of the unit included.
+    drift
+        (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
     force
-        (3,) N on the wall, dome's frame, for the design's stiffness.
-    force_sd
-        (3,) N, by pose, slip and thickness.
+        On the wall.
     residual_px
         Root mean square distance of a coordinate from the fit, px.
     misfit
@@ -57,7 +63,7 @@ class PoseFit:
     steps
         Gauss–Newton steps taken.
     theta
-        (4,) pose in the dome's frame, and 1/µ.
+        (7,) `TOUCH`, in the dome's frame.
     cost
         Half the weighted squares of what is left, and of what was fitted against its prior.
     unit
@@ -67,8 +73,8 @@ class PoseFit:
     pose: FloatArray
     slip: float
     covariance: FloatArray
-    force: FloatArray
-    force_sd: FloatArray
+    drift: FloatArray
+    force: Force
     residual_px: float
     misfit: float
     steps: int
@@ -89,13 +95,21 @@ class PoseFitter:
         Standard deviation of a dot's coordinate in one image.
     mounting
         How the unit sits on its robot; with it, poses are on the robot's scale.
+    scale
+        Its stiffness over the design's; `None`: as designed, within the tolerance.
     """
 
     model: UnitModel
     noise_px: float
     mounting: Mounting | None = None
+    scale: ForceScale | None = None
 
     def __post_init__(self) -> None:
+        self._sd = touch_sd(self.model.tolerance)
+        slips = len(self.model.dots.twin.slips) > 1
+        self._free = np.flatnonzero((self._sd > 0) & (slips | (np.arange(len(TOUCH)) != TOUCH.index("slip"))))
+        self._drifts = bool((self._sd[4:] > 0).any())
+        self.scale = self.scale or expect_scale(self.model.tolerance)
         self._tables()
         self._last: FloatArray | None = None
         self._by_unit: tuple[FloatArray, FloatArray] | None = None
@@ -142,57 +156,53 @@ class PoseFitter:
     def _begin(self, seen_px: FloatArray) -> FloatArray:
         """The pose and 1/µ of those looked at beforehand that is most like an image."""
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
-        return np.append(self._starts[int(away.argmin())], SLIP_MEAN)
+        return np.array([*self._starts[int(away.argmin())], SLIP_MEAN, 0.0, 0.0, 0.0])
 
     def _look(self, theta: FloatArray, *, again: bool) -> tuple[Look, FloatArray]:
         """What is seen at a pose and 1/µ, and how it depends on the unit: as nearby, or asked for `again`."""
         known = self._by_unit
         unit = known is None or (again and bool((np.abs(theta - known[0]) > _NEAR).any()))
-        looked = self.model.look(theta[:3], float(theta[3]), unit=unit)
+        looked = self.model.look(theta[:3], float(theta[3]), theta[4:] if self._drifts else None, unit=unit)
         if looked.by_unit is not None:
             known = self._by_unit = theta.copy(), looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
         assert known is not None
         return looked, known[1]
 
     def _fit(self, seen_px: FloatArray, begin: FloatArray) -> PoseFit:
-        twin = self.model.dots.twin
-        free = 4 if len(twin.slips) > 1 else 3
+        free, known = self._free, len(self._free)
         theta = self._inside(begin.copy())
         variance = 2.0 * self.noise_px**2 + MODEL_PX**2
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
-        prior = np.array([TILT_SD_DEG, TILT_SD_DEG, np.inf, SLIP_SD]) ** -2.0
+        mean, prior = _MEAN[free], self._sd[free] ** -2.0
         for step in range(1, _STEPS + 1):
             looked, every = self._look(theta, again=step in (1, 3))
             by_unit = every[there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
             weight = weigh_dots(left, variance)
-            jacobian = np.hstack([looked.by_pose[there].reshape(-1, 4)[:, :free], by_unit])
+            jacobian = np.hstack([looked.by_pose[there][..., free].reshape(-1, known), by_unit])
             weighted = jacobian * weight[:, None]
             normal = weighted.T @ jacobian
-            normal[np.arange(free), np.arange(free)] += prior[:free]
-            normal[np.arange(free, len(normal)), np.arange(free, len(normal))] += 1.0
+            normal[np.diag_indices(len(normal))] += np.concatenate([prior, np.ones(len(z))])
             gradient = weighted.T @ left
-            gradient[:free] -= prior[:free] * (theta - [0.0, 0.0, 0.0, SLIP_MEAN])[:free]
-            gradient[free:] -= z
+            gradient[:known] -= prior * (theta[free] - mean)
+            gradient[known:] -= z
             change = np.linalg.solve(normal, gradient)
-            shrink = min(1.0, float(np.min(_TRUST[:free] / np.maximum(np.abs(change[:free]), 1e-12))))
+            shrink = min(1.0, float(np.min(_TRUST[free] / np.maximum(np.abs(change[:known]), 1e-12))))
             before = theta.copy()
-            theta[:free] += shrink * change[:free]
-            z = z + shrink * change[free:]
+            theta[free] += shrink * change[:known]
+            z = z + shrink * change[known:]
             theta = self._inside(theta)
             if (np.abs(theta - before) < _SMALL).all() and step >= 2:
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
-        pose, covariance = self._on_robot(theta, z, whole, free)
-        by_thickness = self._unit_spread[len(UNKNOWN) - 1]
-        by_all = np.hstack([looked.force_by[:, :free], looked.force_by[:, 4:] * by_thickness])
+        pose, covariance = self._on_robot(theta, z, whole)
         return PoseFit(
             pose=pose,
             slip=float(theta[3]),
             covariance=covariance,
-            force=looked.force,
-            force_sd=np.sqrt(np.einsum("ij,jk,ik->i", by_all, whole, by_all)),
+            drift=theta[4:],
+            force=self._force(looked, theta, whole),
             residual_px=float(np.sqrt(np.mean(left**2))),
             misfit=float(np.mean(left**2) / variance * len(left) / max(len(left) - len(normal), 1)),
             steps=step,
@@ -201,12 +211,20 @@ class PoseFitter:
             unit=(self._unit_spread @ z)[: len(UNKNOWN)],
         )
 
-    def _on_robot(
-        self, theta: FloatArray, z: FloatArray, whole: FloatArray, free: int
-    ) -> tuple[FloatArray, FloatArray]:
+    def _force(self, looked: Look, theta: FloatArray, whole: FloatArray) -> Force:
+        """Force on the wall, and its covariance from that of all unknowns."""
+        assert self.scale is not None
+        by_thickness = self._unit_spread[len(UNKNOWN) - 1]
+        by_all = np.hstack([looked.force_by[:, self._free], np.outer(looked.force_thicker, by_thickness)])
+        vector, covariance = scale_force(looked.force, by_all @ whole @ by_all.T, self.scale)
+        return Force(vector, covariance, wall_normal(*np.radians(theta[:2])))
+
+    def _on_robot(self, theta: FloatArray, z: FloatArray, whole: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Pose (3,), and covariance (4, 4) of it and 1/µ, from that of all unknowns."""
-        by = np.zeros((4, len(whole)))
-        by[:free, :free] = np.eye(free)
+        by, free = np.zeros((4, len(whole))), len(self._free)
+        for column, number in enumerate(self._free):
+            if number < len(by):
+                by[number, column] = 1.0
         pose = theta[:3]
         if self.mounting is not None:
             mounting = self._unit_spread[len(UNKNOWN) :]
@@ -224,3 +242,8 @@ class PoseFitter:
         theta[2] = np.clip(theta[2], 0.0, twin.depths_mm[-1] + _BEYOND[1])
         theta[3] = np.clip(theta[3], twin.slips[0], min(twin.slips[-1], SLIP_MOST))
         return theta
+
+
+def touch_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (7,) of `TOUCH` before an image is seen; 0 for what does not happen."""
+    return np.array([TILT_SD_DEG, TILT_SD_DEG, np.inf, SLIP_SD, *tolerance.drift_sd])

@@ -16,14 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import TWIN_SD
+from palpate.built.fit_pose import TWIN_SD, touch_sd
 from palpate.built.identify import (
     KNOWN_TILTS,
     KNOWN_TURN_DEG,
     MODEL_PX,
     NOISE_PX,
-    SLIP_SD,
-    TILT_SD_DEG,
     Mounting,
     RobotPress,
     RobotSpec,
@@ -94,10 +92,13 @@ class BuiltFigure:
 
 
 class _Gain(NamedTuple):
-    """Error (3,) of a pose by noise (n,) px, and by what is unknown (15,) of unit and mounting; noise alone as sd."""
+    """Error (3,) of a pose by noise (n,) px, by what is unknown (15,) of unit and mounting, and by drift (d,), each
+    over its standard deviation; noise alone as sd.
+    """
 
     by_noise: FloatArray
     by_unit: FloatArray
+    by_drift: FloatArray
     alone: FloatArray
 
 
@@ -133,7 +134,8 @@ def foresee(
         for k, gain in enumerate(gains):
             noise = np.sqrt(2.0) * spec.noise_px * rng.standard_normal(gain.by_noise.shape[1])
             off = TWIN_SD[:3] * rng.standard_normal(3)
-            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn + off
+            drift = rng.standard_normal(gain.by_drift.shape[1])
+            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn + gain.by_drift @ drift + off
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
     return BuiltFigure(
@@ -161,8 +163,8 @@ def _places(
 
 
 def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
-    """1/µ of a wall, µ between the least friction and twice that."""
-    slip = 1.0 / (tolerance.friction * rng.uniform(1.0, 2.0)) if tolerance.friction else float(twin.slips[0])
+    """1/µ of a wall."""
+    slip = 1.0 / tolerance.draw_friction(rng.uniform()) if tolerance.friction else float(twin.slips[0])
     return float(np.clip(slip, twin.slips[0], twin.slips[-1]))
 
 
@@ -187,17 +189,16 @@ def _known_presses(
 def _gain(
     model: UnitModel, mounting: Mounting, spread: FloatArray, pose: FloatArray, slip: float, noise_px: float
 ) -> _Gain:
-    looked = model.look(pose, slip)
+    sd, slips = touch_sd(model.tolerance), len(model.dots.twin.slips) > 1
+    which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
+    looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 3 else None), model.seen
     assert looked.by_unit is not None
-    seen = model.seen
-    free = 4 if len(model.dots.twin.slips) > 1 else 3
-    by_pose = looked.by_pose[seen].reshape(-1, 4)[:, :free]
+    free = len(which)
+    by_pose = looked.by_pose[seen][..., which].reshape(-1, free)
     by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
     variance = 2.0 * noise_px**2 + MODEL_PX**2
     jacobian = np.hstack([by_pose, by_unit])
-    prior = np.concatenate(
-        [[TILT_SD_DEG**-2.0, TILT_SD_DEG**-2.0, 0.0, SLIP_SD**-2.0][:free], np.ones(spread.shape[1])]
-    )
+    prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
     gain = np.linalg.solve(jacobian.T @ jacobian / variance + np.diag(prior), jacobian.T / variance)
     # a unit's numbers are fitted along, and move what the mounting is taken for
     to_robot = np.hstack([np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]])
@@ -205,4 +206,6 @@ def _gain(
     known = np.linalg.inv(by_pose.T @ by_pose / variance + np.diag(prior[:free]))
     truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
     alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
-    return _Gain(by_noise, by_noise @ by_unit - truth, alone)
+    drifting = [column for column, k in enumerate(which) if k > 3]
+    by_drift = by_noise @ by_pose[:, drifting] * sd[[which[column] for column in drifting]]
+    return _Gain(by_noise, by_noise @ by_unit - truth, by_drift, alone)

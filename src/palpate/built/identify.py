@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from palpate.built.force import ForceScale, expect_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
-from palpate.twin import Twin
 
 MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
 """Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
@@ -56,10 +56,14 @@ _FAR = 5.0
 
 @dataclass(frozen=True)
 class RobotSpec:
-    """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm)."""
+    """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm).
+
+    `force` is that of a reading of its load cell, N.
+    """
 
     tilt_deg: float = 0.02
     depth: float = 0.02
+    force: float = 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +136,8 @@ class Identified:
         Mean square of what is left over its expectation; about 1.
     robot_off
         (p, 3) fitted error of the robot's poses, over its standard deviation.
+    scale
+        Its stiffness over the design's.
     """
 
     belief: UnitBelief
@@ -140,16 +146,16 @@ class Identified:
     slips_sd: FloatArray
     misfit: float
     robot_off: FloatArray
+    scale: ForceScale
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
-        before = [*prior_sd(tolerance), *_mounting_sd(tolerance)]
-        means = [*self.belief.mean, *self.mounting.mean]
+        before = [*prior_sd(tolerance), *_mounting_sd(tolerance), expect_scale(tolerance).sd]
+        means = [*self.belief.mean, *self.mounting.mean, self.scale.mean]
+        spread = [*np.sqrt(np.diag(self.mounting.covariance)), self.scale.sd]
         found = [
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
-            for name, mean, sd, first in zip(
-                (*UNKNOWN, *MOUNTING), means, np.sqrt(np.diag(self.mounting.covariance)), before, strict=True
-            )
+            for name, mean, sd, first in zip((*UNKNOWN, *MOUNTING, "stiffness"), means, spread, before, strict=True)
         ]
         slips = zip(self.slips, self.slips_sd, strict=True)
         return found + [
@@ -194,7 +200,7 @@ def identify(
     """
     if not presses:
         raise PalpateError("There is no known press.", "Press at least once, better three times, at known poses.")
-    return _Fit(model.dots.twin, presses, noise_px, robot or RobotSpec()).run(model)
+    return _Fit(model, presses, noise_px, robot or RobotSpec()).run(model)
 
 
 def learn_presses(
@@ -216,9 +222,9 @@ def learn_presses(
         As for `identify`.
     """
     recorded = [press for press, _ in presses]
-    fit = _Fit(model.dots.twin, recorded, noise_px, robot)
+    fit = _Fit(model, recorded, noise_px, robot)
     values = np.zeros(fit.size)
-    values[fit.shared :: 4] = [slip for _, slip in presses]
+    values[fit.slips] = [slip for _, slip in presses]
     found = fit.assemble(model, mounting, values)
     return fit.covariance(found, fit.information(mounting))[: fit.shared, : fit.shared]
 
@@ -233,29 +239,36 @@ class _Normal(NamedTuple):
 
 
 class _Fit:
-    """The unknowns: unit (11), mounting (4), then of every press 1/µ, and rx, ry, depth by which the robot is off."""
+    """The unknowns: unit (11), mounting (4), then those of every press.
+
+    These are 1/µ, and rx, ry, depth by which the robot is off; where robots drift, also how far its wall has done so
+    at the twin's deepest.
+    """
 
     def __init__(
         self,
-        twin: Twin,
+        model: UnitModel,
         presses: Sequence[RobotPress],
         noise_px: float,
         robot: RobotSpec,
     ) -> None:
-        self.twin, self.presses = twin, presses
+        self.twin, self.presses = model.dots.twin, presses
         self.shared_variance = noise_px**2 + MODEL_PX**2
         self.variance = noise_px**2 + self.shared_variance
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
-        self.shared = len(UNKNOWN) + 4
-        self.size = self.shared + 4 * len(presses)
-        self.slip = len(twin.slips) > 1
+        self.drift_sd = np.array(model.tolerance.drift_sd)
+        self.drifts = bool(self.drift_sd.any())
+        self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
+        self.size = self.shared + self.own * len(presses)
+        self.slip = len(self.twin.slips) > 1
+        self.slips = slice(self.shared, None, self.own)
 
     def run(self, model: UnitModel) -> Identified:
         """Iterate to the maximum of the posterior."""
         belief, prior = model.belief, mount_unit(model.belief, model.tolerance)
         information = self.information(prior)
         values = np.zeros(self.size)
-        values[self.shared :: 4] = SLIP_MEAN if self.slip else self.twin.slips[0]
+        values[self.slips] = SLIP_MEAN if self.slip else self.twin.slips[0]
         before = values.copy()
         now, mounting = belief, prior
         for iteration in range(_ITERATIONS):
@@ -268,39 +281,38 @@ class _Fit:
             change = np.zeros(self.size)
             change[free] = np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
             values = values + change
-            slips = slice(self.shared, None, 4)
-            values[slips] = np.clip(values[slips], self.twin.slips[0], min(self.twin.slips[-1], SLIP_MOST))
+            values[self.slips] = np.clip(values[self.slips], self.twin.slips[0], min(self.twin.slips[-1], SLIP_MOST))
             now = replace(belief, mean=belief.mean + values[: len(UNKNOWN)])
             mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
             if iteration > _FIRST and (np.abs(change) < _SMALL * spread).all():
                 break
         covariance = self.covariance(found, information)
-        off = values[self.shared :].reshape(-1, 4)[:, 1:] / self.robot_sd
+        off = values[self.shared :].reshape(-1, self.own)[:, 1:4] / self.robot_sd
         _refuse(values, found.misfit, off, prior_sd(model.tolerance))
         shared = covariance[: self.shared, : self.shared]
         return Identified(
             belief=replace(now, covariance=shared[: len(UNKNOWN), : len(UNKNOWN)]),
             mounting=replace(mounting, covariance=shared),
-            slips=values[slips],
-            slips_sd=np.sqrt(np.diag(covariance)[slips]),
+            slips=values[self.slips],
+            slips_sd=np.sqrt(np.diag(covariance)[self.slips]),
             misfit=found.misfit,
             robot_off=off,
+            scale=expect_scale(model.tolerance),
         )
 
     def information(self, prior: Mounting) -> FloatArray:
         """Inverse covariance of all unknowns before the presses."""
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
-        for k in range(len(self.presses)):
-            own = self.shared + 4 * k
-            spread = np.array([SLIP_SD if self.slip else 1e-6, *self.robot_sd])
-            found[own : own + 4, own : own + 4] = np.diag(spread**-2.0)
+        spread = np.array([SLIP_SD if self.slip else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)])
+        own = np.arange(self.shared, self.size)
+        found[own, own] = np.tile(spread[: self.own] ** -2.0, len(self.presses))
         return found
 
     @property
     def _mounted(self) -> IntArray:
         """Numbers of the unknowns that are the mounting's, and of 1/µ."""
-        return np.array([*range(len(UNKNOWN), self.shared), *range(self.shared, self.size, 4)])
+        return np.array([*range(len(UNKNOWN), self.shared), *range(self.size)[self.slips]])
 
     def covariance(self, found: _Normal, information: FloatArray) -> FloatArray:
         """Covariance of all unknowns.
@@ -310,7 +322,7 @@ class _Fit:
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
         covariance: FloatArray = inverse + self.shared_variance * together @ together.T
-        names = [*UNKNOWN, *MOUNTING, *(["slip"] + [""] * 3) * len(self.presses)]
+        names = [*UNKNOWN, *MOUNTING, *(["slip"] + [""] * (self.own - 1)) * len(self.presses)]
         covariance[np.diag_indices(self.size)] += [_TWIN_SD.get(name, 0.0) ** 2 for name in names]
         return covariance
 
@@ -320,23 +332,27 @@ class _Fit:
         common = np.zeros((self.size, 2 * len(model.seen)))
         squares, count, unit = 0.0, 0, len(UNKNOWN)
         for k, press in enumerate(self.presses):
-            own = self.shared + 4 * k
+            own = self.shared + self.own * k
             slip, off = float(values[own]), values[own + 1 : own + 4]
-            columns = [*range(self.shared), *range(own, own + 4)]
+            columns = [*range(self.shared), *range(own, own + self.own)]
             for pose, seen in zip(press.poses, press.pixels, strict=True):
                 there = np.isfinite(seen).all(axis=1) & model.seen
                 at = mounting.to_dome(pose + off)
-                looked = model.look(at, slip)
+                share = float(at[2] / self.twin.depths_mm[-1])
+                drift = share * values[own + 4 : own + 7] if self.drifts else None
+                looked = model.look(at, slip, drift)
                 assert looked.by_unit is not None
                 left = (seen - looked.pixels)[there].reshape(-1)
                 turn = np.eye(3)
                 turn[:2, :2] = mounting.turn.T
-                by_robot = looked.by_pose[there].reshape(-1, 4)[:, :3] @ turn
+                by_touch = looked.by_pose[there].reshape(len(left), -1)
+                by_robot = by_touch[:, :3] @ turn
                 jacobian = np.empty((len(left), len(columns)))
                 jacobian[:, :unit] = looked.by_unit[there].reshape(-1, unit)
                 jacobian[:, unit : self.shared] = -by_robot @ mounting.by_mounting(at)
-                jacobian[:, self.shared] = looked.by_pose[there].reshape(-1, 4)[:, 3] * self.slip
-                jacobian[:, self.shared + 1 :] = by_robot
+                jacobian[:, self.shared] = by_touch[:, 3] * self.slip
+                jacobian[:, self.shared + 1 : self.shared + 4] = by_robot
+                jacobian[:, self.shared + 4 :] = share * by_touch[:, 4:]
                 weight = weigh_dots(left, self.variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
+
 from palpate.core import Spec, parameter
 
 
@@ -22,9 +27,12 @@ class ToleranceSpec(Spec):
     friction: float = parameter(
         0.8,
         unit="1",
-        meaning="least coefficient of friction on a clean wall; up to twice that is met; 0: as in the training",
+        meaning="least coefficient of friction on a clean wall; 0: as in the training",
         ge=0,
         le=5,
+    )
+    friction_most: float = parameter(
+        0.0, unit="1", meaning="greatest coefficient of friction; 0: twice the least", ge=0, le=10
     )
     dot: float = parameter(0.1, unit="mm", meaning="place of each printed dot, in both directions", ge=0, le=2)
     pad: float = parameter(0.2, unit="mm", meaning="place of the whole print, in both directions", ge=0, le=5)
@@ -54,3 +62,30 @@ class ToleranceSpec(Spec):
         ge=0,
         le=5,
     )
+    lateral: float = parameter(
+        0.0, unit="mm", meaning="sideways travel of the robot in a press, in both directions", ge=0, le=5
+    )
+    twist_deg: float = parameter(
+        0.0, unit="deg", meaning="turn of the robot about the wall's normal in a press", ge=0, le=10
+    )
+
+    def draw_friction(self, share: float) -> float:
+        """Coefficient of friction at a share (0 to 1) of what is met: even in µ, with both ends given in 1/µ."""
+        if not self.friction_most:
+            return self.friction * (1.0 + share)
+        return 1.0 / (share / self.friction + (1.0 - share) / self.friction_most)
+
+    @model_validator(mode="after")
+    def _least_is_least(self) -> ToleranceSpec:
+        if self.friction_most and not 0 < self.friction <= self.friction_most:
+            raise PydanticCustomError(
+                "friction_upside_down",
+                "the least friction is {least} and the greatest {most}.",
+                {"least": f"{self.friction:g}", "most": f"{self.friction_most:g}"},
+            )
+        return self
+
+    @property
+    def drift_sd(self) -> tuple[float, float, float]:
+        """Standard deviations of a press's sideways travel in x and y (mm) and of its twist (degrees)."""
+        return self.lateral / math.sqrt(3.0), self.lateral / math.sqrt(3.0), self.twist_deg / math.sqrt(3.0)

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from palpate.built.force import ForceScale
 from palpate.built.identify import MOUNTING, Mounting
 from palpate.built.unit_model import UNKNOWN, UnitBelief
 from palpate.camera import CameraSpec
 from palpate.core import FloatArray, PalpateError, provenance, written_whole
 from palpate.design import MarkerLayout, Skin
 
-UNIT_VERSION = "1"
+UNIT_VERSION = "2"
 _KIND = "palpate unit"
 _AGAIN = "Make it again with `palpate identify`."
 
@@ -30,12 +31,15 @@ class KnownUnit:
         Its design: the skin's spec as plain data, and the layout (m, 3) mm.
     belief, mounting
         What is known of it, and how it sits on its robot.
+    scale
+        Its stiffness over the design's.
     """
 
     skin_data: dict[str, Any]
     markers_mm: FloatArray
     belief: UnitBelief
     mounting: Mounting
+    scale: ForceScale
 
     def check(self, skin: Skin, layout: MarkerLayout) -> None:
         """Refuse another design, with a `PalpateError`."""
@@ -69,6 +73,7 @@ def write_unit(path: Path, unit: KnownUnit) -> None:
             name: {"mean": float(mean), "sd": float(deviation)}
             for name, mean, deviation in zip((*UNKNOWN, *MOUNTING), values, sd, strict=True)
         },
+        "stiffness": {"mean": unit.scale.mean, "sd": unit.scale.sd},
         "covariance": mounting.covariance.tolist(),
         "made_by": provenance(),
     }
@@ -101,11 +106,13 @@ def read_unit(path: Path) -> KnownUnit:
                 covariance[: len(UNKNOWN), : len(UNKNOWN)],
             ),
             Mounting(values[len(UNKNOWN) :], covariance),
+            ForceScale(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise PalpateError(f"{path} cannot be read as a unit: {error}.", _AGAIN) from None
     size = len(UNKNOWN) + len(MOUNTING)
     sound = covariance.shape == (size, size) and np.isfinite(covariance).all() and np.isfinite(values).all()
+    sound = sound and unit.scale.mean > 0 and unit.scale.sd >= 0
     if not sound or len(unit.belief.rest_px) != len(unit.markers_mm) or np.linalg.eigvalsh(covariance).min() < -1e-9:
         raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN)
     return unit

@@ -156,11 +156,12 @@ class Look(NamedTuple):
     pixels
         (m, 2) px; NaN for a dot that was not seen at rest.
     by_pose
-        (m, 2, 4): px over a degree of rx, of ry, mm of depth, 1/µ.
+        (m, 2, 4 or 7): px over a degree of rx, of ry, mm of depth, 1/µ, and where drift is given, over a mm of it
+        in x and in y, and a degree of twist.
     by_unit
         (m, 2, 11) px over `UNKNOWN`; `None` where it was not asked for.
     force, force_by
-        (3,) N on the wall, and (3, 5) by pose, slip and thickness.
+        (3,) N on the wall, and (3, 4 or 7) by the same; `force_thicker` (3,) over a mm of thickness.
     """
 
     pixels: FloatArray
@@ -168,6 +169,7 @@ class Look(NamedTuple):
     by_unit: FloatArray | None
     force: FloatArray
     force_by: FloatArray
+    force_thicker: FloatArray
 
 
 class ShiftedCameras:
@@ -242,22 +244,24 @@ class UnitModel:
         """The model of the same unit, of which something else is known."""
         return model_unit(self.dots.twin, self.layout, belief, self.tolerance)
 
-    def look(self, pose: FloatArray, slip: float, *, unit: bool = True) -> Look:
+    def look(self, pose: FloatArray, slip: float, drift: FloatArray | None = None, *, unit: bool = True) -> Look:
         """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
 
-        With `unit`, also their derivatives by what is not known of the unit.
+        `drift` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way. With `unit`,
+        also the derivatives by what is not known of the unit.
         """
-        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]))
+        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift)
         pixels, slopes = _project(self.camera, moved.positions)
         by_pose = slopes @ moved.by
         by_unit = None
         if unit:
             by_unit = np.empty((len(pixels), 2, len(UNKNOWN)))
-            by_unit[..., -1] = by_pose[..., -1]
+            by_unit[..., -1] = by_pose[..., 4]
             by_unit[..., :-1] = slopes @ self._carried(pose, slip)
             by_unit[..., :-1] += self.shifted.slopes(moved.positions)
         pixels = np.where(self.seen[:, None], pixels + self.bias_px, np.nan)
-        return Look(pixels, by_pose[..., :4], by_unit, moved.force, moved.force_by)
+        touch = [k for k in range(by_pose.shape[-1]) if k != 4]
+        return Look(pixels, by_pose[..., touch], by_unit, moved.force, moved.force_by[:, touch], moved.force_by[:, 4])
 
     def _carried(self, pose: FloatArray, slip: float) -> FloatArray:
         """How pressed dots (m, 3, 10) mm move as their places do."""

@@ -17,15 +17,18 @@ from palpate.cli.unit import UnitFlags
 from palpate.core import FloatArray, PalpateError
 
 if TYPE_CHECKING:
+    from palpate.built import RobotSpec
     from palpate.sensor import Truth
 
 _TRUTH = (
-    "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
+    "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm, and force_n where a load cell told it; images "
+    "lie beside it, press 'rest' is untouched."
 )
 _MODEL = "Twin of the design (.h5), from `palpate twin`."
 _OUT = "Unit file (.json) for `palpate live` and `palpate accept`."
 _TILT = "Standard deviation of the robot's tilts, degrees."
 _DEPTH = "Standard deviation of the robot's depths, mm."
+_FORCE = "Standard deviation of a load cell's reading, N."
 
 
 @Parameter(name="*")
@@ -35,12 +38,19 @@ class RobotFlags:
 
     robot_tilt: Annotated[float, Parameter(help=_TILT)] = 0.02
     robot_depth: Annotated[float, Parameter(help=_DEPTH)] = 0.02
+    robot_force: Annotated[float, Parameter(help=_FORCE)] = 0.005
+
+    def spec(self) -> RobotSpec:
+        """The robot of these flags."""
+        from palpate.built import RobotSpec
+
+        return RobotSpec(self.robot_tilt, self.robot_depth, self.robot_force)
 
     def check(self) -> None:
         """Refuse what cannot be meant."""
-        if not (0 < self.robot_tilt <= 5 and 0 < self.robot_depth <= 5):
+        if not (0 < self.robot_tilt <= 5 and 0 < self.robot_depth <= 5 and 0 < self.robot_force <= 5):
             raise PalpateError(
-                f"A robot is not off by {self.robot_tilt:g}° and {self.robot_depth:g} mm.",
+                f"A robot is not off by {self.robot_tilt:g}°, {self.robot_depth:g} mm and {self.robot_force:g} N.",
                 "Give more than 0, and at most 5.",
             )
 
@@ -55,7 +65,7 @@ def identify(
     json: JsonFlag = False,
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
-    from palpate.built import KnownUnit, RobotSpec, write_unit
+    from palpate.built import KnownUnit, write_unit
     from palpate.sensor import identify_unit, open_model, open_sensor, read_truth
 
     check_file(out, ".json")
@@ -67,9 +77,11 @@ def identify(
         )
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model))
     presses = list(_presses(truth.parent, known))
-    found = identify_unit(sensor, presses, RobotSpec(robot.robot_tilt, robot.robot_depth))
+    found = identify_unit(sensor, presses, robot.spec())
     if out is not None:
-        write_unit(out, KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting))
+        write_unit(
+            out, KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting, found.scale)
+        )
     rows = found.rows(unit.tolerance)
     if json:
         print_json({"known": rows, "misfit": found.misfit, "presses": len(presses), "out": str(out) if out else None})
@@ -85,7 +97,7 @@ def identify(
     )
 
 
-def _presses(folder: Path, known: Truth) -> Iterator[tuple[FloatArray, list[NDArray[Any]]]]:
+def _presses(folder: Path, known: Truth) -> Iterator[tuple[FloatArray, list[NDArray[Any]], FloatArray]]:
     """The presses of a recording; images whose depth is not known, or that do not touch, tell nothing."""
     import numpy as np
 
@@ -96,4 +108,4 @@ def _presses(folder: Path, known: Truth) -> Iterator[tuple[FloatArray, list[NDAr
                 f"Press {number + 1} has no depth.", "Give the robot's depth of its images; its zero may be anywhere."
             )
         images = [read_image(folder / known.images[k]) for k in which]
-        yield known.poses[which], images
+        yield known.poses[which], images, known.forces[which]

@@ -3,23 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.built import Identified, PoseFitter, RobotPress, RobotSpec, identify
+from palpate.built import (
+    ForceScale,
+    Identified,
+    PoseFitter,
+    RobotPress,
+    RobotSpec,
+    expect_scale,
+    identify,
+    learn_scale,
+)
 from palpate.core import FloatArray, PalpateError
 from palpate.sensor.reader import TwinReader
 from palpate.sensor.reading import Flag
 from palpate.sensor.sensor import Sensor
 
-KnownImages = tuple[FloatArray, Iterable[NDArray[Any]]]
-"""Poses (n, 3) rx, ry (degrees) and depth (mm) that the robot says of one press, and its images."""
+KnownImages = tuple[FloatArray, Iterable[NDArray[Any]], FloatArray]
+"""Poses (n, 3) rx, ry (degrees) and depth (mm) that the robot says of one press, its images, and a load cell's
+readings (n,) N along the wall's normal; NaN where there is none."""
+
+
+class _Seen(NamedTuple):
+    """Dots of the images of a press that touch, and the load cell's readings (n,) N."""
+
+    press: RobotPress
+    forces: FloatArray
 
 
 def identify_unit(sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSpec | None = None) -> Identified:
-    """Learn the sensor's unit and mounting from known presses; the sensor reads on the robot's scale from then on.
+    """Learn the sensor's unit, mounting and stiffness from known presses; it reads on the robot's scale from then on.
 
     Images with few dots or no touch are left out, and so are those that no press of the unit looks like.
 
@@ -28,32 +46,47 @@ def identify_unit(sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSp
     sensor
         Opened with the design's twin.
     presses
-        Poses and images of each press.
+        Poses and images of each press, and the load cell's readings of those that have any.
     robot
-        How well it knows its poses.
+        How well it knows its poses and forces.
 
     Raises
     ------
     PalpateError
         If the sensor reads by a network, an image has no pose, or where `palpate.built.identify` fails.
     """
-    reader, noise = sensor.reader, sensor.spec.noise_px
+    reader, noise, robot = sensor.reader, sensor.spec.noise_px, robot or RobotSpec()
     if not isinstance(reader, TwinReader):
         raise PalpateError("A network cannot learn its unit.", "Open the sensor with the design's twin.")
     model = reader.fitter.model
-    found = identify(model, [_see(sensor, *press) for press in presses], noise, robot)
-    reader.fitter = PoseFitter(model.believing(found.belief), noise, found.mounting)
-    return found
+    seen = [_see(sensor, press) for press in presses]
+    found = identify(model, [each.press for each in seen], noise, robot)
+    known = model.believing(found.belief)
+    scale = _weigh(PoseFitter(known, noise, found.mounting, ForceScale(1.0, 0.0)), seen, robot.force)
+    reader.fitter = PoseFitter(known, noise, found.mounting, scale)
+    return replace(found, scale=scale)
 
 
-def _see(sensor: Sensor, poses: FloatArray, images: Iterable[NDArray[Any]]) -> RobotPress:
+def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> ForceScale:
+    """The unit's stiffness over the design's, from the images that have a load cell's reading."""
+    expected, measured = [], []
+    for press, forces in seen:
+        for pixels, force in zip(press.pixels, forces, strict=True):
+            if np.isfinite(force):
+                expected.append(fitter.fit(pixels).force.pressing)
+                measured.append(float(force))
+    return learn_scale(expect_scale(fitter.model.tolerance), expected, measured, cell_sd)
+
+
+def _see(sensor: Sensor, known: KnownImages) -> _Seen:
     """The dots of a press."""
+    poses, images, forces = known
     readings = [sensor.read(image) for image in images]
     if len(readings) != len(poses):
         raise PalpateError(f"{len(readings)} images have {len(poses)} poses.", "Give each image its pose.")
     kept = [
-        (pose, seen.sighting)
-        for pose, seen in zip(poses, readings, strict=True)
+        (pose, seen.sighting, force)
+        for pose, seen, force in zip(poses, readings, forces, strict=True)
         if seen.sighting is not None and seen.touching and Flag.MISFIT not in seen.flags
     ]
     if not kept:
@@ -61,5 +94,6 @@ def _see(sensor: Sensor, poses: FloatArray, images: Iterable[NDArray[Any]]) -> R
             "No image of a known press shows a touch that this unit could show.",
             "Press deeper, check the light, and that design and recording belong together.",
         )
-    pixels = [np.where(seen.found[:, None], seen.positions_px, np.nan) for _, seen in kept]
-    return RobotPress(np.array([pose for pose, _ in kept]), np.array(pixels))
+    pixels = [np.where(seen.found[:, None], seen.positions_px, np.nan) for _, seen, _ in kept]
+    press = RobotPress(np.array([pose for pose, _, _ in kept]), np.array(pixels))
+    return _Seen(press, np.array([force for *_, force in kept]))

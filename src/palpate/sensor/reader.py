@@ -24,7 +24,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
 from palpate.learn import Predictor, open_predictor
 from palpate.markers import Naming, Sighting
-from palpate.sensor.reading import Flag
+from palpate.sensor.reading import LEVEL_90, Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
@@ -32,8 +32,6 @@ from palpate.twin import Twin, read_twin
 
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
-_LEVEL_90 = 1.6449
-"""Half-width of an interval that covers nine tenths of a normal distribution, over its standard deviation."""
 
 Model = Predictor | Twin
 """What a sensor reads with."""
@@ -104,13 +102,15 @@ class TwinReader(Reader):
         self.space = TILT_DEPTH
         rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
         calibrated = unit.lens or unit.nominal or CameraSpec()
-        mounting = None
+        mounting, scale = None, None
         if unit.known is None:
             belief = learn_rest(twin, unit.layout, calibrated, rest, unit.tolerance, spec.noise_px)
         else:
             belief, mounting = replace(unit.known.belief, rest_px=rest), unit.known.mounting
+            scale = unit.known.scale
             _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
-        self.fitter = PoseFitter(model_unit(twin, unit.layout, belief, unit.tolerance), spec.noise_px, mounting)
+        model = model_unit(twin, unit.layout, belief, unit.tolerance)
+        self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self._rest, self._most = rest, spec.misfit
 
     def read(self, sighting: Sighting) -> Estimate:
@@ -121,7 +121,7 @@ class TwinReader(Reader):
             flags.append(Flag.OUTSIDE)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
-        half_width = _LEVEL_90 * np.sqrt(np.diag(fit.covariance)[:3])
+        half_width = LEVEL_90 * np.sqrt(np.diag(fit.covariance)[:3])
         return Estimate(fit.pose, half_width, float(np.sqrt(np.nanmean((seen - self._rest) ** 2))), tuple(flags), fit)
 
 

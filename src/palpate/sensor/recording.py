@@ -5,7 +5,8 @@
     001.png,1,5.0,0.0,0.8
 
 `image` is a file's name, or the number that `palpate live` gave to the image; rows whose press is ``rest`` show the
-untouched dome. The depth may be on any scale (see `palpate.sensor.touch`), or left empty where nobody knows it.
+untouched dome. The depth may be on any scale (see `palpate.sensor.touch`), or left empty where nobody knows it. A
+column ``force_n``, a load cell's reading along the wall's normal, may be there and may have gaps.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from palpate.design import TILT_DEPTH
 REST = "rest"
 _ESTIMATE = TILT_DEPTH.names
 _TRUTH = ("image", "press", *_ESTIMATE)
+_FORCE = "force_n"
 _EXAMPLE = f"Give a CSV with the columns {', '.join(_TRUTH)}."
 
 
@@ -42,12 +44,15 @@ class Truth:
         (n,) number of the press, from 0 in the order in which they come.
     poses
         (n, 3) rx, ry (degrees) and depth (mm; NaN where it is not known).
+    forces
+        (n,) N on the wall along its normal; NaN where it was not measured.
     """
 
     rest: tuple[str, ...]
     images: tuple[str, ...]
     press: IntArray
     poses: FloatArray
+    forces: FloatArray
 
 
 def read_truth(path: Path) -> Truth:
@@ -69,7 +74,8 @@ def read_truth(path: Path) -> Truth:
             raise PalpateError(f"{path.name}, line {line}: an angle is missing.", "Only the depth may be unknown.")
     names = list(dict.fromkeys(row["press"] for _, row in pressed))
     press = np.array([names.index(row["press"]) for _, row in pressed])
-    return Truth(rest, tuple(row["image"] for _, row in pressed), press, poses)
+    forces = np.array([_number(path, line, row, _FORCE) for line, row in pressed])
+    return Truth(rest, tuple(row["image"] for _, row in pressed), press, poses, forces)
 
 
 def read_readings(path: Path, truth: Truth) -> tuple[FloatArray, BoolArray]:
@@ -110,7 +116,7 @@ def _read_rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
             if absent:
                 raise PalpateError(f"{path.name} has no column {', '.join(absent)}.", _EXAMPLE)
             for row in table:
-                yield table.line_num, {name: row[name] or "" for name in _TRUTH}
+                yield table.line_num, {name: row.get(name) or "" for name in (*_TRUTH, _FORCE)}
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise PalpateError(f"{path} cannot be read: {error}.", _EXAMPLE) from error
 

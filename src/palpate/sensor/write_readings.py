@@ -11,18 +11,26 @@ from typing import Any
 
 from palpate.core import PalpateError, writing
 from palpate.design import TILT_DEPTH, PoseSpace
-from palpate.sensor.reading import Reading
+from palpate.sensor.reading import LEVEL_90, Reading
 from palpate.sensor.write_bag import write_bag
 
 KINDS = (".csv", ".jsonl", ".rosbag2")
 """Endings of what readings can be written to."""
 
+_FORCE = (
+    "normal_force_n",
+    "normal_force_half_width_n",
+    "tangential_force_n",
+    "tangential_force_half_width_n",
+    "friction",
+)
+"""Empty where no twin was fitted."""
 _STATE = ("touching", "found", "flags", "latency_ms", "reason")
 
 
 def reading_columns(space: PoseSpace) -> tuple[str, ...]:
     """Columns of readings whose poses are of a space."""
-    return ("image", *space.names, *space.half_width_names, *_STATE)
+    return ("image", *space.names, *space.half_width_names, *_FORCE, *_STATE)
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:
@@ -31,6 +39,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         reading.image,
         *reading.pose,
         *reading.half_width,
+        *_forces(reading),
         reading.touching,
         reading.found,
         "; ".join(reading.flags),
@@ -39,6 +48,16 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
     )
     finite = (None if isinstance(value, float) and not math.isfinite(value) else value for value in values)
     return dict(zip(reading_columns(reading.space), finite, strict=True))
+
+
+def _forces(reading: Reading) -> tuple[float, ...]:
+    """Values by `_FORCE`, NaN where they are not known; the half-widths cover nine tenths."""
+    fit = reading.fit
+    if fit is None or not reading.touching:
+        return (math.nan,) * len(_FORCE)
+    normal, tangential = fit.force.pressing, fit.force.tangential
+    friction = 1.0 / fit.slip if fit.slip > 0 else math.nan
+    return normal.value, LEVEL_90 * normal.sd, tangential.value, LEVEL_90 * tangential.sd, friction
 
 
 def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_DEPTH) -> Iterator[Reading]:

@@ -9,28 +9,31 @@ from palpate.built import (
     MOUNTING,
     UNKNOWN,
     Deviation,
+    ForceScale,
     ForeseeSpec,
     KnownUnit,
     PoseFitter,
     RobotPress,
     ToleranceSpec,
     draw_deviation,
+    expect_scale,
     foresee,
     identify,
     learn_rest,
+    learn_scale,
     model_unit,
     read_unit,
     write_unit,
 )
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import RigSpec
-from palpate.twin import THICKNESS, Twin, build_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, write_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
@@ -43,7 +46,7 @@ NOISE = 0.02
 
 def press(tilt: float, contact: str | float) -> Press:
     wall = WallSpec(tilt_deg=tilt, contact=contact, depth=4.0, image_step=0.5)
-    return solve_press(mesh_skin(DOME, MeshSpec(cells=9)), ECOFLEX, wall, SolverSpec(derivatives=(THICKNESS,)))
+    return solve_press(mesh_skin(DOME, MeshSpec(cells=9)), ECOFLEX, wall, SolverSpec(derivatives=TWIN_DERIVATIVES))
 
 
 @pytest.fixture(scope="module")
@@ -194,6 +197,53 @@ def test_an_image_of_another_dome_does_not_fit(twin: Twin, units: list[Built]) -
     assert fitter.fit(np.roll(right, 1, axis=0)).misfit > 20
 
 
+def test_force_comes_with_the_pose_and_a_load_cell_tells_the_stiffness(twin: Twin, units: list[Built]) -> None:
+    """A unit of silicone a twentieth too stiff, pressed anew: its shapes are the design's, its forces are not."""
+    wide, unit = ToleranceSpec(modulus=0.06), units[5]
+    stiff = replace(ECOFLEX, law=ECOFLEX.law.scaled(1.05, 1.0))
+    wall = WallSpec(tilt_deg=8.0, azimuth_deg=30.0, contact=1.0, depth=4.0, image_step=1.0)
+    pressed = solve_press(mesh_skin(DOME, MeshSpec(cells=9)), stiff, wall)
+    model = model_unit(twin, LAYOUT, opened(twin, unit), wide)
+    dots = unit.shot(pressed.positions(unit.dots)[-1])
+    blind, normal = PoseFitter(model, NOISE).fit(dots).force, wall_normal(*np.radians([8 * 0.75**0.5, 4.0]))
+    truth = float(pressed.force[-1] @ normal)
+    sideways = float(np.linalg.norm(pressed.force[-1] - truth * normal))
+    assert blind.pressing.value == pytest.approx(truth / 1.05, rel=0.02)
+    assert abs(blind.pressing.value - truth) < 2 * blind.pressing.sd
+    assert blind.tangential.value == pytest.approx(sideways, abs=3 * blind.tangential.sd + 0.01 * truth)
+    expected = PoseFitter(model, NOISE, None, ForceScale(1.0, 0.0)).fit(dots).force.pressing
+    scale = learn_scale(expect_scale(wide), [expected], [truth], 0.002)
+    assert scale.mean == pytest.approx(1.05, abs=2.5 * scale.sd)
+    knows = PoseFitter(model, NOISE, None, scale).fit(unit.shot(pressed.positions(unit.dots)[2])).force
+    assert knows.pressing.value == pytest.approx(float(pressed.force[2] @ normal), rel=0.02)
+    assert knows.pressing.sd < blind.pressing.sd
+    with pytest.raises(PalpateError, match=r"says 3\.\d\d times the design's force"):
+        learn_scale(expect_scale(wide), [expected], [3.2 * expected.value], 0.002)
+    with pytest.raises(PalpateError, match="a force of nothing or less"):
+        learn_scale(expect_scale(wide), [expected], [-0.1], 0.002)
+
+
+def test_a_robot_that_drifts_is_read_by_a_fit_that_knows_it_may(twin: Twin, units: list[Built]) -> None:
+    """Whole models under a wall that travels by 0.4 mm and twists by 0.8° on its way, in another direction."""
+    may, errors = ToleranceSpec(lateral=0.5, twist_deg=1.0), {True: [], False: []}
+    wall = WallSpec(
+        tilt_deg=6.0, azimuth_deg=50.0, contact=1.0, depth=4.0, image_step=2.0, drift=0.1, twist_rate_deg=0.2
+    )
+    pressed = solve_press(mesh_skin(DOME, MeshSpec(cells=9, whole=True)), ECOFLEX, wall)
+    truth = 6.0 * np.array([np.cos(np.radians(50)), np.sin(np.radians(50))])
+    for unit in units:
+        belief, dots = opened(twin, unit), unit.shot(pressed.positions(unit.dots)[-1])
+        for knows in errors:
+            fit = PoseFitter(model_unit(twin, LAYOUT, belief, may if knows else TOLERANCE), NOISE).fit(dots)
+            errors[knows].append(fit.pose[:2] - truth)
+            if knows:
+                assert fit.drift[2] == pytest.approx(0.8, abs=0.3)
+                assert fit.drift[:2] == pytest.approx(0.4 * np.array([-truth[1], truth[0]]) / 6, abs=0.15)
+    rms = {knows: np.sqrt(np.mean(np.square(each))) for knows, each in errors.items()}
+    assert rms[True] < 0.15
+    assert rms[False] > 2 * rms[True]
+
+
 def test_dots_that_are_missing_or_wrong_hardly_matter(twin: Twin, units: list[Built], seen: list[Press]) -> None:
     unit = units[3]
     fitter = PoseFitter(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), NOISE)
@@ -210,13 +260,14 @@ def test_dots_that_are_missing_or_wrong_hardly_matter(twin: Twin, units: list[Bu
 def test_a_unit_survives_its_file(twin: Twin, units: list[Built], seen: list[Press], tmp_path) -> None:
     unit = units[4]
     found = identify(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), known(unit, seen)[:2], NOISE)
-    written = KnownUnit(DOME.spec_data, LAYOUT.positions, found.belief, found.mounting)
+    written = KnownUnit(DOME.spec_data, LAYOUT.positions, found.belief, found.mounting, ForceScale(1.02, 0.01))
     write_unit(tmp_path / "unit.json", written)
     again = read_unit(tmp_path / "unit.json")
     again.check(DOME, LAYOUT)
     assert again.belief.mean == pytest.approx(found.belief.mean)
     assert again.mounting.covariance == pytest.approx(found.mounting.covariance)
     assert again.belief.nominal == NOMINAL
+    assert again.scale == ForceScale(1.02, 0.01)
     with pytest.raises(PalpateError, match="of another design than H10 T2 with 91 markers"):
         again.check(build_skin(DomeSpec(height=10, thickness=2)), LAYOUT)
     (tmp_path / "unit.json").write_text('{"kind": "something"}')
