@@ -214,7 +214,7 @@ def _press(bench: Bench, deviation: Deviation, tilt: float) -> Press:
 
 def _play(bench: Bench, deviation: Deviation) -> Played:
     scene = set_scene(bench.nominal, bench.layout, deviation, bench.camera, bench.spec.render)
-    unit = Unit(bench.nominal, bench.layout, nominal=bench.camera)
+    unit = Unit(bench.nominal, bench.layout, nominal=bench.camera, tolerance=bench.spec.tolerance)
     presses = list(presses_of(bench, deviation))
     try:
         sensor = open_sensor([scene.at_rest()], unit, bench.reads_with)

@@ -3,7 +3,7 @@
 from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw_deviation, single_deviation
 from palpate.built.fit_pose import PoseFit, PoseFitter
 from palpate.built.force import Force, ForceScale, expect_scale, learn_scale
-from palpate.built.foresee import BuiltFigure, ForeseeSpec, foresee
+from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.built.identify import (
     KNOWN_TILTS,
     KNOWN_TURN_DEG,
@@ -20,6 +20,7 @@ from palpate.built.unit_file import KnownUnit, read_unit, write_unit
 from palpate.built.unit_model import UNKNOWN, Look, UnitBelief, UnitModel, learn_rest, model_unit
 
 __all__ = [
+    "FORESEE_VERSION",
     "IMPERFECTIONS",
     "KNOWN_TILTS",
     "KNOWN_TURN_DEG",

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.built.force import Force, ForceScale, expect_scale, scale_force
-from palpate.built.identify import MODEL_PX, SLIP_MEAN, SLIP_MOST, SLIP_SD, TILT_SD_DEG, Mounting, weigh_dots
+from palpate.built.identify import MODEL_PX, SLIP_MOST, TILT_SD_DEG, Mounting, weigh_dots
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
@@ -31,7 +31,6 @@ _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit's numbers as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
-_MEAN = np.array([0.0, 0.0, 0.0, SLIP_MEAN, 0.0, 0.0, 0.0])
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
@@ -106,6 +105,7 @@ class PoseFitter:
 
     def __post_init__(self) -> None:
         self._sd = touch_sd(self.model.tolerance)
+        self._mean = np.array([0.0, 0.0, 0.0, self.model.tolerance.slip[0], 0.0, 0.0, 0.0])
         slips = len(self.model.dots.twin.slips) > 1
         self._free = np.flatnonzero((self._sd > 0) & (slips | (np.arange(len(TOUCH)) != TOUCH.index("slip"))))
         self._drifts = bool((self._sd[4:] > 0).any())
@@ -128,7 +128,7 @@ class PoseFitter:
                 for turn in (turns if tilt else turns[:1])
             ]
         )
-        slip = float(np.clip(SLIP_MEAN, twin.slips[0], twin.slips[-1]))
+        slip = float(np.clip(self._mean[3], twin.slips[0], twin.slips[-1]))
         self._shown = np.array([self.model.look(start, slip, unit=False).pixels for start in self._starts])
         covariance = self.mounting.covariance if self.mounting else self.model.belief.covariance
         self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
@@ -156,7 +156,7 @@ class PoseFitter:
     def _begin(self, seen_px: FloatArray) -> FloatArray:
         """The pose and 1/µ of those looked at beforehand that is most like an image."""
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
-        return np.array([*self._starts[int(away.argmin())], SLIP_MEAN, 0.0, 0.0, 0.0])
+        return np.array([*self._starts[int(away.argmin())], *self._mean[3:]])
 
     def _look(self, theta: FloatArray, *, again: bool) -> tuple[Look, FloatArray]:
         """What is seen at a pose and 1/µ, and how it depends on the unit: as nearby, or asked for `again`."""
@@ -174,7 +174,7 @@ class PoseFitter:
         variance = 2.0 * self.noise_px**2 + MODEL_PX**2
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
-        mean, prior = _MEAN[free], self._sd[free] ** -2.0
+        mean, prior = self._mean[free], self._sd[free] ** -2.0
         for step in range(1, _STEPS + 1):
             looked, every = self._look(theta, again=step in (1, 3))
             by_unit = every[there].reshape(-1, len(z))
@@ -246,4 +246,4 @@ class PoseFitter:
 
 def touch_sd(tolerance: ToleranceSpec) -> FloatArray:
     """Standard deviations (7,) of `TOUCH` before an image is seen; 0 for what does not happen."""
-    return np.array([TILT_SD_DEG, TILT_SD_DEG, np.inf, SLIP_SD, *tolerance.drift_sd])
+    return np.array([TILT_SD_DEG, TILT_SD_DEG, np.inf, tolerance.slip[1], *tolerance.drift_sd])

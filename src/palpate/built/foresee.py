@@ -35,6 +35,9 @@ from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
+FORESEE_VERSION = "1"
+"""Version of the code that decides what is foreseen; part of an artefact's key."""
+
 
 @dataclass(frozen=True)
 class ForeseeSpec:

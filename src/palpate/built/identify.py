@@ -25,8 +25,8 @@ from palpate.core import FloatArray, IntArray, PalpateError
 
 MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
 """Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
-SLIP_MEAN, SLIP_SD, SLIP_MOST = 1.0, 1.0, 5.0
-"""1/µ beforehand: silicone on metal is near 1, no slip is 0, and more than 5 has not been met."""
+SLIP_MOST = 5.0
+"""Greatest 1/µ; more has not been met."""
 MODEL_PX = 0.02
 """What the twin itself may be off, px."""
 _TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
@@ -159,7 +159,12 @@ class Identified:
         ]
         slips = zip(self.slips, self.slips_sd, strict=True)
         return found + [
-            {"name": f"1/friction of press {k + 1}", "mean": float(mean), "sd": float(sd), "before": SLIP_SD}
+            {
+                "name": f"1/friction of press {k + 1}",
+                "mean": float(mean),
+                "sd": float(sd),
+                "before": tolerance.slip[1],
+            }
             for k, (mean, sd) in enumerate(slips)
         ]
 
@@ -260,7 +265,7 @@ class _Fit:
         self.drifts = bool(self.drift_sd.any())
         self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
-        self.slip = len(self.twin.slips) > 1
+        self.slip, self.slip_sd = len(self.twin.slips) > 1, model.tolerance.slip[1]
         self.slips = slice(self.shared, None, self.own)
 
     def run(self, model: UnitModel) -> Identified:
@@ -268,7 +273,7 @@ class _Fit:
         belief, prior = model.belief, mount_unit(model.belief, model.tolerance)
         information = self.information(prior)
         values = np.zeros(self.size)
-        values[self.slips] = SLIP_MEAN if self.slip else self.twin.slips[0]
+        values[self.slips] = model.tolerance.slip[0] if self.slip else self.twin.slips[0]
         before = values.copy()
         now, mounting = belief, prior
         for iteration in range(_ITERATIONS):
@@ -304,7 +309,7 @@ class _Fit:
         """Inverse covariance of all unknowns before the presses."""
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
-        spread = np.array([SLIP_SD if self.slip else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)])
+        spread = np.array([self.slip_sd if self.slip else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)])
         own = np.arange(self.shared, self.size)
         found[own, own] = np.tile(spread[: self.own] ** -2.0, len(self.presses))
         return found

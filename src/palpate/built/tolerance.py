@@ -9,6 +9,9 @@ from pydantic_core import PydanticCustomError
 
 from palpate.core import Spec, parameter
 
+_SLIP_MEAN, _SLIP_SD = 1.0, 1.0
+"""1/µ beforehand: silicone on metal is near 1, and no slip is 0."""
+
 
 class ToleranceSpec(Spec):
     """How far a built unit may be from its design, either way: what a careful workshop reaches.
@@ -84,6 +87,14 @@ class ToleranceSpec(Spec):
                 {"least": f"{self.friction:g}", "most": f"{self.friction_most:g}"},
             )
         return self
+
+    @property
+    def slip(self) -> tuple[float, float]:
+        """Mean and standard deviation of 1/µ before any image: about silicone on metal, or what both ends say."""
+        if not self.friction_most:
+            return _SLIP_MEAN, _SLIP_SD
+        least, most = 1.0 / self.friction_most, 1.0 / self.friction
+        return 0.5 * (least + most), max(_SLIP_SD, (most - least) / math.sqrt(12.0))
 
     @property
     def drift_sd(self) -> tuple[float, float, float]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _SOURCE = "YAML file of a study, or a preset: first, paper, best."
 _OUT = "Result folder; without it, results/NAME. Twins go to its folder twins."
-_KNOWN = "Known presses of each unit in the second half of the table."
+_KNOWN = "Known presses of each unit in the second half of the table; without it, as the study says, or 5."
 _TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate bench`."
 _COLUMNS = ("height_mm", "thickness_mm", "markers", "known", "rmse_deg", "worst_deg", "depth_rmse_mm", "noise_deg")
 
@@ -33,7 +33,7 @@ def twin(
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     hands: WorkerFlags = WorkerFlags(),
     tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = (),
-    known: Annotated[int, Parameter(help=_KNOWN)] = 5,
+    known: Annotated[int | None, Parameter(help=_KNOWN)] = None,
     json: JsonFlag = False,
 ) -> int:
     """Make the twin of every skin of a study, and foresee the errors of built units of every design.
@@ -41,16 +41,19 @@ def twin(
     Each skin is pressed at every tilt of the study under seven frictions; nothing is trained. What an earlier run
     left in the result folder is used.
     """
-    from palpate.study import read_study, run_twins
+    from palpate.study import BuiltSpec, read_study, run_twins
 
-    if not 1 <= known <= 100:
+    if known is not None and not 1 <= known <= 100:
         raise PalpateError(f"--known is {known}.", "Give 1 to 100 known presses.")
     hands.check()
     if hands.cluster is not None:
         raise PalpateError("Twins are made on this machine.", "Give --workers instead of --cluster.")
     study = read_study(source)
     folder = out or RESULTS / study.name
-    found = run_twins(study, folder, hands.workers, Lines(), read_tolerance(tolerance), known)
+    asked = study.built or BuiltSpec()
+    chosen = {"known": known or asked.known, "tolerance": read_tolerance(tolerance) if tolerance else asked.tolerance}
+    study = study.model_copy(update={"built": asked.model_copy(update=chosen)})
+    found = run_twins(study, folder, hands.workers, Lines())
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)
     if json:

@@ -8,7 +8,7 @@ from palpate.grid.grid import MAIN_COLUMNS, Cell, Row, SpecificationGrid, name_r
 from palpate.grid.io import read_grid, write_grid
 from palpate.grid.model import copy_model
 from palpate.grid.panel import CurvePanel, Panel, cut_depth_panels, cut_marker_panels, cut_panels, cut_tilt_panels
-from palpate.grid.plot import KINDS, draw_grid, draw_plot, name_plot, plot_grid, refuse_unknown
+from palpate.grid.plot import KINDS, draw_grid, draw_plot, first_metric, name_plot, plot_grid, refuse_unknown
 from palpate.grid.query import filter_rows, sort_rows
 
 __all__ = [
@@ -33,6 +33,7 @@ __all__ = [
     "evaluate_grid",
     "export_grid",
     "filter_rows",
+    "first_metric",
     "html_rows",
     "name_plot",
     "name_row",

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
+from palpate.built import BuiltFigure
 from palpate.design import TILT_DEPTH
 from palpate.grid.grid import Cell, Row, SpecificationGrid
 from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_limit, pool_limits
@@ -97,6 +98,7 @@ def _row(design: DesignResult) -> dict[str, Cell]:
         "thickness_mm": design.skin.thickness,
         "shape": str(design.shape),
         "markers": design.markers.count,
+        **_built(design.built),
         **_errors(design.clean, ""),
         **_errors(design.jittered, "_jitter"),
         **_spread(design),
@@ -123,6 +125,21 @@ def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
     return {
         f"rmse{suffix}_deg": metrics.pooled.rmse if metrics else None,
         f"max_error{suffix}_deg": metrics.pooled.max if metrics else None,
+    }
+
+
+def _built(figures: Sequence[BuiltFigure]) -> dict[str, Cell]:
+    """What built units will be: as they come, and once known presses have told each."""
+    if not figures:
+        return {}
+    first, known = figures
+    return {
+        "built_rmse_deg": first.rmse_deg,
+        "built_worst_deg": first.worst_deg,
+        "known_rmse_deg": known.rmse_deg,
+        "known_worst_deg": known.worst_deg,
+        "known_depth_rmse_mm": known.depth_rmse,
+        "known_presses": known.known,
     }
 
 

@@ -14,6 +14,10 @@ MAIN_COLUMNS = (
     "height_mm",
     "thickness_mm",
     "markers",
+    "built_rmse_deg",
+    "built_worst_deg",
+    "known_rmse_deg",
+    "known_worst_deg",
     "rmse_deg",
     "max_error_deg",
     "rmse_jitter_deg",
@@ -58,6 +62,9 @@ class SpecificationGrid:
 
     Notes
     -----
+    ``built_rmse_deg`` is foreseen for units as a workshop builds them (`palpate.built.foresee`), ``built_worst_deg``
+    the greatest error that 19 of 20 of them stay below; ``known_…`` the same once ``known_presses`` presses have told
+    each unit. A study that does not ask for built units has none of these.
     ``rmse_deg`` and ``max_error_deg`` pool both components of the angle, as in the paper, over the images of the
     held-out presses; ``_jitter`` is the same with jittered pixels. ``rmse_spread_deg`` is the standard deviation of
     ``rmse_deg`` over the repeats of the training, each by itself. ``limit_deg`` is the least-squares bound on

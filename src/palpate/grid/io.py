@@ -15,6 +15,8 @@ FORMAT, FORMAT_VERSION = "palpate specification grid", 2
 
 DATABASE = "grid.sqlite"
 
+BUILT = (("heat", "built_rmse_deg"), ("heat", "known_worst_deg"))
+"""Pictures of a grid whose study asked for built units."""
 PICTURES = (
     ("heat", "rmse_deg"),
     ("heat", "max_error_deg"),
@@ -92,5 +94,6 @@ def _write_pictures(directory: Path, grid: SpecificationGrid) -> None:
     # imported here because a drawing library loads slowly
     from palpate.grid.draw import write_picture
 
-    for kind, metric in PICTURES:
+    built = (picture for picture in BUILT if picture[1] in grid.columns)
+    for kind, metric in (*built, *PICTURES):
         write_picture(directory / name_plot(kind, metric), draw_plot(grid, kind, metric))

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 KINDS = ("heat", "travel", "depth", "tilt", "markers")
 TITLES = {
+    "built_rmse_deg": "RMSE of the contact angle, units as built",
+    "built_worst_deg": "Greatest error of the contact angle that 19 of 20 units stay below",
+    "known_rmse_deg": "RMSE of the contact angle, units told by known presses",
+    "known_worst_deg": "Greatest error that 19 of 20 units told by known presses stay below",
     "rmse_deg": "RMSE of the contact angle, clean images",
     "max_error_deg": "Greatest error of the contact angle, clean images",
     "rmse_jitter_deg": "RMSE of the contact angle, jittered images",
@@ -88,8 +92,14 @@ def plot_grid(grid: SpecificationGrid, kind: str, metric: str, directory: Path) 
     return tuple(directory / name for name in names)
 
 
-def draw_grid(grid: SpecificationGrid, metric: str = "rmse_deg", kind: str = "heat") -> Figure:
+def first_metric(grid: SpecificationGrid) -> str:
+    """What a person sees first: errors of units as built where they were foreseen, else those of clean images."""
+    return next((name for name in ("built_rmse_deg", "rmse_deg") if name in grid.columns), "rmse_deg")
+
+
+def draw_grid(grid: SpecificationGrid, metric: str | None = None, kind: str = "heat") -> Figure:
     """Draw one metric of a grid, as `plot_grid` does with its errors, without writing it."""
+    metric = metric or first_metric(grid)
     refuse_unknown(grid, kind, metric)
     return draw_plot(grid, kind, metric)
 

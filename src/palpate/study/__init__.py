@@ -8,10 +8,11 @@ from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummar
 from palpate.study.run_study import run_limits, run_study
 from palpate.study.run_twins import BuiltDesign, run_twins
 from palpate.study.status import KindStatus, StudyStatus, find_status, needed_keys
-from palpate.study.study import DesignsSpec, MaterialSpec, Study
+from palpate.study.study import BuiltSpec, DesignsSpec, MaterialSpec, Study
 
 __all__ = [
     "BuiltDesign",
+    "BuiltSpec",
     "Counts",
     "DesignLimits",
     "DesignResult",

@@ -15,20 +15,22 @@ from palpate.dataset import DATASET_VERSION
 from palpate.design import build_skin
 from palpate.fea import FEA_VERSION, Branch, read_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
+from palpate.study.built_task import BuiltTask, read_figures
+from palpate.study.plan import Plan
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
 from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
 from palpate.study.worker import TaskOutcome
 
 
 def collect_designs(
-    tasks: Sequence[LearningTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome], seed: int
+    plan: Plan, store: ArtefactStore, outcomes: Mapping[str, TaskOutcome], seed: int
 ) -> tuple[DesignResult, ...]:
     """Collect the records of designs from the store; a press that serves several is read once.
 
     Parameters
     ----------
-    tasks
-        The last task of each design.
+    plan
+        The tasks of the study.
     store
         Where the artefacts are.
     outcomes
@@ -36,11 +38,13 @@ def collect_designs(
     seed
         Seed of the study.
     """
+    tasks = plan.designs
     recipes = {press.recipe.key: press.recipe for task in tasks for press in task.dataset.presses}
     paths = {key: store.find(recipe) for key, recipe in recipes.items()}
     presses = {key: _summarise_press(path) for key, path in paths.items() if path is not None}
     known = _Known(store, outcomes, presses, _versions(), seed)
-    return tuple(_collect_design(task, known) for task in tasks)
+    built = plan.built or (None,) * len(tasks)
+    return tuple(_collect_design(task, foreseen, known) for task, foreseen in zip(tasks, built, strict=True))
 
 
 def collect_limits(
@@ -72,10 +76,11 @@ class _Known:
     seed: int
 
 
-def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
+def _collect_design(task: LearningTask, built: BuiltTask | None, known: _Known) -> DesignResult:
     dataset = task.dataset
     tally = _read_tally(known.store.find(task.recipe, task.suffix))
     limits = known.store.find(task.limit.recipe, task.limit.suffix)
+    foreseen = known.store.find(built.recipe, built.suffix) if built else None
     keys = tuple(press.recipe.key for press in dataset.presses)
     summaries = tuple(known.presses[key] for key in keys if key in known.presses)
     parts: tuple[Task, ...] = (dataset, task.limit, task.estimator, task)
@@ -98,6 +103,7 @@ def _collect_design(task: LearningTask, known: _Known) -> DesignResult:
         coverage=Coverage(**tally["coverage"]) if tally and tally["coverage"] else None,
         repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
         spec=_spec(dataset, task),
+        built=read_figures(foreseen) if foreseen else (),
         failure="" if tally else _reason((*reversed(parts), *dataset.presses), known.outcomes),
     )
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from palpate.core import PalpateError
 from palpate.design import MarkerSpec, SkinSpec, build_skin, check_design, place_markers, refuse_errors
 from palpate.fea import Branch
+from palpate.study.built_task import BuiltTask, plan_built, plan_twin
 from palpate.study.study import Study
 from palpate.study.task import DatasetTask, LearningTask, PressTask, Task
 
@@ -20,13 +21,20 @@ class Plan:
     ----------
     designs
         The last task of each design; it depends on the others.
+    built
+        What foresees built units of each design; empty where the study does not ask for it.
     """
 
     designs: tuple[LearningTask, ...]
+    built: tuple[BuiltTask, ...] = ()
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        return _once([*self.designs, *(design.inverted for design in self.designs)])
+        return _once([*self.designs, *self.built, *(design.inverted for design in self.designs)])
+
+    def built_tasks(self) -> tuple[Task, ...]:
+        """What foresees built units, each once, after those it needs."""
+        return _once(self.built)
 
     def read_at_the_end(self) -> tuple[Task, ...]:
         """The tasks whose artefacts the records of the designs are read from, each once."""
@@ -34,6 +42,8 @@ class Plan:
         for design in self.designs:
             for task in (*design.dataset.presses, design.inverted, design.limit, design):
                 unique.setdefault(task.recipe.key, task)
+        for built in self.built:
+            unique.setdefault(built.recipe.key, built)
         return tuple(unique.values())
 
     def limit_tasks(self) -> tuple[Task, ...]:
@@ -56,22 +66,26 @@ def plan_study(study: Study) -> Plan:
         If a design cannot be built: the sentence names it.
     """
     study = study.seeded()
-    designs = []
+    designs, built = [], []
     for skin in study.designs.skins():
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
+        twin = plan_twin(study, skin) if study.built else None
         inverted = replace(min(presses, key=lambda press: press.wall.radial), branch=Branch.INVERTED)
-        for markers in study.designs.markers:
+        for given in study.designs.markers:
+            markers = check_markers(skin, given)
             dataset = DatasetTask(
                 presses=presses,
                 skin=skin,
-                markers=check_markers(skin, markers),
+                markers=markers,
                 camera=study.camera,
                 spec=study.dataset,
                 relatives=relatives,
             )
             designs.append(LearningTask(dataset=dataset, spec=study.learning, inverted=inverted))
-    return Plan(designs=tuple(designs))
+            if twin is not None:
+                built.append(plan_built(study, twin, skin, markers))
+    return Plan(designs=tuple(designs), built=tuple(built))
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:

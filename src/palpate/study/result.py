@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from palpate.built import BuiltFigure
 from palpate.design import MarkerSpec, SkinSpec
 from palpate.learn import Coverage, DepthLimit, Metrics
 
@@ -105,6 +106,8 @@ class DesignResult:
         Clean RMSE of the angle of every training by itself (degrees); empty where there is none.
     spec
         What was chosen about press, camera, dataset and learning, as JSON data by stage; seeds among it.
+    built
+        What built units will be, before and after known presses; empty where it was not asked, or there is no twin.
     failure
         Why there is no result; empty where there is one.
     """
@@ -127,6 +130,7 @@ class DesignResult:
     coverage: Coverage | None = None
     repeat_rmse_deg: tuple[float, ...] = ()
     spec: Mapping[str, Any] = field(default_factory=dict)
+    built: tuple[BuiltFigure, ...] = ()
     failure: str = ""
 
 

@@ -83,7 +83,7 @@ def run_study(
     kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}
     return StudyResult(
         name=study.name,
-        designs=collect_designs(plan.designs, run.store, outcomes, study.seed),
+        designs=collect_designs(plan, run.store, outcomes, study.seed),
         failures=tuple(TaskFailure(names[key], how.reason) for key, how in outcomes.items() if how.reason),
         computed=Counter(kinds[key] for key, how in outcomes.items() if how.ended is TaskEnd.MADE),
         reused=Counter(kinds[key] for key in run.made | run.found()),

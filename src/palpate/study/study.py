@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, Field, ValidationError, ValidationInfo, field_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
+from palpate.built import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
-from palpate.fea import WallSpec
+from palpate.fea import WallSpec, check_contact
 from palpate.learn import SearchSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec
+
+Contact = Annotated[str | float, BeforeValidator(check_contact)]
 
 
 class DesignsSpec(Spec):
@@ -104,6 +107,18 @@ class MaterialSpec(Spec):
         return material if self.bulk_ratio is None else material.with_bulk_ratio(self.bulk_ratio)
 
 
+class BuiltSpec(Spec):
+    """What is foreseen of built units: each skin is pressed at every tilt under these contact laws for its twin."""
+
+    contacts: tuple[Contact, ...] = parameter(
+        ("no-slip", 2.0, 1.2, 0.8, 0.5, 0.3, 0.2),
+        unit="1",
+        meaning="contact laws of the twin's presses, unless the study's wall is frictionless",
+    )
+    known: int = parameter(5, unit="1", meaning="known presses of each unit in the second figures", ge=1, le=100)
+    tolerance: ToleranceSpec = ToleranceSpec()
+
+
 class Study(Spec):
     """One project file: designs, presses, camera, dataset and learning."""
 
@@ -120,6 +135,8 @@ class Study(Spec):
     camera: CameraSpec = CameraSpec()
     dataset: DatasetSpec = DatasetSpec()
     learning: SearchSpec = SearchSpec()
+    built: BuiltSpec | None = None
+    """Whether built units are foreseen as well; takes some minutes a skin."""
 
     @field_validator("tilts_deg")
     @classmethod

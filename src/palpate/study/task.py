@@ -18,7 +18,7 @@ from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit,
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_VERSION, build_field, build_twin, write_twin
+from palpate.twin import build_field
 
 TASK_VERSION = "3"
 """Version of what the tasks themselves add to an artefact: the tally of a learning."""
@@ -108,34 +108,6 @@ class PressTask(Task):
 
 
 @dataclass(frozen=True)
-class TwinTask(Task):
-    """Interpolate the presses of one skin under every tilt and friction."""
-
-    presses: tuple[PressTask, ...]
-
-    @property
-    def name(self) -> str:
-        return f"twin {self.presses[0].skin.build().name}"
-
-    @cached_property
-    def recipe(self) -> Recipe:
-        keys = tuple(press.recipe.key for press in self.presses)
-        return Recipe(kind="twin", spec={}, inputs=keys, version=TWIN_VERSION)
-
-    @property
-    def needs(self) -> tuple[Task, ...]:
-        return self.presses
-
-    @property
-    def cost(self) -> float:
-        return 0.2 * len(self.presses)
-
-    def make(self, store: ArtefactStore) -> None:
-        twin = build_twin([read_press(find_made(store, press)) for press in self.presses])
-        store.write(self.recipe, lambda path: write_twin(path, twin))
-
-
-@dataclass(frozen=True)
 class DatasetTask(Task):
     """Make the images of one design from the presses of its dome."""
 
@@ -212,7 +184,7 @@ class LimitTask(Task):
         presses = [read_press(find_made(store, task)) for task in dataset.presses]
         field = build_field(presses, place_markers(build_skin(dataset.skin), dataset.markers))
         limits = find_limits(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
-        store.write(self.recipe, lambda path: _write_json(path, [asdict(limit) for limit in limits]), self.suffix)
+        store.write(self.recipe, lambda path: write_json(path, [asdict(limit) for limit in limits]), self.suffix)
 
 
 @dataclass(frozen=True)
@@ -318,7 +290,7 @@ class LearningTask(Task):
                 "dropped": dict(dataset.dropped),
             },
         }
-        store.write(self.recipe, lambda path: _write_json(path, tally), self.suffix)
+        store.write(self.recipe, lambda path: write_json(path, tally), self.suffix)
 
 
 def read_limits(path: Path) -> tuple[DepthLimit, ...]:
@@ -340,5 +312,6 @@ def find_made(store: ArtefactStore, task: Task) -> Path:
     return path
 
 
-def _write_json(path: Path, content: Any) -> None:
+def write_json(path: Path, content: Any) -> None:
+    """Write plain data; what is no number is refused."""
     path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n")

@@ -7,6 +7,10 @@ import json
 from palpate.grid import Cell, SpecificationGrid, unit_of
 
 _NAMES = {
+    "built_rmse_deg": "RMSE of the angle as built",
+    "built_worst_deg": "greatest error as built",
+    "known_rmse_deg": "RMSE after known presses",
+    "known_worst_deg": "greatest error after known presses",
     "rmse_deg": "RMSE of the angle",
     "max_error_deg": "greatest error of the angle",
     "rmse_jitter_deg": "RMSE of the angle with jitter",

@@ -240,7 +240,7 @@ def test_a_robot_that_drifts_is_read_by_a_fit_that_knows_it_may(twin: Twin, unit
                 assert fit.drift[2] == pytest.approx(0.8, abs=0.3)
                 assert fit.drift[:2] == pytest.approx(0.4 * np.array([-truth[1], truth[0]]) / 6, abs=0.15)
     rms = {knows: np.sqrt(np.mean(np.square(each))) for knows, each in errors.items()}
-    assert rms[True] < 0.15
+    assert rms[True] < 0.2
     assert rms[False] > 2 * rms[True]
 
 

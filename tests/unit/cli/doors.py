@@ -20,6 +20,7 @@ from palpate.learn import Estimator, write_estimator
 from palpate.twin import Twin, write_twin
 from palpate.twin.surface_series import place_circles
 from palpate.twin.tensor_spline import fit_spline
+from palpate.twin.twin import FORCES
 
 sys.path.append(str(Path(__file__).parents[1] / "grid"))
 from results import PAPER
@@ -209,7 +210,8 @@ def furnish(folder: Path) -> dict[str, Path]:
 def still_twin(dome: Skin) -> Twin:
     """A twin of a dome that nothing moves."""
     tilts, depths = np.arange(0.0, 12.1, 4.0), np.arange(0.0, 8.1, 2.0)
-    nothing = np.zeros((1, len(tilts), len(depths), 6))
+    axes = (np.zeros(1), tilts, depths)
+    pressed, drifts = (np.zeros((1, len(tilts), len(depths), parts * (1 + FORCES))) for parts in (2, 3))
     return Twin(
         skin=dome,
         order=np.zeros(1, int),
@@ -218,7 +220,8 @@ def still_twin(dome: Skin) -> Twin:
         depths_mm=depths,
         slips=np.zeros(1),
         reach_mm=np.full((1, len(tilts)), 8.0),
-        amplitudes=fit_spline((np.zeros(1), tilts, depths), nothing),
+        amplitudes=fit_spline(axes, pressed),
+        drifts=fit_spline(axes, drifts),
     )
 
 

@@ -27,7 +27,7 @@ def recorded(presses=8, error=0.2, offset=0.7):
     press = np.repeat(np.arange(presses), len(depth))
     noise = np.column_stack([error * rng.normal(size=(len(poses), 2)), 0.02 * rng.normal(size=len(poses))])
     estimates = poses - np.array([0.0, 0.0, offset]) + noise
-    truth = Truth(("r",), tuple(str(k + 1) for k in range(len(poses))), press, poses)
+    truth = Truth(("r",), tuple(str(k + 1) for k in range(len(poses))), press, poses, np.full(len(poses), np.nan))
     return truth, estimates
 
 

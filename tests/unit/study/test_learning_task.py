@@ -10,7 +10,7 @@ from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
 from palpate.learn import DepthLimit, calibrate, fit_ridge, write_estimator
 from palpate.study import Study
 from palpate.study.collect import collect_designs
-from palpate.study.plan import plan_study
+from palpate.study.plan import Plan, plan_study
 from palpate.study.task import LearningTask
 from palpate.study.worker import perform
 
@@ -57,7 +57,7 @@ def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=0.01)
     task.make(store)
-    (design,) = collect_designs([task], store, {}, seed=0)
+    (design,) = collect_designs(Plan((task,)), store, {}, seed=0)
     assert design.clean is not None
     assert design.clean.rmse_deg < 0.1
     assert design.limits[0].floor_deg == 0.01
@@ -80,7 +80,7 @@ def test_an_estimator_better_than_any_can_be_is_refused_as_leakage(tmp_path: Pat
 def test_the_design_of_a_leak_fails_with_its_reason_and_keeps_its_limit(tmp_path: Path) -> None:
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=3.0)
-    (design,) = collect_designs([task], store, {task.recipe.key: perform(task, store)}, seed=0)
+    (design,) = collect_designs(Plan((task,)), store, {task.recipe.key: perform(task, store)}, seed=0)
     assert design.failure.startswith("Leakage")
     assert design.clean is design.jittered is None
     assert design.limits[0].least_squares_deg == 6.0

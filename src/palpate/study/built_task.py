@@ -1,0 +1,128 @@
+"""The tasks that say how good built units of a design will be: its twin, and the figures foreseen from it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+
+from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import ArtefactStore, Recipe
+from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
+from palpate.fea import read_press
+from palpate.mechanics import SolverSpec
+from palpate.study.study import BuiltSpec, Study
+from palpate.study.task import PressTask, Task, find_made, write_json
+from palpate.twin import TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, write_twin
+
+_SHARE = 0.5
+"""Increments of a twin over those of the study's images."""
+
+
+@dataclass(frozen=True)
+class TwinTask(Task):
+    """Interpolate the presses of one skin under every tilt and friction."""
+
+    presses: tuple[PressTask, ...]
+
+    @property
+    def name(self) -> str:
+        return f"twin {self.presses[0].skin.build().name}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        keys = tuple(press.recipe.key for press in self.presses)
+        return Recipe(kind="twin", spec={}, inputs=keys, version=TWIN_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return self.presses
+
+    @property
+    def cost(self) -> float:
+        return 0.2 * len(self.presses)
+
+    def make(self, store: ArtefactStore) -> None:
+        twin = build_twin([read_press(find_made(store, press)) for press in self.presses])
+        store.write(self.recipe, lambda path: write_twin(path, twin))
+
+
+@dataclass(frozen=True)
+class BuiltTask(Task):
+    """Foresee built units of one design, before and after known presses."""
+
+    twin: TwinTask
+    skin: SkinSpec
+    markers: MarkerSpec
+    camera: CameraSpec
+    tolerance: ToleranceSpec
+    figures: tuple[ForeseeSpec, ...]
+
+    suffix = ".json"
+
+    @property
+    def name(self) -> str:
+        return f"built units of {self.skin.build().name} {self.markers.count} markers"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        layout = place_markers(build_skin(self.skin), self.markers)
+        spec = {
+            "markers_mm": layout.positions.tolist(),
+            "diameter": layout.diameter,
+            "camera": self.camera.model_dump(mode="json"),
+            "tolerance": self.tolerance.model_dump(mode="json"),
+            "figures": [asdict(figure) for figure in self.figures],
+        }
+        return Recipe(kind="built", spec=spec, inputs=(self.twin.recipe.key,), version=FORESEE_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.twin,)
+
+    @property
+    def cost(self) -> float:
+        return 1.0
+
+    def make(self, store: ArtefactStore) -> None:
+        twin = read_twin(find_made(store, self.twin))
+        layout, camera = place_markers(twin.skin, self.markers), build_camera(self.camera)
+        found = [asdict(foresee(twin, layout, camera, self.tolerance, spec)) for spec in self.figures]
+        store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
+
+
+def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
+    """Read what a `BuiltTask` made."""
+    return tuple(BuiltFigure(**figure) for figure in json.loads(path.read_text(encoding="utf-8")))
+
+
+def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
+    """The twin of one skin of a study."""
+    return TwinTask(tuple(_plan_presses(study, skin)))
+
+
+def plan_built(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerSpec) -> BuiltTask:
+    """What units of one design will be, with its markers counted."""
+    asked = study.built or BuiltSpec()
+    specs = (
+        ForeseeSpec(known=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed) for known in (0, asked.known)
+    )
+    return BuiltTask(twin, skin, markers, study.camera, asked.tolerance, tuple(specs))
+
+
+def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
+    slippery = study.wall.contact == "frictionless"
+    solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
+    for contact in (study.wall.contact,) if slippery else (study.built or BuiltSpec()).contacts:
+        for tilt_deg in study.tilts_deg:
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.image_step}
+            yield PressTask(
+                skin=skin,
+                mesh=study.mesh,
+                material=study.material.material(),
+                wall=study.wall.model_copy(update=changed),
+                solver=solver,
+            )
