@@ -4,17 +4,9 @@ from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw
 from palpate.built.fit_pose import PoseFit, PoseFitter
 from palpate.built.force import Force, ForceScale, expect_scale, learn_scale
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
-from palpate.built.identify import (
-    KNOWN_TILTS,
-    KNOWN_TURN_DEG,
-    MOUNTING,
-    NOISE_PX,
-    Identified,
-    Mounting,
-    RobotPress,
-    RobotSpec,
-    identify,
-)
+from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, Identified, RobotPress, RobotSpec, identify
+from palpate.built.mounting import MOUNTING, Mounting
+from palpate.built.noise import NOISE_PX
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
 from palpate.built.unit_model import UNKNOWN, Look, UnitBelief, UnitModel, learn_rest, model_unit

@@ -14,12 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.built.force import Force, ForceScale, expect_scale, scale_force
-from palpate.built.identify import MODEL_PX, SLIP_MOST, TILT_SD_DEG, Mounting, weigh_dots
+from palpate.built.mounting import Mounting
+from palpate.built.noise import MODEL_PX, weigh_dots
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
 from palpate.design import wall_normal
 
+SLIP_MOST = 5.0
+"""Greatest 1/µ; more has not been met."""
+TILT_SD_DEG = 20.0
+"""Standard deviation of a tilt before its image is seen."""
 _STEPS = 12
 TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "drift_x", "drift_y", "twist_deg")
 """What is fitted beside the unit: pose, 1/µ, and how far the wall travelled (mm) and turned on its way."""

@@ -17,17 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.built.fit_pose import TWIN_SD, touch_sd
-from palpate.built.identify import (
-    KNOWN_TILTS,
-    KNOWN_TURN_DEG,
-    MODEL_PX,
-    NOISE_PX,
-    Mounting,
-    RobotPress,
-    RobotSpec,
-    learn_presses,
-    mount_unit,
-)
+from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec, learn_presses
+from palpate.built.mounting import Mounting, mount_unit
+from palpate.built.noise import MODEL_PX, NOISE_PX
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
 from palpate.camera import Camera

@@ -1,9 +1,7 @@
 """Identify a built unit: what known presses tell about it, and how it sits on the robot.
 
 A known press is one whose pose the robot says. The dome sits on the robot a little tilted and turned, and its first
-touch is not where the robot believes (`Mounting`). With dome-frame pose p, the robot's is
-
-    (rx, ry) = R(turn) (p_x, p_y) + (tilt_x, tilt_y),    depth = p_depth + touch.
+touch is not where the robot believes (`palpate.built.mounting`).
 
 Unit, mounting, friction of every press, and the robot's own error of every press are fitted together to all dots of
 all images, each with what was known of it beforehand: a Gauss-Newton iteration to the maximum of the posterior, whose
@@ -18,32 +16,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from palpate.built.fit_pose import SLIP_MOST, PoseFitter
 from palpate.built.force import ForceScale, expect_scale
+from palpate.built.mounting import MOUNTING, Mounting, mount_unit, mounting_sd
+from palpate.built.noise import MODEL_PX, weigh_dots
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
 
-MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
-"""Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
-SLIP_MOST = 5.0
-"""Greatest 1/µ; more has not been met."""
-MODEL_PX = 0.02
-"""What the twin itself may be off, px."""
 _TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
 """What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
 
 The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images.
 """
-NOISE_PX = 0.02
-"""Standard deviation of a dot's coordinate in an image of 346 x 260 px, as the detector finds it on the bench."""
 KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
 """Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
-TILT_SD_DEG = 20.0
-"""Standard deviation of a tilt before its image is seen."""
-FREEDOM = 6.0
-"""Degrees of freedom of Student's distribution, of dots that are not where they should be."""
-_MEDIAN = 2.0 * np.log(2.0)
-"""Median square of two normal numbers together."""
 _FIRST, _ITERATIONS = 4, 16
 """Iterations for mounting and friction alone, since the robot's zero may be far off, and all of them."""
 _SMALL = 1e-3
@@ -83,44 +70,6 @@ class RobotPress:
 
 
 @dataclass(frozen=True, eq=False)
-class Mounting:
-    """How a unit sits on its robot, beside what is known of the unit.
-
-    Attributes
-    ----------
-    mean
-        (4,) of `MOUNTING`.
-    covariance
-        (15, 15) of the numbers of `UNKNOWN` and of `MOUNTING` together.
-    """
-
-    mean: FloatArray
-    covariance: FloatArray
-
-    @property
-    def turn(self) -> FloatArray:
-        """Rotation (2, 2) of a tilt from the dome's frame to the robot's."""
-        return _turn(self.mean[2])
-
-    def to_dome(self, pose: FloatArray) -> FloatArray:
-        """Pose (3,) in the dome's frame of one on the robot's scale."""
-        return np.array([*(self.turn.T @ (pose[:2] - self.mean[:2])), pose[2] - self.mean[3]])
-
-    def to_robot(self, pose: FloatArray, correction: FloatArray | None = None) -> FloatArray:
-        """Pose (3,) on the robot's scale of one in the dome's frame; `correction` (4,) is added to the mounting."""
-        mean = self.mean if correction is None else self.mean + correction
-        return np.array([*(_turn(mean[2]) @ pose[:2] + mean[:2]), pose[2] + mean[3]])
-
-    def by_mounting(self, pose: FloatArray) -> FloatArray:
-        """Derivative (3, 4) of the robot's pose by the mounting, at a pose (3,) of the dome's frame."""
-        found = np.zeros((3, 4))
-        found[0, 0] = found[1, 1] = found[2, 3] = 1.0
-        along = self.turn @ pose[:2]
-        found[:2, 2] = np.radians(1.0) * np.array([-along[1], along[0]])
-        return found
-
-
-@dataclass(frozen=True, eq=False)
 class Identified:
     """What presses told about a unit.
 
@@ -150,7 +99,7 @@ class Identified:
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
-        before = [*prior_sd(tolerance), *_mounting_sd(tolerance), expect_scale(tolerance).sd]
+        before = [*prior_sd(tolerance), *mounting_sd(tolerance), expect_scale(tolerance).sd]
         means = [*self.belief.mean, *self.mounting.mean, self.scale.mean]
         spread = [*np.sqrt(np.diag(self.mounting.covariance)), self.scale.sd]
         found = [
@@ -167,19 +116,6 @@ class Identified:
             }
             for k, (mean, sd) in enumerate(slips)
         ]
-
-
-def _mounting_sd(tolerance: ToleranceSpec) -> FloatArray:
-    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.touch]) / np.sqrt(3.0)
-    return np.maximum(sd, 1e-6)
-
-
-def mount_unit(belief: UnitBelief, tolerance: ToleranceSpec) -> Mounting:
-    """How a unit sits on its robot before any press: within the tolerances."""
-    covariance = np.zeros((len(UNKNOWN) + 4, len(UNKNOWN) + 4))
-    covariance[: len(UNKNOWN), : len(UNKNOWN)] = belief.covariance
-    covariance[len(UNKNOWN) :, len(UNKNOWN) :] = np.diag(_mounting_sd(tolerance) ** 2)
-    return Mounting(np.zeros(4), covariance)
 
 
 def identify(
@@ -258,6 +194,7 @@ class _Fit:
         robot: RobotSpec,
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
+        self.noise_px = noise_px
         self.shared_variance = noise_px**2 + MODEL_PX**2
         self.variance = noise_px**2 + self.shared_variance
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
@@ -272,10 +209,10 @@ class _Fit:
         """Iterate to the maximum of the posterior."""
         belief, prior = model.belief, mount_unit(model.belief, model.tolerance)
         information = self.information(prior)
-        values = np.zeros(self.size)
-        values[self.slips] = model.tolerance.slip[0] if self.slip else self.twin.slips[0]
-        before = values.copy()
-        now, mounting = belief, prior
+        before = np.zeros(self.size)
+        before[self.slips] = model.tolerance.slip[0] if self.slip else self.twin.slips[0]
+        values, now = self._begin(model, before), belief
+        mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
         for iteration in range(_ITERATIONS):
             model = model.believing(now)
             found = self.assemble(model, mounting, values)
@@ -305,6 +242,22 @@ class _Fit:
             scale=expect_scale(model.tolerance),
         )
 
+    def _begin(self, model: UnitModel, before: FloatArray) -> FloatArray:
+        """Mounting, friction and drift where every image by itself has them."""
+        values, off, deepest = before.copy(), [], float(self.twin.depths_mm[-1])
+        for k, press in enumerate(self.presses):
+            fitter = PoseFitter(model, self.noise_px)
+            fits = [fitter.fit(pixels) for pixels in press.pixels]
+            own = self.shared + self.own * k
+            off += [pose - fit.pose for pose, fit in zip(press.poses, fits, strict=True)]
+            if self.slip:
+                values[own] = np.median([fit.slip for fit in fits])
+            if self.drifts:
+                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.drift for fit in fits]
+                values[own + 4 : own + 7] = np.median(travels, axis=0)
+        values[[self.shared - 4, self.shared - 3, self.shared - 1]] = np.median(off, axis=0)
+        return values
+
     def information(self, prior: Mounting) -> FloatArray:
         """Inverse covariance of all unknowns before the presses."""
         found = np.zeros((self.size, self.size))
@@ -316,8 +269,9 @@ class _Fit:
 
     @property
     def _mounted(self) -> IntArray:
-        """Numbers of the unknowns that are the mounting's, and of 1/µ."""
-        return np.array([*range(len(UNKNOWN), self.shared), *range(self.size)[self.slips]])
+        """Numbers of the unknowns that are the mounting's, of 1/µ and of drift."""
+        every = np.arange(self.shared, self.size).reshape(-1, self.own)
+        return np.concatenate([np.arange(len(UNKNOWN), self.shared), every[:, 0], every[:, 4:].ravel()])
 
     def covariance(self, found: _Normal, information: FloatArray) -> FloatArray:
         """Covariance of all unknowns.
@@ -387,18 +341,3 @@ def _refuse(values: FloatArray, misfit: float, off: FloatArray, before: FloatArr
             f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
             "Check that the presses are of this unit, or widen the tolerance.",
         )
-
-
-def weigh_dots(left: FloatArray, variance: float) -> FloatArray:
-    """Weights (2 n,) of coordinates over their variance, by Student's distribution: less for dots that fit badly.
-
-    Where most dots fit badly, as at the beginning of an iteration, what is bad is measured by the median of them.
-    """
-    far = (left.reshape(-1, 2) ** 2).sum(axis=1) / variance
-    scale = max(1.0, float(np.median(far)) / _MEDIAN) if len(far) else 1.0
-    return np.repeat((FREEDOM + 2.0) / (FREEDOM + far / scale), 2) / variance
-
-
-def _turn(degrees: float) -> FloatArray:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.array([[c, -s], [s, c]])

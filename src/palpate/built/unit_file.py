@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.built.force import ForceScale
-from palpate.built.identify import MOUNTING, Mounting
+from palpate.built.mounting import MOUNTING, Mounting
 from palpate.built.unit_model import UNKNOWN, UnitBelief
 from palpate.camera import CameraSpec
 from palpate.core import FloatArray, PalpateError, provenance, written_whole

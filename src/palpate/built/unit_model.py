@@ -161,7 +161,9 @@ class Look(NamedTuple):
     by_unit
         (m, 2, 11) px over `UNKNOWN`; `None` where it was not asked for.
     force, force_by
-        (3,) N on the wall, and (3, 4 or 7) by the same; `force_thicker` (3,) over a mm of thickness.
+        (3,) N on the wall, and (3, 4 or 7) by the same.
+    force_thicker
+        (3,) N over a mm of thickness.
     """
 
     pixels: FloatArray

@@ -122,6 +122,8 @@ class Plane(Obstacle):
         (3,) unit normal, away from the body and into the half space.
     point
         (3,) mm, a point that moves with the plane.
+    axes
+        (3, 3) its own axes as columns, once it has turned about its normal.
     """
 
     normal: FloatArray

@@ -1,0 +1,76 @@
+"""How a unit sits on its robot: a little tilted and turned, and touched first where the robot does not believe.
+
+With dome-frame pose p, the robot's is
+
+    (rx, ry) = R(turn) (p_x, p_y) + (tilt_x, tilt_y),    depth = p_depth + touch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.built.tolerance import ToleranceSpec
+from palpate.built.unit_model import UNKNOWN, UnitBelief
+from palpate.core import FloatArray
+
+MOUNTING = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
+"""Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mounting:
+    """How a unit sits on its robot, beside what is known of the unit.
+
+    Attributes
+    ----------
+    mean
+        (4,) of `MOUNTING`.
+    covariance
+        (15, 15) of the numbers of `UNKNOWN` and of `MOUNTING` together.
+    """
+
+    mean: FloatArray
+    covariance: FloatArray
+
+    @property
+    def turn(self) -> FloatArray:
+        """Rotation (2, 2) of a tilt from the dome's frame to the robot's."""
+        return _turn(self.mean[2])
+
+    def to_dome(self, pose: FloatArray) -> FloatArray:
+        """Pose (3,) in the dome's frame of one on the robot's scale."""
+        return np.array([*(self.turn.T @ (pose[:2] - self.mean[:2])), pose[2] - self.mean[3]])
+
+    def to_robot(self, pose: FloatArray, correction: FloatArray | None = None) -> FloatArray:
+        """Pose (3,) on the robot's scale of one in the dome's frame; `correction` (4,) is added to the mounting."""
+        mean = self.mean if correction is None else self.mean + correction
+        return np.array([*(_turn(mean[2]) @ pose[:2] + mean[:2]), pose[2] + mean[3]])
+
+    def by_mounting(self, pose: FloatArray) -> FloatArray:
+        """Derivative (3, 4) of the robot's pose by the mounting, at a pose (3,) of the dome's frame."""
+        found = np.zeros((3, 4))
+        found[0, 0] = found[1, 1] = found[2, 3] = 1.0
+        along = self.turn @ pose[:2]
+        found[:2, 2] = np.radians(1.0) * np.array([-along[1], along[0]])
+        return found
+
+
+def mounting_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (4,) of `MOUNTING` before any press."""
+    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.touch]) / np.sqrt(3.0)
+    return np.maximum(sd, 1e-6)
+
+
+def mount_unit(belief: UnitBelief, tolerance: ToleranceSpec) -> Mounting:
+    """How a unit sits on its robot before any press: within the tolerances."""
+    covariance = np.zeros((len(UNKNOWN) + 4, len(UNKNOWN) + 4))
+    covariance[: len(UNKNOWN), : len(UNKNOWN)] = belief.covariance
+    covariance[len(UNKNOWN) :, len(UNKNOWN) :] = np.diag(mounting_sd(tolerance) ** 2)
+    return Mounting(np.zeros(4), covariance)
+
+
+def _turn(degrees: float) -> FloatArray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s], [s, c]])
