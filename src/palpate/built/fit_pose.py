@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.built.force import Force, ForceScale, expect_scale, scale_force
+from palpate.built.force import LEVEL_90, Force, ForceScale, expect_scale, scale_force
 from palpate.built.mounting import Mounting
 from palpate.built.noise import MODEL_PX, weigh_dots
 from palpate.built.tolerance import ToleranceSpec
@@ -85,6 +85,11 @@ class PoseFit:
     theta: FloatArray
     cost: float
     unit: FloatArray
+
+    @property
+    def half_width(self) -> FloatArray:
+        """Half-widths (4,) of the intervals of nine tenths of pose and 1/µ."""
+        return LEVEL_90 * np.sqrt(np.diag(self.covariance))
 
 
 @dataclass(eq=False)

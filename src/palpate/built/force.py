@@ -11,6 +11,8 @@ import numpy as np
 from palpate.built.tolerance import ToleranceSpec
 from palpate.core import FloatArray, PalpateError
 
+LEVEL_90 = 1.6449
+"""Half-width of an interval that covers nine tenths of a normal distribution, over its standard deviation."""
 _TWIN_SHARE = 0.01
 """What the twin's force is off for a unit whose stiffness is known: a share, by units of the bench."""
 _FAR = 6.0
@@ -22,6 +24,11 @@ class Estimated(NamedTuple):
 
     value: float
     sd: float
+
+    @property
+    def half_width(self) -> float:
+        """Half-width of its interval of nine tenths."""
+        return LEVEL_90 * self.sd
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,8 @@ def accept(
         estimates, flagged = read_readings(readings, known)
     else:
         assert model is not None
-        estimates, flagged = _read(truth.parent, known, open_model(model), built.unit())
+        unit = built.unit()
+        estimates, flagged = _read(truth.parent, known, open_model(model, unit.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted)
     if report.out is not None:
         write_acceptance(report.out, found, report.name)

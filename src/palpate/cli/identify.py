@@ -75,7 +75,7 @@ def identify(
         raise PalpateError(
             "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
         )
-    sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model))
+    sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model, unit.skin))
     presses = list(_presses(truth.parent, known))
     found = identify_unit(sensor, presses, robot.spec())
     if out is not None:

@@ -94,7 +94,8 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
-    unit, reads_with, many = flags.built.unit(), open_model(model), flags.rig.rest_images
+    unit, many = flags.built.unit(), flags.rig.rest_images
+    reads_with = open_model(model, unit.skin)
     with _open(source, unit) as opened:
         images = opened.images()
         sensor = open_sensor(_at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -90,11 +89,10 @@ def _rows(design: BuiltDesign) -> list[dict[str, Any]]:
 
 def _keep(folder: Path, designs: tuple[BuiltDesign, ...], rows: list[dict[str, Any]]) -> None:
     """The twins under names that people read, and the table."""
+    from palpate.study import keep_twins
+
     folder.mkdir(parents=True, exist_ok=True)
-    for design in designs:
-        if design.twin is not None:
-            with written_whole(folder / f"{design.skin.build().name.replace(' ', '_')}.h5") as draft:
-                shutil.copyfile(design.twin, draft)
+    keep_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
     with written_whole(folder / "built.csv") as draft, draft.open("w", newline="") as file:
         table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
         table.writeheader()

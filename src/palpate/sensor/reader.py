@@ -24,11 +24,11 @@ from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
 from palpate.learn import Predictor, open_predictor
 from palpate.markers import Naming, Sighting
-from palpate.sensor.reading import LEVEL_90, Flag
+from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
-from palpate.twin import Twin, read_twin
+from palpate.twin import Twin, read_twin, twin_path
 
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
@@ -121,8 +121,10 @@ class TwinReader(Reader):
             flags.append(Flag.OUTSIDE)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
-        half_width = LEVEL_90 * np.sqrt(np.diag(fit.covariance)[:3])
-        return Estimate(fit.pose, half_width, float(np.sqrt(np.nanmean((seen - self._rest) ** 2))), tuple(flags), fit)
+        moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
+        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit)
+            fit.pose, fit.half_width[:3], float(np.sqrt(np.nanmean((seen - self._rest) ** 2))), tuple(flags), fit
+        )
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
@@ -142,16 +144,30 @@ def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registra
     return NetworkReader(model, unit, naming, registration)
 
 
-def open_model(path: Path) -> Model:
-    """Open what a sensor reads with: a twin (``.h5``) or a trained network (``.onnx``).
+def open_model(path: Path, skin: Skin | None = None) -> Model:
+    """Open what a sensor reads with: a twin (``.h5``), a trained network (``.onnx``), or a skin's twin of a folder.
+
+    Parameters
+    ----------
+    path
+        The file, or a result folder.
+    skin
+        Whose twin is looked for in a folder.
 
     Raises
     ------
     PalpateError
-        If the file is neither.
+        If the file is neither, or the folder has no twin of the skin.
     MissingExtraError
         If it is a network, and onnxruntime is not installed.
     """
+    if path.is_dir() and skin is not None:
+        found = twin_path(path, skin)
+        if not found.is_file():
+            raise PalpateError(
+                f"{path} has no twin of {skin.name}.", "Make it: palpate twin STUDY --out FOLDER, or give a file."
+            )
+        return read_twin(found)
     return read_twin(path) if path.suffix == ".h5" else open_predictor(path)
 
 

@@ -10,9 +10,6 @@ from palpate.built import PoseFit
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Sighting
 
-LEVEL_90 = 1.6449
-"""Half-width of an interval that covers nine tenths of a normal distribution, over its standard deviation."""
-
 
 class Flag(StrEnum):
     """Why a reading is not to be trusted like others."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from palpate.core import PalpateError, writing
 from palpate.design import TILT_DEPTH, PoseSpace
-from palpate.sensor.reading import LEVEL_90, Reading
+from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
 
 KINDS = (".csv", ".jsonl", ".rosbag2")
@@ -57,7 +57,7 @@ def _forces(reading: Reading) -> tuple[float, ...]:
         return (math.nan,) * len(_FORCE)
     normal, tangential = fit.force.pressing, fit.force.tangential
     friction = 1.0 / fit.slip if fit.slip > 0 else math.nan
-    return normal.value, LEVEL_90 * normal.sd, tangential.value, LEVEL_90 * tangential.sd, friction
+    return normal.value, normal.half_width, tangential.value, tangential.half_width, friction
 
 
 def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_DEPTH) -> Iterator[Reading]:

@@ -1,6 +1,7 @@
 """Study: one YAML file carried through the whole chain, on worker processes, resumed where it was."""
 
 from palpate.study.available import available_cores
+from palpate.study.built_task import keep_twins
 from palpate.study.cluster import check_place
 from palpate.study.observer import Observer, Silence
 from palpate.study.read_study import list_presets, read_study
@@ -29,6 +30,7 @@ __all__ = [
     "available_cores",
     "check_place",
     "find_status",
+    "keep_twins",
     "list_presets",
     "needed_keys",
     "read_study",

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import shutil
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 
 from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, Recipe
+from palpate.core import ArtefactStore, Recipe, written_whole
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_made, write_json
-from palpate.twin import TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, twin_path, write_twin
 
 _SHARE = 0.5
 """Increments of a twin over those of the study's images."""
@@ -126,3 +127,12 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
                 wall=study.wall.model_copy(update=changed),
                 solver=solver,
             )
+
+
+def keep_twins(folder: Path, twins: Iterable[tuple[SkinSpec, Path]]) -> None:
+    """Copy twins into a result folder, under names by which the sensor and the viewer find them."""
+    for skin, made in twins:
+        kept = twin_path(folder, skin.build())
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with written_whole(kept) as draft:
+            shutil.copyfile(made, draft)

@@ -15,6 +15,7 @@ from pathlib import Path
 from palpate.core import ArtefactStore, MissingExtraError, writing
 from palpate.learn import find_device
 from palpate.study.available import fitting_workers
+from palpate.study.built_task import keep_twins
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_designs, collect_limits
 from palpate.study.observer import Observer, Silence
@@ -79,6 +80,8 @@ def run_study(
     run.do_again(plan.read_at_the_end())
     outcomes = run.outcomes
     run.write_failures()
+    made = {built.skin: run.store.find(built.twin.recipe) for built in plan.built}
+    keep_twins(out, ((skin, path) for skin, path in made.items() if path is not None))
     names = {task.recipe.key: task.name for task in run.tasks}
     kinds = {task.recipe.key: task.recipe.kind for task in run.tasks}
     return StudyResult(

@@ -5,7 +5,7 @@ from palpate.twin.field import MarkerField, build_field
 from palpate.twin.jacobian import image_jacobian
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin
-from palpate.twin.twin_file import TWIN_VERSION, read_twin, write_twin
+from palpate.twin.twin_file import TWIN_VERSION, read_twin, twin_path, write_twin
 
 __all__ = [
     "TWIN_DERIVATIVES",
@@ -23,5 +23,6 @@ __all__ = [
     "match_depths",
     "read_twin",
     "shared_depths",
+    "twin_path",
     "write_twin",
 ]

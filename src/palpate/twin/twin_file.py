@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 
 from palpate.core import PalpateError, provenance, refuse_outside_links
-from palpate.design import build_skin, skin_from_data
+from palpate.design import Skin, build_skin, skin_from_data
 from palpate.twin.tensor_spline import TensorSpline
 from palpate.twin.twin import Twin
 
@@ -25,6 +25,11 @@ _ARRAYS = {
     "slips": "1",
     "reach_mm": "mm",
 }
+
+
+def twin_path(folder: Path, skin: Skin) -> Path:
+    """Where a result folder has the twin of a skin."""
+    return folder / "twins" / f"{skin.name.replace(' ', '_')}.h5"
 
 
 def write_twin(path: Path, twin: Twin) -> None:

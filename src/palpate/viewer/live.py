@@ -16,6 +16,7 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
 from palpate.learn import Predictor
 from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor
+from palpate.twin import Twin
 from palpate.viewer.results import Design
 
 LONGEST = 100_000
@@ -59,8 +60,8 @@ class Live:
 
     Parameters
     ----------
-    design, predictor
-        The unit's design and its model.
+    design, model
+        The unit's design and what reads it.
     source
         Images; the first shows the untouched dome.
     marked
@@ -72,7 +73,7 @@ class Live:
         If there is no image, or the dots are not those of the design.
     """
 
-    def __init__(self, design: Design, predictor: Predictor, source: Source, *, marked: bool = True) -> None:
+    def __init__(self, design: Design, model: Predictor | Twin, source: Source, *, marked: bool = True) -> None:
         self._source, self._images = source, source.images()
         self._lock = threading.Lock()
         first = next(self._images, None)
@@ -81,9 +82,9 @@ class Live:
         if isinstance(first, PalpateError):
             raise first
         unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
-        check_model(predictor, unit, TILT_DEPTH)
+        check_model(model, unit, TILT_DEPTH)
         self.size_px = first.shape[:2]
-        self.sensor: Sensor = open_sensor([first], unit, predictor)
+        self.sensor: Sensor = open_sensor([first], unit, model)
         self.rest_px = self.sensor.naming.positions_px
         self.record: list[dict[str, Any]] | None = None
 

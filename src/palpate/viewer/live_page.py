@@ -16,8 +16,8 @@ from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError, load_opencv
 from palpate.grid import name_row
-from palpate.learn import open_predictor
-from palpate.sensor import Unit
+from palpate.sensor import Unit, open_model
+from palpate.twin import twin_path
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.export import write_table
@@ -135,11 +135,13 @@ class LivePage:
         if self._design.value is None:
             raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
         design = self._library.design(int(self._design.value))
-        predictor = open_predictor(model_path(self._library.results, design))
+        folder = self._library.results.folder
+        twin = twin_path(folder, design.dome)
+        model = open_model(twin if twin.is_file() else model_path(self._library.results, design))
         source = self._open_source(design)
         marked = self._source.value == _VIRTUAL or bool(self._marked.value)
         try:
-            return Live(design, predictor, source, marked=marked)
+            return Live(design, model, source, marked=marked)
         except PalpateError:
             source.close()
             raise
@@ -239,7 +241,17 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
             zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
-    return [*rows, ("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}")]
+    rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
+    if reading.fit is not None:
+        force, spread = reading.fit.force, np.sqrt(np.diag(reading.fit.covariance))
+        correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
+        rows += [
+            ("force", force.pressing.value, force.pressing.half_width, "N", "along the wall's normal"),
+            ("sideways", force.tangential.value, force.tangential.half_width, "N", "in the wall's plane"),
+            ("1/µ", reading.fit.slip, float(reading.fit.half_width[3]), "", "0 does not slip"),
+            ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}"),
+        ]
+    return rows
 
 
 def _as_link(image: NDArray[np.uint8]) -> str:
