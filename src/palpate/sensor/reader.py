@@ -123,8 +123,6 @@ class TwinReader(Reader):
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
         return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit)
-            fit.pose, fit.half_width[:3], float(np.sqrt(np.nanmean((seen - self._rest) ** 2))), tuple(flags), fit
-        )
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
