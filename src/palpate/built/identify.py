@@ -31,6 +31,8 @@ The noise of dots is a tenth of it: what a twin does not know is alike in all do
 """
 KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
 """Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
+_DRIFT_PX = 0.06
+"""What the twin is off besides where the wall drifts: beyond its first order, above all where much slips."""
 _FIRST, _ITERATIONS = 4, 16
 """Iterations for mounting and friction alone, since the robot's zero may be far off, and all of them."""
 _SMALL = 1e-3
@@ -195,11 +197,11 @@ class _Fit:
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
         self.noise_px = noise_px
-        self.shared_variance = noise_px**2 + MODEL_PX**2
-        self.variance = noise_px**2 + self.shared_variance
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
         self.drift_sd = np.array(model.tolerance.drift_sd)
         self.drifts = bool(self.drift_sd.any())
+        self.shared_variance = noise_px**2 + MODEL_PX**2 + self.drifts * _DRIFT_PX**2
+        self.variance = noise_px**2 + self.shared_variance
         self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
         self.slip, self.slip_sd = len(self.twin.slips) > 1, model.tolerance.slip[1]
