@@ -6,6 +6,7 @@ from palpate.built.force import Force, ForceScale, expect_scale, learn_scale
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, Identified, RobotPress, RobotSpec, identify
 from palpate.built.mounting import MOUNTING, Mounting
+from palpate.built.next_press import rank_presses
 from palpate.built.noise import NOISE_PX
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
@@ -43,6 +44,7 @@ __all__ = [
     "learn_rest",
     "learn_scale",
     "model_unit",
+    "rank_presses",
     "read_unit",
     "single_deviation",
     "write_unit",

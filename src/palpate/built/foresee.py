@@ -86,7 +86,7 @@ class BuiltFigure:
     noise_deg: float
 
 
-class _Gain(NamedTuple):
+class PoseGain(NamedTuple):
     """Error (3,) of a pose by noise (n,) px, by what is unknown (15,) of unit and mounting, and by drift (d,), each
     over its standard deviation; noise alone as sd.
     """
@@ -122,7 +122,9 @@ def foresee(
         learnt = learn_presses(model, mounting, presses, spec.noise_px, spec.robot)
         mounting = replace(mounting, covariance=learnt)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
-    gains = [_gain(model, mounting, spread, *place, spec.noise_px) for place in _places(twin, spec, tolerance, rng)]
+    gains = [
+        pose_gain(model, mounting, spread, *place, spec.noise_px) for place in _places(twin, spec, tolerance, rng)
+    ]
     errors = np.empty((spec.units, len(gains), 3))
     for unit in range(spec.units):
         drawn = rng.standard_normal(len(spread))
@@ -181,9 +183,10 @@ def _known_presses(
     return found
 
 
-def _gain(
+def pose_gain(
     model: UnitModel, mounting: Mounting, spread: FloatArray, pose: FloatArray, slip: float, noise_px: float
-) -> _Gain:
+) -> PoseGain:
+    """How an image of a pose is read by a fit that does not know all of its unit."""
     sd, slips = touch_sd(model.tolerance), len(model.dots.twin.slips) > 1
     which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
     looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 3 else None), model.seen
@@ -203,4 +206,4 @@ def _gain(
     alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
     drifting = [column for column, k in enumerate(which) if k > 3]
     by_drift = by_noise @ by_pose[:, drifting] * sd[[which[column] for column in drifting]]
-    return _Gain(by_noise, by_noise @ by_unit - truth, by_drift, alone)
+    return PoseGain(by_noise, by_noise @ by_unit - truth, by_drift, alone)

@@ -55,7 +55,7 @@ def accept(
     report: ReportFlags = ReportFlags(),
 ) -> int:
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
-    from palpate.sensor import accept_unit, acceptance_page, open_model, read_readings, read_truth, write_acceptance
+    from palpate.sensor import accept_unit, open_model, read_readings, read_truth, write_acceptance
 
     if (model is None) == (readings is None):
         raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, one of them.")
@@ -68,13 +68,13 @@ def accept(
         unit = built.unit()
         estimates, flagged = _read(truth.parent, known, open_model(model, unit.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted)
+    page = write_acceptance(report.out, found, report.name)
     if report.out is not None:
-        write_acceptance(report.out, found, report.name)
         print(f"Report: {report.out / 'accept.pdf'}", file=sys.stderr)
     if report.json:
         print_json({"unit": report.name, **found.as_dict()})
     else:
-        print(acceptance_page(found, report.name))
+        print(page)
     return 0 if found.passed else OUTSIDE
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from palpate.camera import read_image
 from palpate.cli.flag import JsonFlag
-from palpate.cli.output import check_file, print_json, print_table
+from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.unit import UnitFlags
 from palpate.core import FloatArray, PalpateError
 
@@ -26,6 +26,7 @@ _TRUTH = (
 )
 _MODEL = "Twin of the design (.h5), from `palpate twin`."
 _OUT = "Unit file (.json) for `palpate live` and `palpate accept`."
+_REPORT = "Folder for a report with pictures: what was learnt, and which press would teach most."
 _TILT = "Standard deviation of the robot's tilts, degrees."
 _DEPTH = "Standard deviation of the robot's depths, mm."
 _FORCE = "Standard deviation of a load cell's reading, N."
@@ -62,13 +63,15 @@ def identify(
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
+    report: Annotated[Path | None, Parameter(help=_REPORT)] = None,
     json: JsonFlag = False,
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
     from palpate.built import KnownUnit, write_unit
-    from palpate.sensor import identify_unit, open_model, open_sensor, read_truth
+    from palpate.sensor import identify_unit, open_model, open_sensor, read_truth, write_identification
 
     check_file(out, ".json")
+    check_folder(report)
     robot.check()
     known, unit = read_truth(truth), built.unit()
     if not known.rest:
@@ -82,6 +85,8 @@ def identify(
         write_unit(
             out, KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting, found.scale)
         )
+    if report is not None:
+        write_identification(report, found, sensor, robot.spec())
     rows = found.rows(unit.tolerance)
     if json:
         print_json({"known": rows, "misfit": found.misfit, "presses": len(presses), "out": str(out) if out else None})

@@ -16,7 +16,8 @@ from palpate.sensor.sensor import Sensor, open_sensor, run_sensor
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.touch import TouchZero, find_zero
 from palpate.sensor.unit import Unit
-from palpate.sensor.write_acceptance import acceptance_page, write_acceptance
+from palpate.sensor.write_acceptance import write_acceptance
+from palpate.sensor.write_identification import write_identification
 from palpate.sensor.write_readings import describe_reading, write_readings
 
 __all__ = [
@@ -36,7 +37,6 @@ __all__ = [
     "Truth",
     "Unit",
     "accept_unit",
-    "acceptance_page",
     "check_model",
     "describe_reading",
     "draw_inspection",
@@ -53,6 +53,7 @@ __all__ = [
     "score_readings",
     "table_lines",
     "write_acceptance",
+    "write_identification",
     "write_readings",
     "write_report",
 ]

@@ -16,21 +16,23 @@ from palpate.sensor.score import LEVEL, PAPER_TABLE_3
 _A4 = (8.27, 11.69)
 
 
-def write_acceptance(folder: Path, found: Acceptance, title: str) -> None:
-    """Write ``accept.json``, ``accept.md`` and ``accept.pdf`` into a folder.
+def write_acceptance(folder: Path | None, found: Acceptance, title: str) -> str:
+    """The report as Markdown; with a folder, also as ``accept.json``, ``accept.md`` and ``accept.pdf`` in it.
 
     Raises
     ------
     PalpateError
         If they cannot be written.
     """
-    write_report(folder, "accept", {"unit": title, **found.as_dict()}, acceptance_page(found, title))
-    with writing(folder, "Choose another folder."):
-        draw_acceptance(found, title).savefig(folder / "accept.pdf")
+    page = _page(found, title)
+    if folder is not None:
+        write_report(folder, "accept", {"unit": title, **found.as_dict()}, page)
+        with writing(folder, "Choose another folder."):
+            draw_acceptance(found, title).savefig(folder / "accept.pdf")
+    return page
 
 
-def acceptance_page(found: Acceptance, title: str) -> str:
-    """The report as Markdown."""
+def _page(found: Acceptance, title: str) -> str:
     table = []
     for score in found.scores:
         errors, paper = score.errors, PAPER_TABLE_3[score.component]

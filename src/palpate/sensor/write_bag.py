@@ -2,7 +2,8 @@
 
 `/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion, or the place
 (x, y) of an obstacle that does not tilt, and the depth as its z below first touch, in metres; an image without a pose
-has none. `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
+has none. Where a unit's twin was fitted, `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall in N
+in the same frame. `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.built import PoseFit
 from palpate.core import PalpateError, load_extra, writing
 from palpate.sensor.reading import Reading
 
@@ -35,6 +37,7 @@ class Bag:
         with writing(folder, "Choose another folder."):
             self._writer.open()
         self._pose = self._connect("/palpate/pose", "geometry_msgs/msg/PoseStamped")
+        self._force = self._connect("/palpate/force", "geometry_msgs/msg/WrenchStamped")
         self._reading = self._connect("/palpate/reading", "std_msgs/msg/String")
 
     def add(self, reading: Reading, row: dict[str, Any]) -> None:
@@ -42,6 +45,8 @@ class Bag:
         now = time.time_ns()
         if np.isfinite(reading.depth_mm):
             self._write(self._pose, now, self._pose_of(reading, now))
+        if reading.fit is not None and reading.touching:
+            self._write(self._force, now, self._force_of(reading.fit, now))
         self._write(self._reading, now, self._store.types["std_msgs/msg/String"](data=json.dumps(row)))
 
     def close(self) -> None:
@@ -60,13 +65,24 @@ class Bag:
         rotation, offset = (np.radians(first), np.zeros(3)) if reading.space.tilts else (np.zeros(3), first / 1e3)
         angle = float(np.linalg.norm(rotation))
         vector = 0.5 * np.sinc(angle / (2.0 * np.pi)) * rotation
-        stamp = types["builtin_interfaces/msg/Time"](sec=now // 10**9, nanosec=now % 10**9)
         place = types["geometry_msgs/msg/Point"](x=float(offset[0]), y=float(offset[1]), z=-reading.depth_mm / 1e3)
         turned = types["geometry_msgs/msg/Quaternion"](*(float(v) for v in vector), w=float(np.cos(angle / 2.0)))
         return types["geometry_msgs/msg/PoseStamped"](
-            header=types["std_msgs/msg/Header"](stamp=stamp, frame_id="dome"),
+            header=self._header(now),
             pose=types["geometry_msgs/msg/Pose"](position=place, orientation=turned),
         )
+
+    def _force_of(self, fit: PoseFit, now: int) -> Any:
+        types = self._store.types
+        vector = types["geometry_msgs/msg/Vector3"]
+        wrench = types["geometry_msgs/msg/Wrench"](
+            force=vector(*(float(v) for v in fit.force.vector)), torque=vector(0.0, 0.0, 0.0)
+        )
+        return types["geometry_msgs/msg/WrenchStamped"](header=self._header(now), wrench=wrench)
+
+    def _header(self, now: int) -> Any:
+        stamp = self._store.types["builtin_interfaces/msg/Time"](sec=now // 10**9, nanosec=now % 10**9)
+        return self._store.types["std_msgs/msg/Header"](stamp=stamp, frame_id="dome")
 
 
 def write_bag(folder: Path, rows: Iterable[tuple[Reading, dict[str, Any]]]) -> Iterator[Reading]:

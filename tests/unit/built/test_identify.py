@@ -22,6 +22,7 @@ from palpate.built import (
     learn_rest,
     learn_scale,
     model_unit,
+    rank_presses,
     read_unit,
     write_unit,
 )
@@ -154,6 +155,21 @@ def test_known_presses_tell_the_unit_and_its_mounting(twin: Twin, units: list[Bu
     assert rms[2] < 0.03
     assert np.abs(np.array(after)[:, :2]).max() < 0.2
     assert rms[:2].max() < 0.6 * np.sqrt(np.mean(np.square(before)))
+
+
+def test_what_a_further_press_would_teach_is_what_it_teaches(
+    twin: Twin, units: list[Built], seen: list[Press]
+) -> None:
+    """After two presses in one direction, one across teaches more than a third along; and what is expected comes."""
+    unit, model = units[0], model_unit(twin, LAYOUT, opened(twin, units[0]), TOLERANCE)
+    two = [RobotPress(*unit.press(press, 40.0)) for press in seen[:2]]
+    found = identify(model, two, NOISE)
+    spec = ForeseeSpec(least_depth=2.0, max_tilt_deg=12.0, noise_px=NOISE)
+    now, ranked = rank_presses(model.believing(found.belief), found.mounting, 1.0, spec)
+    assert 0 < ranked[0].rmse_deg < ranked[-1].rmse_deg <= 1.01 * now
+    third = identify(model, [*two, RobotPress(*unit.press(seen[1], ranked[0].azimuth_deg))], NOISE)
+    after, _ = rank_presses(model.believing(third.belief), third.mounting, 1.0, spec)
+    assert after == pytest.approx(ranked[0].rmse_deg, rel=0.35)
 
 
 def test_wrong_presses_never_make_a_confident_unit(twin: Twin, units: list[Built], seen: list[Press]) -> None:
@@ -329,8 +345,13 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
             main([*words, "--model", str(tmp_path / "twin.h5"), *design])
         return int(left.value.code or 0)
 
-    assert run("identify", str(tmp_path / "known.csv"), "--out", str(tmp_path / "unit.json")) == 0
+    written = ["--out", str(tmp_path / "unit.json"), "--report", str(tmp_path / "report")]
+    assert run("identify", str(tmp_path / "known.csv"), *written) == 0
     assert "seating_x_deg" in capsys.readouterr().out
+    page = (tmp_path / "report" / "identification.md").read_text()
+    assert "| seating_x_deg |" in page
+    assert "A press at a tilt of" in page
+    assert (tmp_path / "report" / "identification.png").stat().st_size > 10_000
     unit = ["--unit", str(tmp_path / "unit.json")]
     assert run("accept", str(tmp_path / "judged.csv"), "--rmse", "0.1", "--max-error", "0.2", *unit) == 0
     assert run("identify", str(tmp_path / "swapped.csv")) == 2

@@ -154,8 +154,8 @@ ROWS = {
     "identify": Row(
         f"--truth {{truth}} --model {{twin}} {BUILT}",
         ("--truth", "--model", "--layout", "--lens", "--unit"),
-        ("--out",),
-        ("--height 10", "--robot-tilt 0", "--robot-depth 9"),
+        ("--out", "--report"),
+        ("--height 10", "--robot-tilt 0", "--robot-depth 9", "--robot-force 0"),
     ),
     "accept": Row(
         f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --least-depth 0",

@@ -7,11 +7,12 @@ import pytest
 
 from needs import needs
 from palpate.bench import simulate_sensor
+from palpate.built import Force, PoseFit
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import prepare_detector
 from palpate.material import get_material
-from palpate.sensor import Device, Flag, Reading, Unit, write_readings
+from palpate.sensor import Device, Flag, Reading, Unit, describe_reading, write_readings
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +69,35 @@ def test_readings_become_a_bag_that_ros_reads(tmp_path):
     assert json.loads(found[2][1].data)["reason"] == "cut off"
     with pytest.raises(PalpateError, match="there already"):
         list(write_readings(tmp_path / "run.rosbag2", readings()))
+
+
+def fitted():
+    """A reading of a twin: 0.5 N upward and 0.1 N along y, with a hundredth of an N."""
+    force = Force(np.array([0.0, 0.1, 0.5]), 1e-4 * np.eye(3), np.array([0.0, 0.0, 1.0]))
+    pose, nothing = np.array([3.0, -4.0, 5.0]), np.zeros(11)
+    fit = PoseFit(pose, 0.8, 1e-4 * np.eye(4), np.zeros(3), force, 0.02, 1.0, 3, np.zeros(7), 1.0, nothing)
+    return Reading(1, tuple(pose), (0.2, 0.2, 0.1), True, 37, (), 3.0, fit=fit)
+
+
+def test_forces_and_friction_stand_beside_the_pose(tmp_path):
+    row = describe_reading(fitted())
+    assert row["normal_force_n"] == pytest.approx(0.5)
+    assert row["tangential_force_n"] == pytest.approx(0.1)
+    assert row["normal_force_half_width_n"] == pytest.approx(0.01645, rel=1e-3)
+    assert row["friction"] == pytest.approx(1.25)
+    assert describe_reading(readings()[0])["normal_force_n"] is None
+    list(write_readings(tmp_path / "run.csv", [fitted(), *readings()]))
+    assert "tangential_force_half_width_n" in (tmp_path / "run.csv").read_text().splitlines()[0]
+
+
+def test_a_bag_has_the_force_of_a_twin(tmp_path):
+    rosbag2 = needs("rosbags.rosbag2")
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    list(write_readings(tmp_path / "run.rosbag2", [fitted()]))
+    with rosbag2.Reader(tmp_path / "run.rosbag2") as bag:
+        found = {c.topic: store.deserialize_cdr(raw, c.msgtype) for c, _, raw in bag.messages()}
+    force = found["/palpate/force"].wrench.force
+    assert (force.x, force.y, force.z) == pytest.approx((0.0, 0.1, 0.5))
+    assert found["/palpate/force"].header.frame_id == "dome"

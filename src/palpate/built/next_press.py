@@ -1,0 +1,94 @@
+"""Which known press would teach most about a unit: the one after which its further images are read best."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.built.foresee import ForeseeSpec, pose_gain
+from palpate.built.identify import RobotPress, learn_presses
+from palpate.built.mounting import Mounting
+from palpate.built.unit_model import UnitModel
+from palpate.core import FloatArray
+
+_TILTS = (0.0, 0.35, 0.8)
+"""Tilts of the candidates over the greatest."""
+_TURNS_DEG = tuple(range(0, 360, 45))
+_IMAGES = 6
+
+
+class NextPress(NamedTuple):
+    """A press that could be made next.
+
+    Attributes
+    ----------
+    tilt_deg, azimuth_deg
+        Its wall; (rx, ry) = tilt (cos, sin).
+    rmse_deg
+        What the errors of rx and ry by all that is not known of the unit would be after it.
+    """
+
+    tilt_deg: float
+    azimuth_deg: float
+    rmse_deg: float
+
+
+def rank_presses(
+    model: UnitModel, mounting: Mounting, slip: float, spec: ForeseeSpec
+) -> tuple[float, tuple[NextPress, ...]]:
+    """Expected errors now, and after each of some presses, the best first.
+
+    Parameters
+    ----------
+    model, mounting
+        What is known of the unit.
+    slip
+        1/µ of its presses.
+    spec
+        Working range, noise and robot.
+
+    Returns
+    -------
+    float, tuple[NextPress, ...]
+        RMSE of rx and ry by what is not known of the unit, degrees, now and after each candidate.
+    """
+    places = _tilted(spec, model, (0.2, 0.6, 1.0), 90)
+    now, found = _rmse(model, mounting, slip, places, spec.noise_px), []
+    for share in _TILTS:
+        for turn_deg in _TURNS_DEG if share else (0,):
+            tilt = share * spec.max_tilt_deg
+            poses = _deepening(model, spec, tilt, turn_deg, slip)
+            pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
+            known = [(RobotPress(poses, pixels), slip)]
+            learnt = replace(mounting, covariance=learn_presses(model, mounting, known, spec.noise_px, spec.robot))
+            found.append(NextPress(tilt, float(turn_deg), _rmse(model, learnt, slip, places, spec.noise_px)))
+    return now, tuple(sorted(found, key=lambda press: press.rmse_deg))
+
+
+def _tilted(spec: ForeseeSpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
+    """Poses over the working range."""
+    deepest = float(model.dots.twin.depths_mm[-1])
+    turns = np.radians(np.arange(0, 360, turn_deg))
+    return [
+        np.array([spec.max_tilt_deg * share * np.cos(turn), spec.max_tilt_deg * share * np.sin(turn), depth])
+        for share in shares
+        for turn in turns
+        for depth in (spec.least_depth, 0.9 * deepest)
+    ]
+
+
+def _deepening(model: UnitModel, spec: ForeseeSpec, tilt: float, turn_deg: float, slip: float) -> FloatArray:
+    turn, twin = np.radians(turn_deg), model.dots.twin
+    depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), _IMAGES)
+    return np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
+
+
+def _rmse(model: UnitModel, mounting: Mounting, slip: float, places: Sequence[FloatArray], noise_px: float) -> float:
+    spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
+    squares = [
+        (pose_gain(model, mounting, spread, pose, slip, noise_px).by_unit[:2] ** 2).sum(axis=1) for pose in places
+    ]
+    return float(np.sqrt(np.mean(squares)))

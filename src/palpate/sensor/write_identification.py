@@ -1,0 +1,114 @@
+"""The report of an identified unit: what was learnt, what is still unknown, and which press would teach most."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from palpate.built import ForeseeSpec, Identified, RobotSpec, rank_presses
+from palpate.core import FloatArray, PalpateError, writing
+from palpate.sensor.reader import TwinReader
+from palpate.sensor.report import made_by, table_lines, write_report
+from palpate.sensor.sensor import Sensor
+
+_KNOWN, _OPEN = 0.5, 0.9
+"""Standard deviation over that before any image, below which a number counts as learnt, and above as still open."""
+
+
+def write_identification(folder: Path, found: Identified, sensor: Sensor, robot: RobotSpec) -> None:
+    """Write ``identification.json``, ``.md`` and ``.png`` into a folder.
+
+    Parameters
+    ----------
+    folder
+        Made if it does not exist.
+    found, sensor
+        What was learnt, and the sensor that has learnt it.
+    robot
+        How well further presses would be known.
+
+    Raises
+    ------
+    PalpateError
+        If the sensor reads by a network, or the files cannot be written.
+    """
+    if not isinstance(sensor.reader, TwinReader):
+        raise PalpateError("A network has not learnt its unit.", "Open the sensor with the design's twin.")
+    fitter = sensor.reader.fitter
+    spec = ForeseeSpec(
+        noise_px=fitter.noise_px, robot=robot, max_tilt_deg=float(fitter.model.dots.twin.tilts_deg[-1])
+    )
+    now, ranked = rank_presses(fitter.model, found.mounting, float(np.median(found.slips)), spec)
+    rows = found.rows(fitter.model.tolerance)
+    content = {
+        "known": rows,
+        "misfit": found.misfit,
+        "error_by_unit_deg": now,
+        "next": [press._asdict() for press in ranked],
+    }
+    write_report(folder, "identification", content, _page(rows, found, now, ranked))
+    with writing(folder, "Choose another folder."):
+        left = fitter.model.belief.rest_px - fitter.model.camera.project(fitter.model.layout.positions)
+        _draw(rows, fitter.model.belief.rest_px, left).savefig(folder / "identification.png", dpi=120)
+
+
+def _page(rows: list[dict[str, Any]], found: Identified, now: float, ranked: tuple[Any, ...]) -> str:
+    table = [
+        (row["name"], f"{row['mean']:.4g}", f"{row['sd']:.2g}", f"{row['before']:.2g}", _word(row)) for row in rows
+    ]
+    best, least = ranked[0], ranked[-1]
+    still = ", ".join(row["name"] for row in rows if _word(row) == "open") or "nothing"
+    return "\n".join(
+        [
+            "# An identified unit",
+            "",
+            f"Dots are {np.sqrt(found.misfit):.2f} times as far from the model as their noise. Still open: {still}.",
+            "",
+            *table_lines(("number", "found", "± (1 sd)", "before", ""), table),
+            "",
+            "## Which press would teach most",
+            "",
+            f"What is not known of the unit now puts {now:.3f}° into rx and ry. A press at a tilt of "
+            f"{best.tilt_deg:.1f}° in the direction {best.azimuth_deg:.0f}° would leave {best.rmse_deg:.3f}°; the "
+            f"one that teaches least ({least.tilt_deg:.1f}°, {least.azimuth_deg:.0f}°) {least.rmse_deg:.3f}°.",
+            "",
+            "![What was known before and is now, and the dots at rest against the design](identification.png)",
+            "",
+            made_by(),
+            "",
+        ]
+    )
+
+
+def _word(row: dict[str, Any]) -> str:
+    share = row["sd"] / row["before"] if row["before"] else 1.0
+    return "learnt" if share < _KNOWN else "open" if share > _OPEN else ""
+
+
+def _draw(rows: list[dict[str, Any]], rest: FloatArray, left: FloatArray) -> Figure:
+    """Intervals before and after over the former, and where the dots at rest are against the design."""
+    figure = Figure(figsize=(11.0, 5.2), layout="constrained")
+    bars, dots = figure.subplots(1, 2)
+    shown = [row for row in rows if row["before"] > 0][::-1]
+    at = np.arange(len(shown))
+    bars.barh(at, [2.0] * len(shown), left=-1.0, color="#dddddd", label="before (1 sd)")
+    middle = np.array([(row["mean"] - (row["name"] == "stiffness")) / row["before"] for row in shown])
+    middle -= np.array(["friction" in row["name"] for row in shown]) / np.array([row["before"] for row in shown])
+    spread = np.array([row["sd"] / row["before"] for row in shown])
+    bars.errorbar(middle, at, xerr=spread, fmt="o", ms=4, color="#00538c", label="now")
+    bars.set_yticks(at, [row["name"] for row in shown], fontsize=8)
+    bars.set(xlabel="distance from the design, over what was expected", title="What was learnt")
+    bars.legend(fontsize=8, loc="lower right")
+    seen = np.isfinite(left).all(axis=1)
+    shift = np.median(left[seen], axis=0)
+    dots.plot(*rest[seen].T, ".", color="#00538c", ms=4)
+    arrows = left[seen] - shift
+    dots.quiver(*rest[seen].T, *arrows.T, angles="xy", color="#d1622b", width=0.003)
+    dots.invert_yaxis()
+    largest = float(np.linalg.norm(arrows, axis=1).max()) if seen.any() else 0.0
+    dots.set(aspect="equal", xlabel="u, px", ylabel="v, px")
+    dots.set_title(f"Dots at rest against design and camera, longest arrow {largest:.2f} px", fontsize=10)
+    return figure
