@@ -25,6 +25,8 @@ SLIP_MOST = 5.0
 """Greatest 1/µ; more has not been met."""
 TILT_SD_DEG = 20.0
 """Standard deviation of a tilt before its image is seen."""
+_DEPTH_SD = 1e3
+"""The same of a depth, mm: next to nothing is known of it."""
 _STEPS = 12
 TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "drift_x", "drift_y", "twist_deg")
 """What is fitted beside the unit: pose, 1/µ, and how far the wall travelled (mm) and turned on its way."""
@@ -256,4 +258,4 @@ class PoseFitter:
 
 def touch_sd(tolerance: ToleranceSpec) -> FloatArray:
     """Standard deviations (7,) of `TOUCH` before an image is seen; 0 for what does not happen."""
-    return np.array([TILT_SD_DEG, TILT_SD_DEG, np.inf, tolerance.slip[1], *tolerance.drift_sd])
+    return np.array([TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD, tolerance.slip[1], *tolerance.drift_sd])

@@ -31,7 +31,7 @@ The noise of dots is a tenth of it: what a twin does not know is alike in all do
 """
 KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
 """Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
-_DRIFT_PX = 0.06
+_DRIFT_PX = 0.12
 """What the twin is off besides where the wall drifts: beyond its first order, above all where much slips."""
 _FIRST, _ITERATIONS = 4, 16
 """Iterations for mounting and friction alone, since the robot's zero may be far off, and all of them."""

@@ -34,6 +34,15 @@ _FORCE = "Standard deviation of a load cell's reading, N."
 
 @Parameter(name="*")
 @dataclass(frozen=True)
+class IdentifiedFlags:
+    """Where what was learnt goes."""
+
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
+    report: Annotated[Path | None, Parameter(help=_REPORT)] = None
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
 class RobotFlags:
     """How well the robot knows its poses."""
 
@@ -60,18 +69,17 @@ def identify(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
     model: Annotated[Path, Parameter(help=_MODEL)],
-    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
+    files: IdentifiedFlags = IdentifiedFlags(),
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
-    report: Annotated[Path | None, Parameter(help=_REPORT)] = None,
     json: JsonFlag = False,
 ) -> None:
     """Learn from known presses what is not as designed about a unit, and how it sits on its robot."""
     from palpate.built import KnownUnit, write_unit
     from palpate.sensor import identify_unit, open_model, open_sensor, read_truth, write_identification
 
-    check_file(out, ".json")
-    check_folder(report)
+    check_file(files.out, ".json")
+    check_folder(files.report)
     robot.check()
     known, unit = read_truth(truth), built.unit()
     if not known.rest:
@@ -81,15 +89,23 @@ def identify(
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model, unit.skin))
     presses = list(_presses(truth.parent, known))
     found = identify_unit(sensor, presses, robot.spec())
-    if out is not None:
+    if files.out is not None:
         write_unit(
-            out, KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting, found.scale)
+            files.out,
+            KnownUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting, found.scale),
         )
-    if report is not None:
-        write_identification(report, found, sensor, robot.spec())
+    if files.report is not None:
+        write_identification(files.report, found, sensor, robot.spec())
     rows = found.rows(unit.tolerance)
     if json:
-        print_json({"known": rows, "misfit": found.misfit, "presses": len(presses), "out": str(out) if out else None})
+        print_json(
+            {
+                "known": rows,
+                "misfit": found.misfit,
+                "presses": len(presses),
+                "out": str(files.out) if files.out else None,
+            }
+        )
         return
     print_table(
         f"{unit.skin.name}, {len(presses)} presses",
@@ -98,7 +114,7 @@ def identify(
     )
     print(
         f"Dots are {found.misfit**0.5:.2f} times as far from the model as their noise."
-        + (f" Unit: {out}" if out else "")
+        + (f" Unit: {files.out}" if files.out else "")
     )
 
 

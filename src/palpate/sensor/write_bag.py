@@ -2,8 +2,8 @@
 
 `/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion, or the place
 (x, y) of an obstacle that does not tilt, and the depth as its z below first touch, in metres; an image without a pose
-has none. Where a unit's twin was fitted, `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall in N
-in the same frame. `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
+has none. Where a unit's twin was fitted, `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall
+(N, same frame). `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
 """
 
 from __future__ import annotations
