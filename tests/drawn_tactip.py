@@ -34,7 +34,7 @@ class DrawnSensor:
     reach: float = 17.6
     turn_deg: float = 3.0
     centre: tuple[float, float] = (211.0, 207.0)
-    softness: float = 0.9
+    softness: float = 4.0
     misprint: float = 0.04
     pattern: str = "hexagon"
     seed: int = 0
@@ -52,7 +52,10 @@ class DrawnSensor:
         elif self.pattern == "rings":
             turns = [np.arange(6 * k) / (6 * k) * 2 * np.pi + 0.3 * k for k in range(1, self.rings + 1)]
             places = np.vstack(
-                [[[0.0, 0.0]], *[np.c_[np.cos(t), np.sin(t)] * (k + 1) * self.reach / self.rings for k, t in enumerate(turns)]]
+                [
+                    [[0.0, 0.0]],
+                    *[np.c_[np.cos(t), np.sin(t)] * (k + 1) * self.reach / self.rings for k, t in enumerate(turns)],
+                ]
             )
         else:
             places = scatter_evenly(rng, 1 + 3 * self.rings * (self.rings + 1), self.reach)
@@ -74,7 +77,7 @@ def draw_motions(count: int, seed: int = 0, shear: float = 5.0, tilt: float = 25
     """(n, 6) by `NAMES`: what the robot was sent to, spread evenly; mm and degrees."""
     rng = np.random.default_rng([seed, 1])
     low = np.array([-tilt, -tilt, 1.0, -shear, -shear, -5.0])
-    return rng.uniform(low, [tilt, tilt, 5.0, shear, shear, 5.0], (count, 6))
+    return rng.uniform(low, [tilt, tilt, 6.0, shear, shear, 5.0], (count, 6))
 
 
 def _skin(sensor: DrawnSensor, flat: np.ndarray, motion: np.ndarray) -> np.ndarray:
@@ -100,7 +103,7 @@ def _skin(sensor: DrawnSensor, flat: np.ndarray, motion: np.ndarray) -> np.ndarr
     moved = np.zeros_like(skin)
     moved[:, :2] += 0.62 * stuck * (0.35 * touched + 0.65 * follow)[:, None] * dragged * rim[:, None]
     moved -= (pushed * (0.4 + 0.6 * rim))[:, None] * normal
-    bulge = 0.022 * depth**1.3 * np.exp(-(((np.hypot(*apart.T) - 0.8 * spread) / 5.0) ** 2)) * rim
+    bulge = 0.05 * depth**1.3 * np.exp(-(((np.hypot(*apart.T) - 0.8 * spread) / 5.0) ** 2)) * rim
     return skin + moved + bulge[:, None] * skin / RADIUS
 
 
@@ -126,7 +129,9 @@ def draw_image(
     """Image (h, w) of heads, 8 bit: uneven light, noise, and then black and white."""
     canvas = np.zeros((2 * SIZE, 2 * SIZE), np.uint8)
     for (u, v), r in zip(places, radii, strict=True):
-        cv2.circle(canvas, (round((2 * u + 0.5) * 16), round((2 * v + 0.5) * 16)), round(32 * r), 255, -1, cv2.LINE_AA, 4)
+        cv2.circle(
+            canvas, (round((2 * u + 0.5) * 16), round((2 * v + 0.5) * 16)), round(32 * r), 255, -1, cv2.LINE_AA, 4
+        )
     grey = cv2.GaussianBlur(cv2.resize(canvas, (SIZE, SIZE), interpolation=cv2.INTER_AREA), (0, 0), 0.8).astype(float)
     rows, columns = np.mgrid[:SIZE, :SIZE] / SIZE - 0.5
     grey = 22 + grey * (0.72 - 0.5 * (rows**2 + columns**2) + 0.1 * columns) + 12 * columns
@@ -189,4 +194,4 @@ def draw_recording(
 
 def another_unit(sensor: DrawnSensor) -> DrawnSensor:
     """The same make, built again: camera turned and off, gel and lever a little other."""
-    return replace(sensor, turn_deg=sensor.turn_deg - 2.0, centre=(207.0, 212.0), softness=1.0, lever=1.7, seed=7)
+    return replace(sensor, turn_deg=sensor.turn_deg - 2.0, centre=(207.0, 212.0), softness=4.4, lever=1.7, seed=7)

@@ -24,6 +24,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
 from palpate.learn import Predictor, open_predictor
 from palpate.markers import Naming, Sighting
+from palpate.recording import is_recorded_model
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.spec import RigSpec
@@ -143,7 +144,7 @@ def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registra
 
 
 def open_model(path: Path) -> Model:
-    """Open what a sensor reads with: a twin (``.h5``) or a trained network (``.onnx``).
+    """Open what a sensor of a known design reads with: a twin (``.h5``) or a trained network (``.onnx``).
 
     Raises
     ------
@@ -152,7 +153,14 @@ def open_model(path: Path) -> Model:
     MissingExtraError
         If it is a network, and onnxruntime is not installed.
     """
-    return read_twin(path) if path.suffix == ".h5" else open_predictor(path)
+    if path.suffix != ".h5":
+        return open_predictor(path)
+    if is_recorded_model(path):
+        raise PalpateError(
+            f"{path.name} was learnt from a recording and knows no design.",
+            "Use it by palpate live or palpate accept.",
+        )
+    return read_twin(path)
 
 
 def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> None:
