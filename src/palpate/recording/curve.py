@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,10 +11,15 @@ from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.recording.split import PressSplit
-from palpate.recording.train_part import Lesson, fit_ridge_part, train_dots_network
+from palpate.recording.course import CourseSpec
+from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.part import Part
+from palpate.recording.train_part import train_dots_network
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
 """Numbers of presses that are tried, as far as there are so many."""
+_EPOCHS = 150
+"""Epochs of the one network by which the curve is drawn: fewer than those of the model, so its errors are larger."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +55,11 @@ def draw_learning_curve(
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
         teach = split.teach & rows & np.isin(press, taught[:count])
         lesson = Lesson(moved if dots else pictures, targets, teach, split.choose & rows)
-        tries = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
+        tries: list[tuple[str, Part]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
         if dots and count >= 30:
-            try:
-                tries.append(("network", train_dots_network("network", lesson)))
-            except PalpateError:
-                pass
+            with contextlib.suppress(PalpateError):  # without torch, ridge draws the curve
+                course = CourseSpec(_EPOCHS, noise=0.01)
+                tries.append(("network", train_dots_network("network", lesson, course, members=1)))
         inputs = lesson.inputs
         name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.judge])))
         judge = split.judge & rows

@@ -27,7 +27,9 @@ from palpate.recording.read_recording import Recording
 from palpate.recording.sight import Eye, Sight, look_at, open_eye
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import PressSplit, find_doubles, find_shift, split_presses
-from palpate.recording.train_part import Lesson, fit_ridge_part, train_dots_network, train_picture_network
+from palpate.recording.course import CourseSpec
+from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.train_part import train_dots_network, train_picture_network
 
 PART_VERSION = "1"
 """Version of the code that decides what a part predicts; part of an artefact's key."""
@@ -310,16 +312,19 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
     recipe = Recipe("part", own, version=PART_VERSION)
     path = store.find(recipe, ".npz")
     if path is None:
+        course = CourseSpec(spec.epochs, threads=spec.threads)
         kept = store.path(recipe, ".epochs")
         kept.parent.mkdir(parents=True, exist_ok=True)
         if name.endswith("-ridge"):
             part: Part = fit_ridge_part(name, lesson, name.startswith("picture"))
         elif name == "dots-network":
-            part = train_dots_network(name, lesson)
+            part = train_dots_network(name, lesson, kept=kept)
         else:
-            part = train_picture_network(name, lesson, seen.targets.shape[1], spec.epochs, kept, say)
+            part = train_picture_network(name, lesson, seen.targets.shape[1], course, kept, say)
         path = store.write(recipe, lambda file: np.savez(file, **part.arrays), ".npz")
-        kept.unlink(missing_ok=True)
+        for left in kept.parent.glob(f"{kept.stem}.*"):
+            if left.suffix not in (".npz", ".json"):
+                left.unlink(missing_ok=True)
     kind = "linear" if name.endswith("-ridge") else "dots-network" if name == "dots-network" else "picture-network"
     return PARTS[kind](name, dict(np.load(path)))
 

@@ -70,13 +70,14 @@ class DotsNetwork(Part):
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
         found = self.arrays
-        hidden = (flat_features(inputs, None) - found["centre"]) @ found["projection"]
+        hidden = flat_features(inputs, None) @ found["projection"] - found["offset"]
         members: NDArray[Any] = np.broadcast_to(hidden, (len(found["weight_0"]), *hidden.shape))
         layers = sum(name.startswith("weight_") for name in found)
         for number in range(layers):
             members = members @ found[f"weight_{number}"] + found[f"bias_{number}"][:, None]
             if number < layers - 1:
-                members = members / (1.0 + np.exp(-np.clip(members, -60, 60)))
+                relu = "relu" in found
+                members = np.maximum(members, 0) if relu else members / (1.0 + np.exp(-np.clip(members, -60, 60)))
         return np.asarray(members.mean(axis=0) * found["sd"] + found["mean"], float)
 
 
