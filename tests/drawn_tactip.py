@@ -1,10 +1,10 @@
 """Drawn recordings of a gel-filled dome with pins in a hexagon: rules of their own, nothing of the package's.
 
 A dome of radius 20 mm carries pins on its inner side, whose heads stand `lever` mm inside along the inner normal, so
-that a bend of the skin is seen larger. A plane of tilt (rx, ry) comes down by `depth`. Skin that would be beyond it is
-pushed onto it, gel bulges beside it, and the touched part is dragged by a hidden shear and turned by a hidden yaw,
+that a bend of the skin is seen larger. A plane of tilt (rx, ry) comes down by `depth`. Skin that would be beyond it
+is pushed onto it, gel bulges beside it, and the touched part is dragged by a hidden shear and turned by a hidden yaw,
 which the rest of the skin follows the less the nearer it is to its rim. A pinhole camera from below sees white heads
-before black gel; such labs keep the images thresholded.
+before black gel through a round window; such labs keep the images thresholded.
 """
 
 from __future__ import annotations

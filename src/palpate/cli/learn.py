@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from palpate.recording import Learnt
 
 _RECORDING = (
-    "Table of poses (.csv, .jsonl) beside its images or video, an HDF5 file, or a folder that holds one of these or is "
-    "a LeRobot dataset."
+    "Table of poses (.csv, .jsonl) beside its images or video, an HDF5 file, or a folder that holds one of these or "
+    "is a LeRobot dataset."
 )
 _OUT = "Folder for the model (model.h5), the report and what an interrupted run needs to go on."
 _LEARN = "Columns to learn, with commas between; without it, rx, ry and depth where there are such, else all."
@@ -32,7 +32,7 @@ _EULER = (
     "become the rotation vector of the tilt. Without it, angles are learnt as they stand."
 )
 _REST = "Image of the untouched sensor, where the table has none (press or file name 'rest')."
-_START = "Model of a recording or unit of the same make (model.h5) to begin with."
+_START = "Model to begin with: of another unit of the same make (model.h5), or of its simulation (.onnx)."
 
 
 @Parameter(name="*")
@@ -66,10 +66,10 @@ def learn(
     json: JsonFlag = False,
 ) -> None:
     """Learn to read a sensor from recorded presses with known poses, and say how well it does on presses held out."""
-    from palpate.recording import learn_recording, read_model, read_recording, recording_page, recording_report
+    from palpate.recording import learn_recording, read_recording, read_start, recording_page, recording_report
 
     check_folder(out)
-    begin = read_model(start) if start is not None else None
+    begin = read_start(start) if start is not None else None
     found = read_recording(recording, table.choice(), rest, spec.most, spec.seed)
     for note in found.notes:
         _say(note)

@@ -197,8 +197,8 @@ def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:
     """The same with rx and ry as components of the tilt's rotation vector, from Euler angles in an order."""
     if sorted(order.lower()) != ["x", "y", "z"] or order not in (order.lower(), order.upper()):
         raise PalpateError(f"'{order}' is no order of Euler angles.", "Give xyz, zyx, ... or capitals: XYZ.")
-    angles = {one.axis[1]: one for one in poses if one.axis in ("rx", "ry", "rz", "yaw") and one.unit == "deg"}
-    angles |= {"z": one for one in poses if one.axis == "yaw"}
+    letters = {"rx": "x", "ry": "y", "rz": "z", "yaw": "z"}
+    angles = {letters[one.axis]: one for one in poses if one.axis in letters and one.unit == "deg"}
     if "x" not in angles or "y" not in angles:
         raise PalpateError("Euler angles need columns rx and ry.", "Name them so, or leave out --euler.")
     count = len(angles["x"].values)

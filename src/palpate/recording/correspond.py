@@ -1,12 +1,12 @@
 """Correspondence between single images far apart: which dot of the layout is which dot of an image.
 
-A guess of the displacement is refined in turns: dots that are each other's nearest are assigned, and a smooth field is
-fitted to them. A guess comes from images that are already assigned and show dots where this one does; where none
-serves, an assignment is grown from a dot in the middle to each dot of the image that it could be
-(`palpate.recording.grow`), and the best of those is refined. On a regular pattern a whole row may be missed by one:
-then a row of dots is left over on one side and one of the layout on the other. So an assignment is believed only if it
-leaves hardly anything over on either side, is smooth, and no other explains the image nearly as well. Else the image
-counts as failed, with the reason.
+A guess of the displacement is refined in turns: dots that are each other's nearest are assigned, and a smooth field
+is fitted to them. A guess comes from images that are already assigned and show dots where this one does; where none
+serves, an assignment is grown from some dots in the middle, each taken for every dot of the image that it could be
+(`palpate.recording.grow`). On a regular pattern a whole row may be missed by one: then a row of dots is left over on
+one side and one of the layout on the other, and the print's own irregularity does not fit. So an assignment is
+believed only if it leaves hardly anything over on either side, is smooth, and no other explains the image nearly as
+well. Else the image counts as failed, with the reason.
 """
 
 from __future__ import annotations
@@ -218,7 +218,7 @@ class Correspondent:
             match = _mutual(layout.rest_px + smooth, dots_px, tree, reach)
             if (match >= 0).sum() < max(6, 0.2 * len(layout)):
                 break
-            smooth, off = self._field(dots_px, match)
+            smooth, _ = self._field(dots_px, match)
             if match.tobytes() == previous:
                 break
             previous = match.tobytes()
@@ -270,7 +270,7 @@ class Correspondent:
         if not len(dots_px):
             count = len(self.layout)
             return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
-        far, match = cKDTree(dots_px).query(self.layout.rest_px)
+        match = cKDTree(dots_px).query(self.layout.rest_px)[1]
         moved = dots_px[match] - self.layout.rest_px
         return Correspondence(moved, np.ones(len(match), bool), 1.0, 0.0)
 

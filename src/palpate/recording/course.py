@@ -1,7 +1,7 @@
 """The course of a network's training: epochs on one lesson, the best of them kept, and what goes on after a break.
 
-After each epoch the network is judged on the presses that choose, and the numbers of the best epoch are what is handed
-on. What is known is written every few seconds, so that an interrupted training goes on where it was.
+After each epoch the network is judged on the presses that choose, and the numbers of the best epoch are handed on.
+What is known is written every few seconds, so that an interrupted training goes on where it was.
 """
 
 from __future__ import annotations

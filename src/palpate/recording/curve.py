@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
-from palpate.recording.split import PressSplit
 from palpate.recording.course import CourseSpec
 from palpate.recording.lesson import Lesson, fit_ridge_part
 from palpate.recording.part import Part
+from palpate.recording.split import PressSplit
 from palpate.recording.train_part import train_dots_network
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
@@ -73,10 +73,11 @@ def say_enough(points: Sequence[CurvePoint]) -> str:
     if len(points) < 2:
         return ""
     first, last = points[-2:]
+    fell = 1 - np.median(np.array(last.rmse) / first.rmse)
     falls = np.log(np.array(first.rmse) / np.array(last.rmse)) / np.log(last.presses / first.presses)
     gain = float(1.0 - 2.0 ** -max(float(np.median(falls)), 0.0))
     verdict = "more presses would pay" if gain > 0.1 else "it is nearly enough" if gain > 0.04 else "it is enough"
     return (
-        f"From {first.presses} to {last.presses} presses the error fell by {1 - np.median(np.array(last.rmse) / first.rmse):.0%}; "
+        f"From {first.presses} to {last.presses} presses the error fell by {fell:.0%}; "
         f"twice as many would bring about {gain:.0%}: {verdict}."
     )

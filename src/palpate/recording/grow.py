@@ -136,6 +136,8 @@ def _look(
         y += dots[match[other], 1] + ay
         least = min(least, np.sqrt(ax * ax + ay * ay))
         number += 1
+    if number == 0:  # a neighbour need not count its neighbour as one
+        return -1
     x, y = x / number, y / number
     best, far = -1, (tolerance * least) ** 2
     for j in range(len(dots)):

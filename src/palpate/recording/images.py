@@ -69,8 +69,9 @@ class VideoImages(ImageSet):
         return f"{path.name} {about.st_size} {about.st_mtime_ns} {self._frames[number]}"
 
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
-        playing, at, images, last = -1, -1, iter(()), PalpateError("The video is empty.")  # type: ignore[var-annotated]
-        item: Item = last
+        playing, at = -1, -1
+        images: Iterator[Item] = iter(())
+        item: Item = PalpateError("The video is empty.")
         for number in numbers:
             video, frame = self._which[number], self._frames[number]
             if video != playing or frame < at:

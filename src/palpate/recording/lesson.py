@@ -60,8 +60,8 @@ def fit_ridge_part(name: str, lesson: Lesson, pictures: bool) -> LinearPart:
         for weight, bias in _ridges(features[lesson.teach], lesson):
             error = lesson.error(features[lesson.judge] @ weight + bias)
             if error < least:
-                arrays = {"weight": weight.astype(np.float32), "bias": bias}
-                least, best = error, arrays | ({} if side is None else {"side": np.array(side)})
+                least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
+                best |= {} if side is None else {"side": np.array(side)}
     return LinearPart(name, best)
 
 

@@ -103,7 +103,7 @@ def _mix(estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArr
         found, _ = nnls(np.vstack([off, np.full((1, len(names)), hold)]), np.append(np.zeros(len(off)), hold))
         found[found < _LEAST] = 0.0
         weights[:, column] = found / max(found.sum(), 1e-12)
-    used = weights.any(axis=1)
+    used = np.asarray(weights.any(axis=1))
     if used.sum() < 2:
         return None
     return Option(MIXTURE, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf)

@@ -1,8 +1,8 @@
 """Recordings in HDF5: images as one array and poses as others beside it, or such groups, a press each.
 
 One dataset of the file, or of each group, has the shape (n, h, w) or (n, h, w, c) and whole numbers: the images.
-Every other of n numbers, or of (n, k), is a column, or k of them, named by its attribute ``columns`` where it has one.
-So the arrays of many labs, and robomimic's ``data/demo_0``, are read alike; each group counts as a press.
+Every other of n numbers, or of (n, k), is a column, or k of them, named by its attribute ``columns`` where it has
+one. So the arrays of many labs, and robomimic's ``data/demo_0``, are read alike; each group counts as a press.
 """
 
 from __future__ import annotations

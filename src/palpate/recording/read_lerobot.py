@@ -64,7 +64,7 @@ def _columns(tables: Sequence[Any], features: dict[str, Any], camera: str) -> di
         cells = np.array([cell for table in tables for cell in table.column(name).to_pylist()], dtype=float)
         cells = cells.reshape(len(cells), -1)
         names = about.get("names")
-        names = list(names.values())[0] if isinstance(names, dict) else names
+        names = next(iter(names.values())) if isinstance(names, dict) else names
         if not isinstance(names, list) or len(names) != cells.shape[1]:
             names = [name] if cells.shape[1] == 1 else [f"{name}_{number}" for number in range(cells.shape[1])]
         for number, own in enumerate(names):

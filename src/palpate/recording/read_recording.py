@@ -105,7 +105,8 @@ def read_recording(
     kept = _thin(_press_numbers(table, by)[chosen], most, seed)
     if len(kept) < len(chosen):
         notes.append(
-            f"{len(chosen)} images, of which {len(kept)} are used (whole presses, drawn by seed {seed}); --most for more."
+            f"{len(chosen)} images, of which {len(kept)} are used (whole presses, drawn by seed {seed}); "
+            "--most for more."
         )
     chosen = chosen[kept]
     poses, others, left_out = find_pose_columns(table.rows(chosen), choice, (by, column))
@@ -116,7 +117,7 @@ def read_recording(
         rest = rest or (None if len(at_rest) else _find_rest(place.parent))
     else:
         names = tuple(f"image {row}" for row in rows)
-        images = ChosenImages(images, rows)
+        images = ChosenImages(images, rows.tolist())
     if rest is not None:
         images, at_rest = BesideImages(images, len(chosen), ImageFiles([rest])), np.zeros(1, int)
     press = np.unique(_press_numbers(table, by)[chosen], return_inverse=True)[1].reshape(-1)
@@ -214,7 +215,7 @@ def _refuse_small(found: Recording) -> None:
         raise PalpateError(f"The recording has {len(found)} images.", f"Give {LEAST_IMAGES} or more.")
     if found.presses < LEAST_PRESSES:
         raise PalpateError(
-            f"The recording has {found.presses} {'press' if found.presses == 1 else 'presses'}: none could be held out to "
-            "judge what was learnt.",
-            f"Record {LEAST_PRESSES} presses or more; if its press column means something else, name another by --press.",
+            f"The recording has {found.presses} {'press' if found.presses == 1 else 'presses'}: none could be held "
+            "out to judge what was learnt.",
+            f"Record {LEAST_PRESSES} presses or more; if its press column means something else, give --press.",
         )

@@ -1,4 +1,4 @@
-"""The report of what a recording gave: a page, data, and pictures of correspondences, errors and the learning curve."""
+"""The report of what a recording gave: a page, data, and pictures of correspondences, errors and learning curve."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.core import PalpateError, writing
+from palpate.recording.conclude import PartScore
 from palpate.recording.curve import say_enough
-from palpate.recording.learn_recording import Learnt, PartScore
+from palpate.recording.learn_recording import Learnt
 from palpate.recording.read_recording import Recording
 
 _SHOWN = 6
@@ -61,15 +62,16 @@ def recording_page(learnt: Learnt) -> str:
         "in interval",
     )
     best = next(score for score in learnt.scores if score.name == learnt.best)
+    held = len(np.unique(seen.press[seen.split.judge]))
     rows = [_row(score, score.name == learnt.best) for score in learnt.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     lines = [
         f"# What the recording {seen.recording.name} gave",
         "",
-        f"**{learnt.best}: {figures}** RMSE on {len(np.unique(seen.press[seen.split.judge]))} presses that taught nothing.",
+        f"**{learnt.best}: {figures}** RMSE on {held} presses that taught nothing.",
         "",
-        f"{about['images']} images of {about['presses']} presses: {about['teach']} images taught, {about['choose']} chose "
-        f"among settings and gave the intervals of {about['spec']['level']:.0%}, {about['judge']} judged. "
+        f"{about['images']} images of {about['presses']} presses: {about['teach']} images taught, {about['choose']} "
+        f"chose among settings and gave the intervals of {about['spec']['level']:.0%}, {about['judge']} judged. "
         "No press is in two of these.",
         "",
         *_table(head, rows),

@@ -113,7 +113,7 @@ def open_eye(recording: Recording, picture_px: int) -> Eye:
     looked = (
         range(count, count + recording.rest) if recording.rest else np.linspace(0, count - 1, _LOOKED).astype(int)
     )
-    items = [item for item in recording.images.read(sorted(set(int(k) for k in looked)))]
+    items = list(recording.images.read(sorted({int(k) for k in looked})))
     images = [_grey(item) for item in items if not isinstance(item, PalpateError)]
     if not images:
         reason = next((item.what for item in items if isinstance(item, PalpateError)), "there is none")

@@ -104,7 +104,7 @@ def _read_lines(path: Path) -> Iterator[dict[str, Any]]:
         for row in table:
             if None in row:
                 raise PalpateError(
-                    f"{path.name}, line {table.line_num}: {len(row[None])} more cells than columns.",  # type: ignore[call-overload]
+                    f"{path.name}, line {table.line_num}: {len(row[None])} more cells than columns.",
                     "Name every column, and write decimals with a point.",
                 )
             yield row
