@@ -112,7 +112,7 @@ def learn_recording(
 def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
     names = [] if spec.estimators == "dots" else ["picture-ridge"]
     if seen.assigned is not None:
-        names += ["dots-ridge", "dots-network"]
+        names += ["dots-ridge"] if spec.estimators == "ridge" else ["dots-ridge", "dots-network"]
     if spec.estimators in ("all", "picture"):
         names += ["picture-network"]
         if seen.recording.others:

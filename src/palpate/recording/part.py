@@ -23,7 +23,7 @@ class Part(ABC):
     kind
         Word by which a file knows the class.
     name
-        By `palpate.recording.spec.ESTIMATORS`.
+        Such as ``dots-network``.
     arrays
         All its numbers, by name.
     """

@@ -136,7 +136,7 @@ def _assign(
         notes.append(f"{without} of {count} images show no field of dots: learnt from pictures alone.")
         return None
     if without > 0.02 * count:
-        notes.append(f"{without} of {count} images show no dots; these are read from the picture.")
+        notes.append(f"{without} of {count} images show no dots.")
     reference = choose_reference(sight, count)
     if reference < count:
         notes.append(
@@ -155,7 +155,7 @@ def _assign(
     failed = int((~assigned.good[:count]).sum())
     notes.append(
         f"{len(assigned.layout)} dots make the layout; the correspondence of {count - failed} of {count} images is "
-        "believed."
+        f"believed{'; the others are read from the picture' if failed else ''}."
     )
     if failed > (1 - _LEAST_GOOD) * count:
         notes.append("Too few to learn from dots: learnt from pictures alone.")

@@ -6,9 +6,6 @@ from typing import Literal
 
 from palpate.core import Spec, parameter
 
-ESTIMATORS = ("picture-ridge", "dots-ridge", "dots-network", "picture-network", "picture-network-all", "mixture")
-"""What is trained, in the order in which it is ready."""
-
 
 class RecordingSpec(Spec):
     """How a recording is read and learnt from."""
@@ -24,7 +21,7 @@ class RecordingSpec(Spec):
     )
     level: float = parameter(0.9, unit="1", meaning="share of true values that the intervals cover", ge=0.5, lt=1)
     epochs: int = parameter(
-        60, unit="1", meaning="passes of the networks on pictures over the training images", ge=1, le=100_000
+        90, unit="1", meaning="passes of the networks on pictures over the training images", ge=1, le=100_000
     )
     threads: int = parameter(2, unit="1", meaning="cores that the networks on pictures use", ge=1, le=256)
     most: int = parameter(
@@ -35,7 +32,9 @@ class RecordingSpec(Spec):
         unit="",
         meaning="how dots are found again: grown as a smooth field, or each the one nearest to its place at rest",
     )
-    estimators: Literal["all", "fast", "dots", "picture"] = parameter(
-        "all", unit="", meaning="what is trained: all, all but networks on pictures, only on dots, only on pictures"
+    estimators: Literal["all", "fast", "ridge", "dots", "picture"] = parameter(
+        "all",
+        unit="",
+        meaning="what is trained: all, all but networks on pictures, ridge alone, only on dots, only on pictures",
     )
     seed: int = parameter(0, unit="1", meaning="seed of the split, weights and batches", ge=0)

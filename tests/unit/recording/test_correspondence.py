@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 
+from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from palpate.core import PalpateError
 from palpate.markers import prepare_detector
 from palpate.recording import Correspondent, Fault, number_dots
