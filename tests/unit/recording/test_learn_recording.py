@@ -1,4 +1,4 @@
-"""From a drawn recording to a model: what it reads, what it says of itself, and what it says of hostile recordings."""
+"""From a drawn recording to a model: what it reads, what it says of itself, and of hostile recordings."""
 
 import csv
 import json
@@ -87,7 +87,7 @@ def test_most_correspondences_are_right_against_what_was_drawn(
 def test_presses_that_judge_teach_nothing(learnt: Learnt) -> None:
     split, press = learnt.seen.split, learnt.seen.press
     parts = [set(press[rows].tolist()) for rows in (split.teach, split.choose, split.judge)]
-    assert not (parts[0] & parts[1] or parts[0] & parts[2] or parts[1] & parts[2])
+    assert sum(map(len, parts)) == len(set().union(*parts))
 
 
 def test_the_model_file_reads_images_as_in_the_training(learnt: Learnt, tmp_path: Path) -> None:
@@ -172,7 +172,7 @@ def test_images_without_dots_are_read_from_the_picture_and_told(copied: Path) ->
     for number in range(0, COUNT, 2):
         path = copied / "images" / f"image_{number:05d}.png"
         image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-        smooth = cv2.GaussianBlur(image, (0, 0), 14)  # so far out of focus that no dot is left
+        smooth = cv2.GaussianBlur(image, (0, 0), 45)  # so far out of focus that no dot is left
         cv2.imwrite(str(path), smooth + np.uint8(number % 7))
     found = learn(copied)
     assert any("of 150 images is believed; the others are read from the picture" in note for note in found.seen.notes)
