@@ -38,7 +38,7 @@ _START = "Model to begin with: of another unit of the same make (model.h5), or o
 @Parameter(name="*")
 @dataclass(frozen=True)
 class TableFlags:
-    """What the table's columns are, where their names do not tell."""
+    """What the table's columns are, where their names do not tell, and an image at rest."""
 
     learn: Annotated[str | None, Parameter(help=_LEARN)] = None
     image: Annotated[str | None, Parameter(help=_IMAGE)] = None
@@ -46,6 +46,7 @@ class TableFlags:
     angles: Annotated[Literal["deg", "rad"] | None, Parameter(help=_ANGLES)] = None
     lengths: Annotated[Literal["mm", "m"] | None, Parameter(help=_LENGTHS)] = None
     euler: Annotated[str | None, Parameter(help=_EULER)] = None
+    rest: Annotated[Path | None, Parameter(help=_REST)] = None
 
     def choice(self) -> Choice:
         """These flags as the reader takes them."""
@@ -59,7 +60,6 @@ def learn(
     recording: Annotated[Path, Parameter(help=_RECORDING)],
     *,
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
-    rest: Annotated[Path | None, Parameter(help=_REST)] = None,
     start: Annotated[Path | None, Parameter(name="--from", help=_START)] = None,
     table: TableFlags = TableFlags(),
     spec: Annotated[RecordingSpec, flags_of(RecordingSpec, group="Learning")] = RecordingSpec(),
@@ -70,7 +70,7 @@ def learn(
 
     check_folder(out)
     begin = read_start(start) if start is not None else None
-    found = read_recording(recording, table.choice(), rest, spec.most, spec.seed)
+    found = read_recording(recording, table.choice(), table.rest, spec.most, spec.seed)
     for note in found.notes:
         _say(note)
     learnt = learn_recording(found, spec, ArtefactStore(out / "store"), _say, begin)

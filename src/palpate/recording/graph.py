@@ -1,6 +1,7 @@
 """A convolutional network as an ONNX graph, built from its arrays alone: a model file holds numbers and no program.
 
-Convolutions ``kernel_i``, ``shift_i`` with ReLU, each of which halves the picture, then two dense layers.
+Convolutions ``kernel_i``, ``shift_i`` with ReLU, each of which halves the picture (the first by its stride, the others
+by the greatest of four), then two dense layers.
 """
 
 from __future__ import annotations
@@ -43,11 +44,15 @@ def graph_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
                 [now, f"kernel_{number}", f"shift_{number}"],
                 [f"c{number}"],
                 pads=[size // 2] * 4,
-                strides=[2, 2],
+                strides=[2 if number == 0 else 1] * 2,
             )
         )
         nodes.append(helper.make_node("Relu", [f"c{number}"], [f"r{number}"]))
         now = f"r{number}"
+        if number > 0:
+            pool = helper.make_node("MaxPool", [now], [f"p{number}"], kernel_shape=[2, 2], strides=[2, 2])
+            nodes.append(pool)
+            now = f"p{number}"
     nodes.append(helper.make_node("Flatten", [now], ["flat"]))
     nodes.append(helper.make_node("Gemm", ["flat", "dense_0", "add_0"], ["d0"], transB=1))
     nodes.append(helper.make_node("Relu", ["d0"], ["e0"]))

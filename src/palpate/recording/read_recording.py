@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.camera import recording_suffixes
+from palpate.camera import read_image, recording_suffixes
 from palpate.core import FloatArray, IntArray, PalpateError, generator
 from palpate.recording.columns import Choice, PoseColumn, find_image_column, find_pose_columns, find_press_column
 from palpate.recording.images import (
@@ -98,6 +98,8 @@ def read_recording(
     """
     choice = choice or Choice()
     place = _find_table(place)
+    if rest is not None:
+        read_image(rest)  # refused here, by its own sentence
     table, images, column = _open_table(place, choice)
     by = find_press_column(table, choice)
     notes: list[str] = []

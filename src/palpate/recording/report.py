@@ -27,7 +27,7 @@ def recording_report(learnt: Learnt) -> dict[str, Any]:
     return {
         **learnt.model.about,
         "outputs": [{"axis": axis, "unit": unit, "column": column} for axis, unit, column in outputs],
-        "notes": list(seen.notes) + list(learnt.notes),
+        "notes": list(seen.notes),
         "best": learnt.best,
         "dots": None if assigned is None else len(assigned.layout),
         "correspondence": None if assigned is None else {key or "believed": n for key, n in assigned.counts.items()},
@@ -80,7 +80,7 @@ def recording_page(learnt: Learnt) -> str:
         "",
         "## What must be known about the recording",
         "",
-        *(f"* {note}" for note in (*seen.notes, *learnt.notes)),
+        *(f"* {note}" for note in seen.notes),
         "",
         "## How many presses",
         "",

@@ -147,11 +147,15 @@ def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:
     for number, outward in enumerate(CHANNELS):
         width = 5 if number == 0 else 3
         layers += [
-            torch.nn.Conv2d(inward, outward, width, 2, width // 2, bias=False),
+            torch.nn.Conv2d(inward, outward, width, 2 if number == 0 else 1, width // 2, bias=False),
             torch.nn.BatchNorm2d(outward),
             torch.nn.ReLU(),
         ]
-        side, inward = (side + 1) // 2, outward
+        layers += [] if number == 0 else [torch.nn.MaxPool2d(2)]
+        side = (side + 1) // 2 if number == 0 else side // 2
+        inward = outward
+        if min(side) < 8:
+            break
     return torch.nn.Sequential(
         torch.nn.Sequential(*layers),
         torch.nn.Flatten(),
