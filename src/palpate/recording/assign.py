@@ -13,9 +13,13 @@ from palpate.recording.correspond import Correspondence, Correspondent, Fault, d
 from palpate.recording.layout import LEAST_DOTS, DotLayout, number_dots
 from palpate.recording.sight import Sight
 
-ASSIGN_VERSION = "1"
+ASSIGN_VERSION = "2"
 """Version of the code that decides which dot is which; part of an artefact's key."""
 _SAID = 500
+_LEAST_SURE, _LOOKED, _ALIKE, _TURNS = 30, 200, 8, 3
+_MOTIONS, _ROUNDS, _ODD = 24, 4, 0.1
+"""Motions of the sensor that are learnt, rounds of their robust fit, and how far from them dots may be on average,
+over the spacing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,20 +129,57 @@ def assign_images(
 
 
 def _try_again(sight: Sight, correspondent: Correspondent, found: list[Correspondence]) -> None:
-    """Look again at images that are not sure, with all others as guesses; drop those that agree with none alike."""
+    """Look again at images that are not sure, led by all that are; those that move as no sure image does are odd."""
     sure = [number for number, one in enumerate(found) if one.sure]
-    if len(sure) < 10:
+    if len(sure) < _LEAST_SURE:
         return
     seen = np.array([describe_dots(sight.dots[number], correspondent.shape) for number in sure])
+    motions = _learn_motions(np.array([found[number].moved_px for number in sure]))
     spacing = float(np.median(correspondent.layout.spacing_px))
+    usual = np.median([motions.miss(found[number]) for number in sure[:_LOOKED]]) / spacing
     for number, one in enumerate(found):
         if one.sure or not len(sight.dots[number]):
             continue
         likeness = seen @ describe_dots(sight.dots[number], correspondent.shape)
-        alike = [sure[k] for k in np.argsort(-likeness)[:8] if sure[k] != number]
-        again = correspondent.find(sight.dots[number], tuple(found[k].moved_px for k in alike))
-        best = max((one, again), key=lambda each: (each.good, each.score))
-        apart = [np.median(np.linalg.norm(best.moved_px - found[k].moved_px, axis=1)) for k in alike]
-        if best.good and min(apart) > 1.5 * spacing:
+        alike = [sure[k] for k in np.argsort(-likeness)[:_ALIKE]]
+        tries = [one, correspondent.find(sight.dots[number], tuple(found[k].moved_px for k in alike))]
+        for _ in range(_TURNS):
+            guess = motions.fit(max(tries, key=lambda each: each.score))
+            tries.append(correspondent.refine(sight.dots[number], guess))
+        best = max(tries, key=lambda each: (each.good, each.score - motions.miss(each) / spacing))
+        if best.good and motions.miss(best) / spacing > max(_ODD, 5.0 * usual):
             best = Correspondence(best.moved_px, best.found, best.agreement, best.rough, Fault.ODD)
         found[number] = best
+
+
+@dataclass(frozen=True, eq=False)
+class _Motions:
+    """How dots of a sensor move together: mean (2m,) and principal directions (2m, k), px."""
+
+    mean: FloatArray
+    directions: FloatArray
+
+    def fit(self, one: Correspondence) -> FloatArray:
+        """The motion (m, 2) of the sensor that is nearest to most of the assigned dots."""
+        there = np.repeat(one.found, 2)
+        basis, moved = self.directions[there], (one.moved_px.ravel() - self.mean)[there]
+        weight = np.ones(len(moved))
+        coordinates: FloatArray = np.zeros(basis.shape[1])
+        for _ in range(_ROUNDS):
+            part = basis * weight[:, None]
+            coordinates = np.linalg.solve(part.T @ basis + 1e-3 * np.eye(basis.shape[1]), part.T @ moved)
+            off = np.linalg.norm((moved - basis @ coordinates).reshape(-1, 2), axis=1)
+            weight = np.repeat(1.0 / (1.0 + (off / max(1.5 * float(np.median(off)), 0.3)) ** 2), 2)
+        return np.asarray((self.mean + self.directions @ coordinates).reshape(-1, 2))
+
+    def miss(self, one: Correspondence) -> float:
+        """Root mean square distance of the assigned dots from such a motion, px."""
+        off = (one.moved_px - self.fit(one))[one.found]
+        return float(np.sqrt(np.mean((off**2).sum(axis=1)))) if len(off) else np.inf
+
+
+def _learn_motions(fields: FloatArray) -> _Motions:
+    flat = fields.reshape(len(fields), -1).astype(float)
+    mean = flat.mean(axis=0)
+    _, _, right = np.linalg.svd(flat - mean, full_matrices=False)
+    return _Motions(mean, right[: min(_MOTIONS, len(fields) // 3)].T)

@@ -51,7 +51,7 @@ class Fault(StrEnum):
     LEFT_OVER = "too many dots are left over"
     ROUGH = "the dots do not move as a skin does"
     AMBIGUOUS = "two assignments explain the image alike"
-    ODD = "its motion disagrees with images that look alike"
+    ODD = "its dots move as in no image that is sure"
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,13 +151,13 @@ class Correspondent:
             return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
         tried: list[Correspondence] = []
         for guess in (*guesses, *self._alike(dots_px)):
-            tried.append(self._refine(dots_px, guess))
+            tried.append(self.refine(dots_px, guess))
             if tried[-1].sure:
                 return tried[-1]
         for match in self._grown(dots_px):
             smooth, _ = self._field(dots_px, match)
             tried.append(self._judge(dots_px, *self._mend(dots_px, match, smooth)))
-            tried.append(self._refine(dots_px, smooth))
+            tried.append(self.refine(dots_px, smooth))
             if max(tried[-2:], key=lambda one: one.score).sure:
                 break
         return self._choose(tried)
@@ -212,7 +212,8 @@ class Correspondent:
         smooth = vectors @ weights
         return smooth, np.asarray(np.linalg.norm(moved - smooth, axis=1))
 
-    def _refine(self, dots_px: FloatArray, guess: FloatArray) -> Correspondence:
+    def refine(self, dots_px: FloatArray, guess: FloatArray) -> Correspondence:
+        """The correspondence near a guess of the displacement (m, 2), px, without looking for others."""
         layout, smooth, previous = self.layout, guess, b""
         tree = cKDTree(dots_px)
         for turn in range(_TURNS):

@@ -1,7 +1,7 @@
 """A convolutional network as an ONNX graph, built from its arrays alone: a model file holds numbers and no program.
 
-Convolutions ``kernel_i``, ``shift_i`` with ReLU, each of which halves the picture (the first by its stride, the others
-by the greatest of four), then two dense layers.
+Convolutions ``kernel_i``, ``shift_i`` with ReLU, each of which halves the picture (the first by its stride, others by
+the greatest of four), then two dense layers.
 """
 
 from __future__ import annotations

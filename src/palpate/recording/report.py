@@ -18,6 +18,8 @@ from palpate.recording.read_recording import Recording
 
 _SHOWN = 6
 _DPI = 110
+_DIM = 0.6
+"""Brightness of images under the ways of their dots."""
 
 
 def recording_report(learnt: Learnt) -> dict[str, Any]:
@@ -164,7 +166,8 @@ def _draw_correspondences(learnt: Learnt, recording: Recording) -> Figure:
         number = int(seen.rows[row])
         item = next(iter(recording.images.read([number])))
         if not isinstance(item, PalpateError):
-            axis.imshow(item if item.ndim == 2 else item[..., ::-1], cmap="gray", alpha=0.55)
+            picture = item if item.ndim == 2 else item[..., ::-1]
+            axis.imshow(picture / max(float(item.max()), 1.0) * _DIM, cmap="gray", vmin=0, vmax=1)
         found = seen.assigned.found[number]
         moved = seen.moved[row]
         reason = str(seen.assigned.faults[number])
