@@ -167,7 +167,8 @@ class _Motions:
         coordinates: FloatArray = np.zeros(basis.shape[1])
         for _ in range(_ROUNDS):
             part = basis * weight[:, None]
-            coordinates = np.linalg.solve(part.T @ basis + 1e-3 * np.eye(basis.shape[1]), part.T @ moved)
+            hold = 1e-3 * np.eye(basis.shape[1])
+            coordinates = np.asarray(np.linalg.solve(part.T @ basis + hold, part.T @ moved), float)
             off = np.linalg.norm((moved - basis @ coordinates).reshape(-1, 2), axis=1)
             weight = np.repeat(1.0 / (1.0 + (off / max(1.5 * float(np.median(off)), 0.3)) ** 2), 2)
         return np.asarray((self.mean + self.directions @ coordinates).reshape(-1, 2))

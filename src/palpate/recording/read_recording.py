@@ -25,7 +25,7 @@ from palpate.recording.table import TABLES, RecordingTable, read_table
 
 REST = "rest"
 """Press, or stem of an image's name, of the untouched sensor."""
-LEAST_IMAGES, LEAST_PRESSES = 20, 8
+LEAST_IMAGES, LEAST_PRESSES = 12, 8
 
 
 @dataclass(frozen=True, eq=False)
