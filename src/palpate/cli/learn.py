@@ -73,7 +73,11 @@ def learn(
     found = read_recording(recording, table.choice(), table.rest, spec.most, spec.seed)
     for note in found.notes:
         _say(note)
-    learnt = learn_recording(found, spec, ArtefactStore(out / "store"), _say, begin)
+    store, first = ArtefactStore(out / "store"), None
+    if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
+        first = learn_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _say, begin)
+        _write(out, first)
+    learnt = learn_recording(found, spec, store, _say, begin, first)
     _write(out, learnt)
     print_json(recording_report(learnt)) if json else print(recording_page(learnt))
 

@@ -12,7 +12,7 @@ from palpate.learn import ErrorSummary
 from palpate.recording.correspond import describe_dots
 from palpate.recording.mix import Option, choose_parts, press_quantile_of
 from palpate.recording.model import Choosing, RecordedModel
-from palpate.recording.part import Part
+from palpate.recording.part import ModelPart
 from palpate.recording.see_recording import Seen
 from palpate.recording.spec import RecordingSpec
 
@@ -51,7 +51,7 @@ class PartScore:
 
 
 def conclude(
-    seen: Seen, spec: RecordingSpec, parts: dict[str, Part], seconds: dict[str, float]
+    seen: Seen, spec: RecordingSpec, parts: dict[str, ModelPart], seconds: dict[str, float]
 ) -> tuple[RecordedModel, tuple[PartScore, ...], str]:
     """The model, the errors of all estimators, and the name of the best."""
     count = len(seen.targets)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.recording.course import CourseSpec
 from palpate.recording.lesson import Lesson, fit_ridge_part
-from palpate.recording.part import Part
+from palpate.recording.part import ModelPart
 from palpate.recording.split import PressSplit
 from palpate.recording.train_part import train_dots_network
 
@@ -55,7 +55,7 @@ def draw_learning_curve(
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
         teach = split.teach & rows & np.isin(press, taught[:count])
         lesson = Lesson(moved if dots else pictures, targets, teach, split.choose & rows)
-        tries: list[tuple[str, Part]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
+        tries: list[tuple[str, ModelPart]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
         if dots and count >= 30:
             with contextlib.suppress(PalpateError):  # without torch, ridge draws the curve
                 course = CourseSpec(_EPOCHS, noise=0.01)

@@ -20,7 +20,7 @@ from palpate.recording.course import CourseSpec
 from palpate.recording.curve import CurvePoint, draw_learning_curve
 from palpate.recording.lesson import Lesson, fit_ridge_part
 from palpate.recording.model import RecordedModel
-from palpate.recording.part import PARTS, Part
+from palpate.recording.part import PARTS, ModelPart
 from palpate.recording.read_recording import Recording
 from palpate.recording.see_recording import Say, Seen, see_recording
 from palpate.recording.spec import RecordingSpec
@@ -65,7 +65,12 @@ class Learnt:
 
 
 def learn_recording(
-    recording: Recording, spec: RecordingSpec, store: ArtefactStore, say: Say, start: Start | None = None
+    recording: Recording,
+    spec: RecordingSpec,
+    store: ArtefactStore,
+    say: Say,
+    start: Start | None = None,
+    first: Learnt | None = None,
 ) -> Learnt:
     """Learn from a recording.
 
@@ -79,6 +84,8 @@ def learn_recording(
         Told how far it is.
     start
         A model to begin with: of another unit, or of a simulation.
+    first
+        What fewer estimators gave for the same recording: its learning curve and times are taken over.
 
     Raises
     ------
@@ -87,25 +94,28 @@ def learn_recording(
     """
     begin = time.monotonic()
     seen = see_recording(recording, spec, store, say)
-    parts: dict[str, Part] = {}
-    seconds: dict[str, float] = {}
-    first = 0.0
+    parts: dict[str, ModelPart] = {}
+    seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
+    early = 0.0 if first is None else first.seconds[0]
     for name in _plan(seen, spec):
         now = time.monotonic()
         parts[name] = _train(name, seen, spec, store, say)
-        seconds[name] = time.monotonic() - now
-        _say_errors(name, parts[name], seen, say)
-        if "picture-network" not in name:
-            first = time.monotonic() - begin
+        seconds[name] = max(seconds.get(name, 0.0), time.monotonic() - now)
+        if first is None or name not in {score.name for score in first.scores}:
+            _say_errors(name, parts[name], seen, say)
+        if first is None and "picture-network" not in name:
+            early = time.monotonic() - begin
     if start is not None:
         parts |= adapt_parts(start, seen, say)
     model, scores, best = conclude(seen, spec, parts, seconds)
-    estimates = estimate_all(model, seen)
     _refuse_strangers(seen, scores)
-    curve = draw_learning_curve(seen.moved, seen.pictures, seen.good, seen.targets, seen.press, seen.split)
-    if start is not None:
-        curve += draw_adapted_curve(start, seen)
-    return Learnt(seen, model, scores, best, estimates, curve, (first, time.monotonic() - begin))
+    if first is None:
+        curve = draw_learning_curve(seen.moved, seen.pictures, seen.good, seen.targets, seen.press, seen.split)
+        curve += draw_adapted_curve(start, seen) if start is not None else ()
+    else:
+        curve = first.curve
+    whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
+    return Learnt(seen, model, scores, best, estimate_all(model, seen), curve, (early, whole))
 
 
 def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
@@ -132,7 +142,7 @@ def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
     return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed)
 
 
-def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say: Say) -> Part:
+def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say: Say) -> ModelPart:
     lesson = lesson_of(name, seen, spec)
     digest = hashlib.sha256()
     for array in (lesson.inputs, lesson.targets, lesson.teach, lesson.judge):
@@ -145,7 +155,7 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
         kept = store.path(recipe, ".epochs")
         kept.parent.mkdir(parents=True, exist_ok=True)
         if name.endswith("-ridge"):
-            part: Part = fit_ridge_part(name, lesson, name.startswith("picture"))
+            part: ModelPart = fit_ridge_part(name, lesson, name.startswith("picture"))
         elif name == "dots-network":
             part = train_dots_network(name, lesson, kept=kept)
         else:
@@ -158,7 +168,7 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
     return PARTS[kind](name, dict(np.load(path)))
 
 
-def _say_errors(name: str, part: Part, seen: Seen, say: Say) -> None:
+def _say_errors(name: str, part: ModelPart, seen: Seen, say: Say) -> None:
     use = seen.split.judge & (seen.good if part.reads_dots else True)
     off = part.predict((seen.moved if part.reads_dots else seen.pictures)[use]) - seen.targets[use]
     errors = np.sqrt(np.mean(off**2, axis=0))

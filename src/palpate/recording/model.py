@@ -23,7 +23,7 @@ from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Detector, DetectSpec
 from palpate.recording.correspond import Correspondence, Correspondent, Fault
 from palpate.recording.layout import DotLayout
-from palpate.recording.part import PARTS, Part
+from palpate.recording.part import PARTS, ModelPart
 from palpate.recording.sight import Eye
 
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 1
@@ -84,7 +84,7 @@ class RecordedModel:
     eye: Eye
     layout: DotLayout | None
     bank: tuple[FloatArray, FloatArray]
-    parts: Mapping[str, Part]
+    parts: Mapping[str, ModelPart]
     with_dots: Choosing | None
     without: Choosing | None
     outputs: tuple[tuple[str, str, str], ...]
@@ -231,7 +231,7 @@ def is_recorded_model(path: Path) -> bool:
         return False
 
 
-def with_parts(model: RecordedModel, parts: Mapping[str, Part]) -> RecordedModel:
+def with_parts(model: RecordedModel, parts: Mapping[str, ModelPart]) -> RecordedModel:
     """The same model with other parts."""
     return replace(model, parts=parts)
 

@@ -15,7 +15,7 @@ from palpate.recording.graph import graph_of
 
 
 @dataclass(frozen=True, eq=False)
-class Part(ABC):
+class ModelPart(ABC):
     """One trained estimator.
 
     Attributes
@@ -43,7 +43,7 @@ class Part(ABC):
 
 
 @final
-class LinearPart(Part):
+class LinearPart(ModelPart):
     """Ridge regression on displacements, or on pictures shrunk to `side` px."""
 
     kind = "linear"
@@ -59,7 +59,7 @@ class LinearPart(Part):
 
 
 @final
-class DotsNetwork(Part):
+class DotsNetwork(ModelPart):
     """Perceptrons on principal components of displacements, averaged."""
 
     kind = "dots-network"
@@ -82,7 +82,7 @@ class DotsNetwork(Part):
 
 
 @final
-class PictureNetwork(Part):
+class PictureNetwork(ModelPart):
     """A convolutional network on pictures; of its outputs only those that are asked for are handed on."""
 
     kind = "picture-network"

@@ -157,7 +157,9 @@ def _find_table(place: Path) -> Path:
         return place
     if is_lerobot(place):
         return place
-    tables = sorted(path for path in place.iterdir() if path.suffix.lower() in (*TABLES, *HDF5) and path.is_file())
+    files = sorted(path for path in place.iterdir() if path.is_file())
+    tables = [path for path in files if path.suffix.lower() in TABLES]
+    tables = tables or [path for path in files if path.suffix.lower() in HDF5]
     if not tables:
         raise PalpateError(
             f"{place} holds no table of poses.", "Write a CSV with a row an image: its name, and its pose."
