@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -229,11 +229,6 @@ def is_recorded_model(path: Path) -> bool:
             return bool(file.attrs.get("format") == FORMAT)
     except OSError:
         return False
-
-
-def with_parts(model: RecordedModel, parts: Mapping[str, ModelPart]) -> RecordedModel:
-    """The same model with other parts."""
-    return replace(model, parts=parts)
 
 
 def _plain(use: Choosing | None) -> Any:

@@ -74,7 +74,8 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
         eye = replace(eye, detector=None, dark=False)
     sight = look_at(recording, eye, store, say)
     count = len(recording)
-    assigned = _assign(recording, eye, sight, spec, store, notes, say)
+    assigned, told = _assign(recording, eye, sight, spec, store, say)
+    notes += told
     kept = sight.readable[:count].copy()
     if not kept.all():
         first = int(np.argmin(kept))
@@ -120,21 +121,17 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
 
 
 def _assign(
-    recording: Recording,
-    eye: Eye,
-    sight: Sight,
-    spec: RecordingSpec,
-    store: ArtefactStore,
-    notes: list[str],
-    say: Say,
-) -> Assigned | None:
+    recording: Recording, eye: Eye, sight: Sight, spec: RecordingSpec, store: ArtefactStore, say: Say
+) -> tuple[Assigned | None, list[str]]:
+    """Dots of all images by number, `None` where there are too few, and what must be said about them."""
+    notes: list[str] = []
     count = len(recording)
     if spec.estimators == "picture":
-        return None
+        return None, notes
     without = sum(len(dots) < _FIELD for dots in sight.dots[:count])
     if eye.detector is None or without > 0.8 * count:
         notes.append(f"{without} of {count} images show no field of dots: learnt from pictures alone.")
-        return None
+        return None, notes
     if without > 0.02 * count:
         notes.append(f"{without} of {count} images show no dots.")
     reference = choose_reference(sight, count)
@@ -159,5 +156,5 @@ def _assign(
     )
     if failed > (1 - _LEAST_GOOD) * count:
         notes.append("Too few to learn from dots: learnt from pictures alone.")
-        return None
-    return assigned
+        return None, notes
+    return assigned, notes
