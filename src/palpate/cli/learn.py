@@ -22,7 +22,10 @@ _RECORDING = (
     "is a LeRobot dataset."
 )
 _OUT = "Folder for the model (model.h5), the report and what an interrupted run needs to go on."
-_LEARN = "Columns to learn, with commas between; without it, rx, ry and depth where there are such, else all."
+_LEARN = (
+    "Columns to learn, with commas between, each by what it is where its name does not tell "
+    "(pose_4=rx_deg,pose_3=depth_mm); without it, rx, ry and depth where there are such, else all."
+)
 _IMAGE = "Column that names or numbers images, where its name does not tell."
 _PRESS = "Column that says to which press an image belongs; without one each image is its own press."
 _ANGLES = "Unit of angles whose column names none."

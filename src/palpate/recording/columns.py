@@ -36,7 +36,7 @@ _ANGLE = re.compile(
     r"(^|[_ ])(r[xyz]|rot\w*|roll|pitch|yaw|tilt|angle|theta|phi|psi|alpha|beta|gamma|a|b|c)([_ \d]|$)|angle"
 )
 _LENGTH = re.compile(
-    r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|pos\w*|height|penetration|indentation)([_ \d]|$)|depth|shear"
+    r"(^|[_ ])([xyz]|t[xyz]|d[xyz]|depth|shear\w*|offset|height|penetration|indentation)([_ \d]|$)|depth|shear"
 )
 _UNIT = re.compile(r"^(.*?)[_ ]*[\[(]?(?<![a-z])(deg|degree|degrees|rad|radian|radians|mm|cm|um|m)[\])]?$")
 _FACTORS = {
@@ -85,7 +85,8 @@ class Choice:
     Attributes
     ----------
     learn
-        Columns that are to be estimated; empty for rx, ry and depth where there are such, else all.
+        Columns that are to be estimated, ``pose_4=rx_deg`` for one whose name does not tell what it is; empty for
+        rx, ry and depth where there are such, else all.
     image, press
         Names of these columns; empty where their names tell.
     angles, lengths
@@ -159,7 +160,8 @@ def find_pose_columns(
     PalpateError
         If nothing is left to learn, or a column is not what it must be; the sentence names the column.
     """
-    learn = tuple(_given(table, name, "--learn") for name in choice.learn)
+    table, asked = _rename(table, choice.learn)
+    learn = tuple(_given(table, name, "--learn") for name in asked)
     poses, left_out, doubts = [], [], []
     for name in table.columns:
         wanted = name in learn
@@ -191,6 +193,20 @@ def find_pose_columns(
         chosen.sort(key=lambda one: learn.index(one.column))
     others = tuple(one for one in poses if one not in chosen)
     return tuple(chosen), others, tuple(left_out)
+
+
+def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
+    """The table with columns by the names that a person gives them, ``pose_4=rx_deg``, and these names."""
+    pairs = [text.partition("=") for text in learn]
+    new = {_given(table, old.strip(), "--learn"): name.strip() for old, mark, name in pairs if mark}
+    twice = [name for name in new.values() if not name or name in table.columns]
+    if twice:
+        raise PalpateError(f"A column cannot be called '{twice[0]}'.", "Give another name after the = of --learn.")
+    columns = {new.get(name, name): values for name, values in table.columns.items()}
+    faults = {new.get(name, name): fault for name, fault in table.faults.items()}
+    return RecordingTable(table.name, columns, faults), tuple(
+        (name if mark else old).strip() for old, mark, name in pairs
+    )
 
 
 def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:

@@ -67,6 +67,12 @@ def test_columns_to_learn_are_chosen_and_come_in_that_order(tmp_path: Path) -> N
     assert [one.column for one in found.poses] == ["c_deg", "a_mm"]
 
 
+def test_columns_whose_names_do_not_tell_are_given_names_and_units(tmp_path: Path) -> None:
+    found = read(tmp_path, "pose_3,pose_4,pose_5", waves(0.004, 0.4, 9), learn=("pose_4=rx_rad", "pose_3=depth_m"))
+    assert [(one.axis, one.unit) for one in found.poses] == [("rx", "deg"), ("depth", "mm")]
+    np.testing.assert_allclose(np.abs(found.targets).max(axis=0), [np.degrees(0.4), 4.0], rtol=0.05)
+
+
 def test_columns_that_stay_or_count_or_are_text_are_left_out_and_told(tmp_path: Path) -> None:
     cells = [[1.5, number, "on", *row] for number, row in enumerate(waves(9))]
     found = read(tmp_path, "force_N,number,lamp,rx_deg", cells)
