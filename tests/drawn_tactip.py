@@ -12,6 +12,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -39,6 +40,7 @@ class DrawnSensor:
     pattern: str = "hexagon"
     seed: int = 0
 
+    @cache  # noqa: B019
     def pins(self) -> np.ndarray:
         """(m, 2) places in the plane, mm."""
         rng = np.random.default_rng(self.seed)
