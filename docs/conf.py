@@ -42,6 +42,7 @@ STAGES = [
     "built",
     "dataset",
     "learn",
+    "recording",
     "fabricate",
     "sensor",
     "bench",
@@ -53,7 +54,7 @@ STAGES = [
 ]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live bench accept verify doctor".split()
+    "calibrate find inspect live learn bench accept verify doctor".split()
 )
 
 

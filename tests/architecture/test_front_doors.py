@@ -109,6 +109,15 @@ FRONT_DOORS = {
         "search",
         "shuffle_labels",
     },
+    "recording": {
+        "RecordedModel",
+        "Recording",
+        "RecordingSpec",
+        "learn_recording",
+        "read_model",
+        "read_recording",
+        "write_model",
+    },
     "sensor": {
         "Reading",
         "Registration",

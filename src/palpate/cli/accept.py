@@ -16,6 +16,7 @@ from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import UnitFlags
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
+from palpate.recording import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import AcceptSpec
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
-_MODEL = "Model of this design: its twin (.h5) or a trained network (.onnx); then the images are read."
+_MODEL = "Twin (.h5), trained network (.onnx) or model of a recording (model.h5); then the images are read."
 _READINGS = "What `palpate live --out` wrote about these images, instead of a model."
 _OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
 _NAME = "Name of the unit in the report."
@@ -65,8 +66,11 @@ def accept(
         estimates, flagged = read_readings(readings, known)
     else:
         assert model is not None
-        unit = built.unit()
-        estimates, flagged = _read(truth.parent, known, open_model(model, unit.skin), unit)
+        if is_recorded_model(model):
+            estimates, flagged = _read_recorded(truth.parent, known, read_model(model))
+        else:
+            unit = built.unit()
+            estimates, flagged = _read(truth.parent, known, open_model(model, unit.skin), unit)
     found = accept_unit(known, estimates, flagged, wanted)
     page = write_acceptance(report.out, found, report.name)
     if report.out is not None:
@@ -91,6 +95,21 @@ def _read(folder: Path, known: Truth, model: Predictor | Twin, unit: Unit) -> tu
     sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, model)
     found = list(run_sensor(sensor, _images(folder, known.images)))
     poses = np.array([reading.pose for reading in found])
+    return poses, np.array([bool(reading.flags) for reading in found])
+
+
+def _read_recorded(folder: Path, known: Truth, model: RecordedModel) -> tuple[FloatArray, BoolArray]:
+    import numpy as np
+
+    from palpate.sensor import run_sensor
+
+    if any(name not in model.space.names for name in TILT_DEPTH.names):
+        raise PalpateError(
+            f"Acceptance judges rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
+            "Learn these by palpate learn --learn.",
+        )
+    found = list(run_sensor(model, _images(folder, known.images)))
+    poses = np.array([[reading[name] for name in TILT_DEPTH.names] for reading in found])
     return poses, np.array([bool(reading.flags) for reading in found])
 
 

@@ -41,6 +41,7 @@ app.command("palpate.cli.sensor:find", name="find", help="Find the dots in a fol
 app.command("palpate.cli.sensor:live", name="live", help="From images of a sensor to the pose of the wall.")
 app.command("palpate.cli.inspect:inspect", name="inspect", help="Print errors of a built dome from its rest image.")
 app.command("palpate.cli.identify:identify", name="identify", help="What a built unit is, from known presses.")
+app.command("palpate.cli.learn:learn", name="learn", help="Learn to read a sensor from a recording with poses.")
 app.command("palpate.cli.bench:bench", name="bench", help="Built units that deviate, played from image to pose.")
 app.command("palpate.cli.accept:accept", name="accept", help="Whether a built unit is within its tolerances.")
 app.command("palpate.cli.verify:verify", name="verify", help="Solve problems with known answers and compare.")

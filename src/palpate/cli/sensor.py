@@ -20,6 +20,7 @@ from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
 from palpate.design import PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
+from palpate.recording import RecordedModel, is_recorded_model, read_model
 from palpate.sensor import RigSpec
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ _SOURCE = (
     "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "
     "images show the untouched dome."
 )
-_MODEL = "Model of this design: its twin (.h5) or a trained network (.onnx)."
+_MODEL = "Its twin (.h5), a trained network (.onnx), or what `palpate learn` made of a recording (model.h5)."
 _OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
 _PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
 _PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
@@ -94,6 +95,8 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
+    if is_recorded_model(model):
+        return _live_recorded(read_model(model), source, out, flags, json)
     unit, many = flags.built.unit(), flags.rig.rest_images
     reads_with = open_model(model, unit.skin)
     with _open(source, unit) as opened:
@@ -107,6 +110,20 @@ def live(
         written = write_readings(out, readings, sensor.reader.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
         _print_json(rows) if json else _print_lines(rows, sensor.reader.space)
+    return 0
+
+
+def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: LiveFlags, json: bool) -> int:
+    """Readings by the model of a recording: it knows its own rest, so every image is read."""
+    from palpate.sensor import describe_reading, run_sensor, write_readings
+
+    if source == "synthetic":
+        raise PalpateError("A model of a recording has no design to simulate.", "Give a camera, a video or a folder.")
+    with open_source(source) as opened:
+        readings = run_sensor(model, islice(opened.images(), flags.count), flags.rig)
+        written = write_readings(out, readings, model.space) if out else readings
+        rows = (describe_reading(reading) for reading in written)
+        _print_json(rows) if json else _print_lines(rows, model.space)
     return 0
 
 

@@ -79,8 +79,19 @@ class PoseSpace:
         parts = [name.rpartition("_") for name in names]
         if len(parts) < 3 or not all(axis and unit for axis, _, unit in parts):
             raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
+        return PoseSpace.free([(axis, unit) for axis, _, unit in parts])
+
+    @staticmethod
+    def free(parts: Sequence[tuple[str, str]]) -> PoseSpace:
+        """The space of any components, each an axis and a unit; their bounds are not known.
+
+        Examples
+        --------
+        >>> PoseSpace.free([("angle", "deg")]).names
+        ('angle_deg',)
+        """
         anything = (float("-inf"), float("inf"))
-        components = tuple(PoseComponent(axis, unit, axis, anything) for axis, _, unit in parts)
+        components = tuple(PoseComponent(axis, unit, axis, anything) for axis, unit in parts)
         return PoseSpace(components, OFFSET_DEPTH.polar, OFFSET_DEPTH.turn_deg)
 
     @property

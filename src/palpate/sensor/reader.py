@@ -24,6 +24,7 @@ from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
 from palpate.learn import Predictor, open_predictor
 from palpate.markers import Naming, Sighting
+from palpate.recording import is_recorded_model
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.spec import RigSpec
@@ -143,7 +144,7 @@ def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registra
 
 
 def open_model(path: Path, skin: Skin | None = None) -> Model:
-    """Open what a sensor reads with: a twin (``.h5``), a trained network (``.onnx``), or a skin's twin of a folder.
+    """Open what reads a sensor of a known design: a twin (``.h5``), a network (``.onnx``), or a twin of a folder.
 
     Parameters
     ----------
@@ -160,13 +161,24 @@ def open_model(path: Path, skin: Skin | None = None) -> Model:
         If it is a network, and onnxruntime is not installed.
     """
     if path.is_dir() and skin is not None:
-        found = twin_path(path, skin)
-        if not found.is_file():
-            raise PalpateError(
-                f"{path} has no twin of {skin.name}.", "Make it: palpate twin STUDY --out FOLDER, or give a file."
-            )
-        return read_twin(found)
-    return read_twin(path) if path.suffix == ".h5" else open_predictor(path)
+        return read_twin(_find_twin(path, skin))
+    if path.suffix != ".h5":
+        return open_predictor(path)
+    if is_recorded_model(path):
+        raise PalpateError(
+            f"{path.name} was learnt from a recording and knows no design.",
+            "Use it by palpate live or palpate accept.",
+        )
+    return read_twin(path)
+
+
+def _find_twin(folder: Path, skin: Skin) -> Path:
+    found = twin_path(folder, skin)
+    if not found.is_file():
+        raise PalpateError(
+            f"{folder} has no twin of {skin.name}.", "Make it: palpate twin STUDY --out FOLDER, or give a file."
+        )
+    return found
 
 
 def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> None:

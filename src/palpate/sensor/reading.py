@@ -19,6 +19,7 @@ class Flag(StrEnum):
     JUMPED = "the markers jumped"
     OUTSIDE = "the markers moved as in no image of the training"
     MISFIT = "no press of this unit looks like the image"
+    BY_PICTURE = "the dots could not be numbered; the pose is read from the picture"
 
 
 @dataclass(frozen=True)

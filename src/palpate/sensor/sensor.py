@@ -23,9 +23,11 @@ from palpate.markers import (
     name_markers,
     prepare_detector,
 )
+from palpate.recording import RecordedModel
 from palpate.sensor.known_press import KnownPress, ask_press
 from palpate.sensor.reader import Model, Reader, check_model, open_reader
 from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
@@ -185,9 +187,15 @@ def open_sensor(
     return Sensor(unit, reader, spec, seen.detector, seen.naming, seen.registration)
 
 
-def run_sensor(sensor: Sensor, images: Iterable[NDArray[Any] | PalpateError]) -> Iterator[Reading]:
-    """Readings of images one by one; what cannot be read gives a flagged reading and the next is tried."""
-    return (sensor.read(image) for image in images)
+def run_sensor(
+    sensor: Sensor | RecordedModel, images: Iterable[NDArray[Any] | PalpateError], spec: RigSpec | None = None
+) -> Iterator[Reading]:
+    """Readings of images one by one; what cannot be read gives a flagged reading and the next is tried.
+
+    The model of a recording is a sensor by itself: it knows its own rest, and takes when to flag from `spec`.
+    """
+    reads = RecordedSensor(sensor, spec) if isinstance(sensor, RecordedModel) else sensor
+    return (reads.read(image) for image in images)
 
 
 def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> Naming:

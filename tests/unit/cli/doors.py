@@ -12,6 +12,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark
@@ -157,6 +158,23 @@ ROWS = {
         ("--out", "--report"),
         ("--height 10", "--robot-tilt 0", "--robot-depth 9", "--robot-force 0"),
     ),
+    "learn": Row(
+        "--recording {recording} --out new --estimators ridge",
+        ("--recording", "--rest", "--from"),
+        ("--out",),
+        (
+            "--learn nothing",
+            "--image nothing",
+            "--press nothing",
+            "--angles turns",
+            "--lengths feet",
+            "--euler xx",
+            "--estimators x",
+            "--correspondence x",
+            "--held-out 0.7",
+            "--from {twin}",
+        ),
+    ),
     "accept": Row(
         f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --least-depth 0",
         ("--truth", "--model", "--readings", "--layout", "--lens", "--unit"),
@@ -192,6 +210,8 @@ def furnish(folder: Path) -> dict[str, Path]:
     right["curve"].write_text(f"strain (mm/mm),stress (MPa)\n{rows}\n")
     right["model"] = folder / "model.onnx"
     write_estimator(right["model"], still_model(build_camera().project(layout.positions)))
+    right["recording"] = folder / "recording"
+    draw_recording(right["recording"], draw_motions(40, shear=1.0), DrawnSensor(rings=3))
     right["twin"] = folder / "twin.h5"
     write_twin(right["twin"], still_twin(dome))
     kept = right["results"] / "store" / "estimator" / "ff" / "ff.onnx"

@@ -1,0 +1,127 @@
+"""`palpate learn`: from a recording of any sensor with dots, and its table of poses, to a model that reads it."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_folder, print_json
+from palpate.core import ArtefactStore, PalpateError, writing
+from palpate.recording import Choice, RecordingSpec
+
+if TYPE_CHECKING:
+    from palpate.recording import Learnt
+
+_RECORDING = (
+    "Table of poses (.csv, .jsonl) beside its images or video, an HDF5 file, or a folder that holds one of these or "
+    "is a LeRobot dataset."
+)
+_OUT = "Folder for the model (model.h5), the report and what an interrupted run needs to go on."
+_LEARN = (
+    "Columns to learn, with commas between, each by what it is where its name does not tell "
+    "(pose_4=rx_deg,pose_3=depth_mm); without it, rx, ry and depth where there are such, else all."
+)
+_IMAGE = "Column that names or numbers images, where its name does not tell."
+_PRESS = "Column that says to which press an image belongs; without one each image is its own press."
+_ANGLES = "Unit of angles whose column names none."
+_LENGTHS = "Unit of lengths whose column names none."
+_EULER = (
+    "Order of Euler angles rx, ry, rz, small letters about fixed axes, capitals about turned ones (xyz, ZYX); they "
+    "become the rotation vector of the tilt. Without it, angles are learnt as they stand."
+)
+_REST = "Image of the untouched sensor, where the table has none (press or file name 'rest')."
+_START = "Model to begin with: of another unit of the same make (model.h5), or of its simulation (.onnx)."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class TableFlags:
+    """What the table's columns are, where their names do not tell, and an image at rest."""
+
+    learn: Annotated[str | None, Parameter(help=_LEARN)] = None
+    image: Annotated[str | None, Parameter(help=_IMAGE)] = None
+    press: Annotated[str | None, Parameter(help=_PRESS)] = None
+    angles: Annotated[Literal["deg", "rad"] | None, Parameter(help=_ANGLES)] = None
+    lengths: Annotated[Literal["mm", "m"] | None, Parameter(help=_LENGTHS)] = None
+    euler: Annotated[str | None, Parameter(help=_EULER)] = None
+    rest: Annotated[Path | None, Parameter(help=_REST)] = None
+
+    def choice(self) -> Choice:
+        """These flags as the reader takes them."""
+        names = tuple(name.strip() for name in (self.learn or "").split(",") if name.strip())
+        return Choice(
+            names, self.image or "", self.press or "", self.angles or "", self.lengths or "", self.euler or ""
+        )
+
+
+def learn(
+    recording: Annotated[Path, Parameter(help=_RECORDING)],
+    *,
+    out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
+    start: Annotated[Path | None, Parameter(name="--from", help=_START)] = None,
+    table: TableFlags = TableFlags(),
+    spec: Annotated[RecordingSpec, flags_of(RecordingSpec, group="Learning")] = RecordingSpec(),
+    json: JsonFlag = False,
+) -> None:
+    """Learn to read a sensor from recorded presses with known poses, and say how well it does on presses held out."""
+    from palpate.recording import learn_recording, read_recording, read_start, recording_page, recording_report
+
+    check_folder(out)
+    begin = read_start(start) if start is not None else None
+    found = read_recording(recording, table.choice(), table.rest, spec.most, spec.seed)
+    for note in found.notes:
+        _say(note)
+    store, first = ArtefactStore(out / "store"), None
+    if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
+        first = learn_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _say, begin)
+        _write(out, first)
+    learnt = learn_recording(found, spec, store, _say, begin, first)
+    _write(out, learnt)
+    print_json(recording_report(learnt)) if json else print(recording_page(learnt))
+
+
+def _write(out: Path, learnt: Learnt) -> None:
+    import json
+
+    from palpate.recording import draw_recording_report, recording_page, recording_report, write_model
+
+    write_model(out / "model.h5", learnt.model)
+    draw_recording_report(out, learnt)
+    with writing(out, "Choose another folder."):
+        (out / "report.md").write_text(recording_page(learnt), encoding="utf-8")
+        (out / "report.json").write_text(json.dumps(recording_report(learnt), indent=2) + "\n", encoding="utf-8")
+    _say(f"Model: {out / 'model.h5'}. Report: {out / 'report.md'}.")
+    try:
+        _accept(out, learnt)
+    except PalpateError as error:
+        _say(f"No acceptance report: {error.what}")
+
+
+def _accept(out: Path, learnt: Learnt) -> None:
+    """Write the acceptance report of the presses that were held out, where rx, ry and depth were learnt."""
+    import numpy as np
+
+    from palpate.design import TILT_DEPTH
+    from palpate.sensor import AcceptSpec, Truth, accept_unit, write_acceptance
+
+    names = learnt.model.space.names
+    if any(name not in names for name in TILT_DEPTH.names):
+        raise PalpateError(f"it judges rx, ry and depth; the model estimates {', '.join(names)}.")
+    columns = [names.index(name) for name in TILT_DEPTH.names]
+    seen = learnt.seen
+    judged = seen.split.judge
+    press = np.unique(seen.press[judged], return_inverse=True)[1].reshape(-1)
+    images = tuple(seen.recording.names[row] for row in seen.rows[judged])
+    poses = seen.targets[judged][:, columns]
+    truth = Truth((), images, press, poses, np.full(len(poses), np.nan))
+    accepted = accept_unit(truth, learnt.estimates[judged][:, columns], None, AcceptSpec(zero=False, least_depth=0))
+    write_acceptance(out, accepted, f"{seen.recording.name}, presses held out")
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,198 @@
+"""From few presses: a network on dots that was trained elsewhere, adapted to this unit.
+
+The other network knows another unit of the same make: another recording, or the design as simulated. Its dots at rest
+are found among this unit's as in any image (`palpate.recording.correspond`), and the map between both rest images,
+linear, carries displacements over: so camera and print of this unit are taken out. Then the network is trained on,
+slowly and tied to where it began; with very few presses only its outputs are corrected linearly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import FloatArray, PalpateError
+from palpate.learn import Estimator, read_estimator
+from palpate.recording.correspond import Correspondent
+from palpate.recording.course import CourseSpec
+from palpate.recording.curve import PRESSES, CurvePoint
+from palpate.recording.layout import DotLayout
+from palpate.recording.lesson import Lesson
+from palpate.recording.model import read_model
+from palpate.recording.part import DotsNetwork
+from palpate.recording.see_recording import Say, Seen
+from palpate.recording.train_part import tune_dots_network
+
+ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
+_COURSE = CourseSpec(epochs=120, batch=16, rate=3e-4, decay=0.0, noise=0.01, tie=1e-3)
+_HOLD = 0.05
+"""Weight of a correction's departure from none, over the number of presses that teach."""
+_DENSITY = 2.5
+"""A rest image of another scale than this factor is not looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What adaptation begins with.
+
+    Attributes
+    ----------
+    name
+        File that it came from.
+    layout
+        Its dots at rest, px of its own camera.
+    network
+        Its network on dots.
+    outputs
+        Names of its outputs, ``rx_deg`` …
+    """
+
+    name: str
+    layout: DotLayout
+    network: DotsNetwork
+    outputs: tuple[str, ...]
+
+
+def read_start(path: Path) -> Start:
+    """Read the model of a recording (.h5) or a network that was trained on a simulation (.onnx).
+
+    Raises
+    ------
+    PalpateError
+        If it is neither, or has no network on dots.
+    """
+    if path.suffix == ".onnx":
+        return _of_simulation(path.name, read_estimator(path))
+    model = read_model(path)
+    found = [part for part in model.parts.values() if isinstance(part, DotsNetwork)]
+    if not found or model.layout is None:
+        raise PalpateError(
+            f"{path.name} has no network on dots to begin with; it has {', '.join(model.parts)}.",
+            "Give a model whose best estimator reads dots.",
+        )
+    return Start(path.name, model.layout, found[0], model.space.names)
+
+
+def _of_simulation(name: str, found: Estimator) -> Start:
+    """A network of the simulation as one on displacements: it reads (rest + moved − offset) / scale."""
+    scale = np.tile(np.array(found.normalisation.scale_px), len(found.rest_px))
+    at_rest = found.normalisation.apply(found.rest_px).reshape(-1)
+    arrays: dict[str, NDArray[Any]] = {"projection": np.diag(1.0 / scale), "offset": -at_rest}
+    for number, (weight, bias) in enumerate(zip(found.weights, found.biases, strict=True)):
+        arrays |= {f"weight_{number}": weight, f"bias_{number}": bias}
+    arrays |= {"mean": found.output_mean, "sd": found.output_sd}
+    arrays |= {"relu": np.array(1)} if found.activation == "relu" else {}
+    return Start(name, DotLayout(found.rest_px), DotsNetwork("dots-network", arrays), found.space.names)
+
+
+def carry_network(start: Start, seen: Seen) -> DotsNetwork:
+    """The other network on this unit's displacements, its outputs in this recording's order.
+
+    Raises
+    ------
+    PalpateError
+        If its dots at rest are not found among this unit's, or it estimates something else.
+    """
+    assert seen.assigned is not None
+    wanted = tuple(f"{one.axis}_{one.unit}" for one in seen.recording.poses)
+    if any(name not in start.outputs for name in wanted):
+        raise PalpateError(
+            f"{start.name} estimates {', '.join(start.outputs)}, not {', '.join(wanted)}.", "Choose by --learn."
+        )
+    own, other = seen.assigned.layout.rest_px, start.layout.rest_px
+    scale = float(np.median(seen.assigned.layout.spacing_px) / np.median(start.layout.spacing_px))
+    if not 1 / _DENSITY < scale < _DENSITY:
+        raise PalpateError(
+            f"The dots of {start.name} are {scale:.2g} times as dense.", "Give a unit of the same make."
+        )
+    shrunk = (own - own.mean(axis=0)) / scale + other.mean(axis=0)
+    found = Correspondent(start.layout, seen.eye.shape).find(shrunk)
+    if not found.good:
+        raise PalpateError(
+            f"The dots at rest are not those of {start.name}: {found.fault} ({found.agreement:.0%} agree).",
+            "Give a unit of the same make, its camera turned by less than half the angle between two dots.",
+        )
+    placed = start.layout.rest_px + found.moved_px
+    number = np.argmin(np.linalg.norm(placed[:, None] - shrunk[None], axis=-1), axis=1)
+    design = np.column_stack([other[found.found], np.ones(found.found.sum())])
+    own_from_other = np.linalg.lstsq(design, own[number[found.found]], rcond=None)[0][:2]
+    back = np.linalg.inv(own_from_other)
+    carried = np.zeros((len(own), 2, len(other), 2))
+    for dot, place in enumerate(number):
+        carried[place, :, dot, :] = back
+    matrix = carried.reshape(2 * len(own), 2 * len(other))
+    arrays = {**start.network.arrays, "projection": matrix @ start.network.arrays["projection"]}
+    order = [start.outputs.index(name) for name in wanted]
+    last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
+    arrays[f"weight_{last}"] = arrays[f"weight_{last}"][:, :, order]
+    arrays[f"bias_{last}"] = arrays[f"bias_{last}"][:, order]
+    arrays["mean"], arrays["sd"] = arrays["mean"][order], arrays["sd"][order]
+    return DotsNetwork("carried", arrays)
+
+
+def adapt_parts(start: Start, seen: Seen, say: Say) -> dict[str, DotsNetwork]:
+    """The other network, corrected and adapted to this recording, by name.
+
+    Raises
+    ------
+    PalpateError
+        If its dots are not this unit's, or this recording has none.
+    """
+    if seen.assigned is None:
+        raise PalpateError("The recording has no numbered dots to adapt by.", "Learn without --from.")
+    carried = carry_network(start, seen)
+    lesson = Lesson(seen.moved, seen.targets, seen.split.teach & seen.good, seen.split.choose & seen.good)
+    found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
+    for name, part in found.items():
+        error = lesson.error(part.predict(seen.moved[lesson.judge]))
+        say(f"{name}: validation error {error:.4f} of the deviation")
+    return found
+
+
+def _correct(carried: DotsNetwork, lesson: Lesson) -> DotsNetwork:
+    """The network with outputs a + B y: least squares on the lesson, held near B = 1."""
+    given = carried.predict(lesson.inputs[lesson.teach])
+    scale = lesson.scale[1]
+    basis = np.column_stack([given / scale, np.ones(len(given))])
+    hold = _HOLD * np.eye(basis.shape[1]) * np.sqrt(len(given))
+    hold[-1, -1] = 1e-6
+    left = (lesson.targets[lesson.teach] - given) / scale
+    change = np.linalg.solve(basis.T @ basis + hold, basis.T @ left)
+    turn = np.eye(len(scale)) + change[:-1]
+    arrays = dict(carried.arrays)
+    last = max(int(key[7:]) for key in arrays if key.startswith("weight_"))
+    # y = z sd + mean becomes ((z sd + mean) / scale · turn + shift) scale
+    factor = (arrays["sd"][:, None] / scale[:, None]) * turn * scale / arrays["sd"]
+    arrays[f"weight_{last}"] = arrays[f"weight_{last}"] @ factor
+    arrays[f"bias_{last}"] = arrays[f"bias_{last}"] @ factor
+    arrays["mean"] = (arrays["mean"] / scale) @ turn * scale + change[-1] * scale
+    return DotsNetwork(CORRECTED, arrays)
+
+
+def _adapt(carried: DotsNetwork, lesson: Lesson) -> DotsNetwork:
+    start = _correct(carried, lesson)
+    return tune_dots_network(ADAPTED, lesson, start.arrays, _COURSE)
+
+
+def draw_adapted_curve(start: Start, seen: Seen) -> tuple[CurvePoint, ...]:
+    """Errors of the other network as it is and adapted with ever more presses, on the held-out presses."""
+    if seen.assigned is None:
+        return ()
+    carried = carry_network(start, seen)
+    taught = np.unique(seen.press[seen.split.teach & seen.good])
+    judge = seen.split.judge & seen.good
+
+    def rmse(part: DotsNetwork) -> tuple[float, ...]:
+        off: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
+        return tuple(float(x) for x in np.sqrt(np.mean(off**2, axis=0)))
+
+    points = [CurvePoint(0, f"{start.name} as it is", rmse(carried))]
+    for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
+        teach = seen.split.teach & seen.good & np.isin(seen.press, taught[:count])
+        lesson = Lesson(seen.moved, seen.targets, teach, seen.split.choose & seen.good)
+        points.append(CurvePoint(count, "adapted", rmse(_adapt(carried, lesson))))
+    return tuple(points)

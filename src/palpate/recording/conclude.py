@@ -1,0 +1,153 @@
+"""From trained parts to a model: errors of each, the best of them, intervals, and what the model must know."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.core import FloatArray, provenance
+from palpate.learn import ErrorSummary
+from palpate.recording.correspond import describe_dots
+from palpate.recording.mix import Option, choose_parts, press_quantile_of
+from palpate.recording.model import Choosing, RecordedModel
+from palpate.recording.part import ModelPart
+from palpate.recording.see_recording import Seen
+from palpate.recording.spec import RecordingSpec
+
+WHOLE = "all images, by dots or by picture"
+"""Row of the model as a whole, where some images are read by one and some by the other."""
+_BANK = 200
+"""Images that a model keeps as guesses for others."""
+
+
+@dataclass(frozen=True)
+class PartScore:
+    """Errors of one estimator on the presses held out.
+
+    Attributes
+    ----------
+    name
+        Estimator.
+    errors
+        One summary a component, on the images that it reads.
+    share
+        Share of the held-out images that it reads.
+    chosen_by
+        Root mean square error on the validation presses, over the range's deviations: what choice goes by.
+    seconds
+        Time of its training; 0 where it was found in the store.
+    coverage
+        Share of held-out values inside its intervals, a component.
+    """
+
+    name: str
+    errors: tuple[ErrorSummary, ...]
+    share: float
+    chosen_by: float
+    seconds: float
+    coverage: tuple[float, ...]
+
+
+def conclude(
+    seen: Seen, spec: RecordingSpec, parts: dict[str, ModelPart], seconds: dict[str, float]
+) -> tuple[RecordedModel, tuple[PartScore, ...], str]:
+    """The model, the errors of all estimators, and the name of the best."""
+    count = len(seen.targets)
+    estimates = {}
+    for name, part in parts.items():
+        readable = seen.good if part.reads_dots else np.ones(count, bool)
+        estimates[name] = np.full((count, seen.targets.shape[1]), np.nan)
+        estimates[name][readable] = part.predict((seen.moved if part.reads_dots else seen.pictures)[readable])
+    scale = seen.targets[seen.split.teach].std(axis=0)
+    options = choose_parts(
+        estimates, seen.targets, seen.split.choose, scale, {n for n, p in parts.items() if p.reads_dots}
+    )
+    scores = []
+    for option in options.ranked:
+        found = option.combine(estimates)
+        calm = seen.split.choose & np.isfinite(found).all(axis=1)
+        option.half_width = press_quantile_of(np.abs(found - seen.targets)[calm], seen.press[calm], spec.level)
+        score = _score(option, found, option.half_width, seen, seconds)
+        scores += [score] if score is not None else []
+    best, fallback = options.with_dots, options.without
+
+    def choosing(option: Any) -> Choosing | None:
+        return None if option is None else Choosing(option.parts, option.weights, option.half_width)
+
+    used = {name for option in (best, fallback) if option is not None for name in option.parts}
+    assigned = seen.assigned
+    bank = (np.zeros(0), np.zeros(0))
+    if assigned is not None:
+        bank = _bank(seen)
+    model = RecordedModel(
+        seen.eye,
+        None if assigned is None else assigned.layout,
+        bank,
+        {name: parts[name] for name in parts if name in used},
+        choosing(best) if assigned is not None else None,
+        choosing(fallback),
+        tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
+        _about(seen, spec),
+    )
+    if assigned is not None and not seen.good[seen.split.judge].all():
+        whole = Option(WHOLE, (), np.zeros(0), float("nan"))
+        width = model.without.half_width if model.without is not None else np.full(seen.targets.shape[1], np.nan)
+        widths = np.where(seen.good[:, None], best.half_width if best is not None else width, width)
+        score = _score(whole, estimate_all(model, seen), widths, seen, {})
+        scores += [score] if score is not None else []
+    return model, tuple(scores), (best or fallback or options.ranked[0]).name
+
+
+def _score(
+    option: Option, found: FloatArray, width: FloatArray, seen: Seen, seconds: dict[str, float]
+) -> PartScore | None:
+    """Errors of estimates (n, k) on the held-out presses; `None` where it reads none of them."""
+    off = found - seen.targets
+    judged = seen.split.judge & np.isfinite(off).all(axis=1)
+    if not judged.any():
+        return None
+    errors = tuple(ErrorSummary.of(off[judged, k]) for k in range(off.shape[1]))
+    inside = np.abs(off[judged]) <= (width[judged] if width.ndim == 2 else width)
+    share = float(judged.sum() / max(seen.split.judge.sum(), 1))
+    coverage = tuple(float(x) for x in inside.mean(axis=0))
+    return PartScore(option.name, errors, share, option.error, seconds.get(option.name, 0.0), coverage)
+
+
+def _bank(seen: Seen) -> tuple[FloatArray, FloatArray]:
+    """Displacements of images far from each other, and what they look like: guesses for other images."""
+    sure = np.flatnonzero(seen.good & seen.split.teach)
+    features = seen.moved[sure].reshape(len(sure), -1)
+    chosen = [0]
+    near = np.full(len(sure), np.inf)
+    for _ in range(min(_BANK - 1, len(sure) - 1)):
+        near = np.minimum(near, ((features - features[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(np.argmax(near)))
+    rows = sure[chosen]
+    dots = [describe_dots(seen.sight.dots[seen.rows[row]], seen.eye.shape) for row in rows]
+    return seen.moved[rows], np.array(dots)
+
+
+def _about(seen: Seen, spec: RecordingSpec) -> dict[str, Any]:
+    return {
+        "recording": seen.recording.name,
+        "images": len(seen.rows),
+        "presses": len(np.unique(seen.press)),
+        "teach": int(seen.split.teach.sum()),
+        "choose": int(seen.split.choose.sum()),
+        "judge": int(seen.split.judge.sum()),
+        "range": [seen.targets.min(axis=0).tolist(), seen.targets.max(axis=0).tolist()],
+        "spec": spec.model_dump(mode="json"),
+        "made_by": provenance(),
+    }
+
+
+def estimate_all(model: RecordedModel, seen: Seen) -> FloatArray:
+    """Estimates (n, k) of the model for all images that are used; NaN where it has none."""
+    found = np.full(seen.targets.shape, np.nan)
+    for use, rows in ((model.with_dots, seen.good), (model.without, ~seen.good | (model.with_dots is None))):
+        if use is not None and rows.any():
+            moved = seen.moved[rows] if seen.moved.shape[1] else None
+            found[rows] = model.estimate(use, moved, seen.pictures[rows])
+    return found

@@ -1,0 +1,302 @@
+"""Correspondence between single images far apart: which dot of the layout is which dot of an image.
+
+A guess of the displacement is refined in turns: dots that are each other's nearest are assigned, and a smooth field
+is fitted to them. A guess comes from images that are already assigned and show dots where this one does; where none
+serves, an assignment is grown from some dots in the middle, each taken for every dot of the image that it could be
+(`palpate.recording.grow`). On a regular pattern a whole row may be missed by one: then a row of dots is left over on
+one side and one of the layout on the other, and the print's own irregularity does not fit. So an assignment is
+believed only if it leaves hardly anything over on either side, is smooth, and no other explains the image nearly as
+well. Else the image counts as failed, with the reason.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from palpate.core import BoolArray, FloatArray, IntArray
+from palpate.recording.grow import find_tears, grow
+from palpate.recording.layout import DotLayout
+
+GRID = 20
+"""Cells a side of the picture of where dots are, by which images are found alike."""
+_NEAR, _WIDE = 0.42, 0.55
+"""Greatest distance of an assigned dot from its predicted place in the last and the first turn, over the spacing."""
+_TURNS = 6
+_STIFF = 0.02
+"""Weight of a field's roughness against one dot."""
+_SURE, _BELIEVED, _APART = 0.97, 0.86, 0.02
+"""Agreement from which no other explanation is looked for, from which one is believed, and its lead over others."""
+_CALM, _ROUGH = 0.035, 0.06
+"""Root mean square distance from the smooth field, over the spacing: up to which one is sure, and at most."""
+_STEP, _TORN = 0.45, 0.16
+"""Greatest distance of a dot from where its neighbours say, over theirs, to be grown to, and to count as whole."""
+_OFF = 0.2
+"""Distance from the smooth field, over the spacing, from which a dot is none of the layout's."""
+_REACH = 4.5
+"""Displacement up to which a start is tried, over the spacing."""
+_STARTS, _ALIKE, _KEPT = 5, 4, 400
+
+
+class Fault(StrEnum):
+    """Why a correspondence is not believed."""
+
+    NONE = ""
+    NO_DOTS = "no dots were found"
+    LEFT_OVER = "too many dots are left over"
+    ROUGH = "the dots do not move as a skin does"
+    AMBIGUOUS = "two assignments explain the image alike"
+    ODD = "its dots move as in no image that is sure"
+
+
+@dataclass(frozen=True, eq=False)
+class Correspondence:
+    """Dots of one image by the numbers of the layout.
+
+    Attributes
+    ----------
+    moved_px
+        (m, 2) displacement from rest; by the smooth field where no dot was found.
+    found
+        (m,) whether a dot was assigned.
+    agreement
+        Twice the assigned dots over the sum of those of the image and those of the layout.
+    rough
+        Root mean square distance from the smooth field, over the spacing.
+    fault
+        Why it is not believed; `Fault.NONE` for one that is.
+    """
+
+    moved_px: FloatArray
+    found: BoolArray
+    agreement: float
+    rough: float
+    fault: Fault = Fault.NONE
+
+    @property
+    def good(self) -> bool:
+        """Whether it is believed."""
+        return self.fault is Fault.NONE
+
+    @property
+    def sure(self) -> bool:
+        """Whether no other need be looked for."""
+        return self.good and self.agreement >= _SURE and self.rough <= _CALM
+
+    @property
+    def score(self) -> float:
+        """What is greatest for the assignment that explains an image best."""
+        return self.agreement - 2.0 * self.rough
+
+
+def describe_dots(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
+    """Where dots are (GRID²,), smoothed and of length one: images that are alike have it alike."""
+    cells = np.zeros((GRID + 1, GRID + 1))
+    if len(dots_px):
+        place = np.clip(dots_px / np.array(shape[::-1]) * GRID, 0, GRID - 1e-6)
+        corner = place.astype(int)
+        part = place - corner
+        for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+            weight = np.abs(1 - dx - part[:, 0]) * np.abs(1 - dy - part[:, 1])
+            np.add.at(cells, (corner[:, 1] + dy, corner[:, 0] + dx), weight)
+    for axis in (0, 1):
+        padded = np.pad(cells, [(1, 1) if k == axis else (0, 0) for k in (0, 1)])
+        first, middle, last = (np.take(padded, range(k, k + GRID + 1), axis) for k in range(3))
+        cells = 0.25 * first + 0.5 * middle + 0.25 * last
+    flat = cells[:GRID, :GRID].ravel()
+    return np.asarray(flat / max(float(np.linalg.norm(flat)), 1e-9))
+
+
+@dataclass(eq=False)
+class Correspondent:
+    """Finds correspondences, and remembers images that it is sure of as guesses for others.
+
+    Attributes
+    ----------
+    layout
+        Dots at rest.
+    shape
+        Height and width of the images, px.
+    seen, fields
+        (k, GRID²) and (k, m, 2) what sure images looked like and how their dots moved.
+    smooth
+        Whether dots must move as a smooth field: without it each dot is the one nearest to its place at rest.
+    """
+
+    layout: DotLayout
+    shape: tuple[int, int]
+    seen: list[FloatArray] = field(default_factory=list)
+    fields: list[FloatArray] = field(default_factory=list)
+    smooth: bool = True
+
+    def find(self, dots_px: FloatArray, guesses: tuple[FloatArray, ...] = ()) -> Correspondence:
+        """The correspondence of an image.
+
+        Parameters
+        ----------
+        dots_px
+            (n, 2) its dots.
+        guesses
+            Displacements (m, 2) to begin with, before those of images that look alike.
+        """
+        if not self.smooth:
+            return self._nearest(dots_px)
+        count = len(self.layout)
+        if len(dots_px) < 0.4 * count:
+            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
+        tried: list[Correspondence] = []
+        for guess in (*guesses, *self._alike(dots_px)):
+            tried.append(self.refine(dots_px, guess))
+            if tried[-1].sure:
+                return tried[-1]
+        for match in self._grown(dots_px):
+            smooth, _ = self._field(dots_px, match)
+            tried.append(self._judge(dots_px, *self._mend(dots_px, match, smooth)))
+            tried.append(self.refine(dots_px, smooth))
+            if max(tried[-2:], key=lambda one: one.score).sure:
+                break
+        return self._choose(tried)
+
+    def remember(self, dots_px: FloatArray, found: Correspondence) -> None:
+        """Keep a sure image as a guess for others, as long as there is room."""
+        if found.sure and len(self.seen) < _KEPT:
+            self.seen.append(describe_dots(dots_px, self.shape))
+            self.fields.append(found.moved_px)
+
+    def _alike(self, dots_px: FloatArray) -> list[FloatArray]:
+        guesses = [np.zeros((len(self.layout), 2))]
+        if self.seen:
+            alike = np.array(self.seen) @ describe_dots(dots_px, self.shape)
+            guesses = [self.fields[k] for k in np.argsort(-alike)[:_ALIKE]]
+        return guesses
+
+    def _grown(self, dots_px: FloatArray) -> list[IntArray]:
+        """The largest assignments that grow from a few dots of the layout."""
+        layout = self.layout
+        far = np.linalg.norm(layout.rest_px - layout.rest_px.mean(axis=0), axis=1)
+        full = (layout.neighbours >= 0).sum(axis=1) >= min(6, (layout.neighbours >= 0).sum(axis=1).max())
+        starts = [int(np.argmin(far + 1e9 * ~full))]
+        while len(starts) < _STARTS:  # the next is as far from the others as it can be within the inner part
+            away = np.linalg.norm(layout.rest_px[:, None] - layout.rest_px[starts], axis=-1).min(axis=1)
+            starts.append(int(np.argmax(np.where(full & (far < 0.65 * far.max()), away, -1.0))))
+        grown: dict[bytes, IntArray] = {}
+        tree = cKDTree(dots_px)
+        sizes: list[tuple[int, bytes]] = []
+        for start in starts:
+            reach = _REACH * layout.spacing_px[start]
+            for other in tree.query_ball_point(layout.rest_px[start], reach):
+                seed = np.where(np.arange(len(layout)) == start, other, -1)
+                match = grow(layout.rest_px, layout.neighbours, dots_px, seed, _STEP)
+                key = match.tobytes()
+                size = int((match >= 0).sum())
+                if key not in grown and size >= 0.3 * len(layout):
+                    grown[key] = match
+                    sizes.append((size, key))
+        best = sorted(sizes, key=lambda item: -item[0])[:_ALIKE]
+        return [grown[key] for _, key in best]
+
+    def _field(self, dots_px: FloatArray, match: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Smooth displacement (m, 2) of an assignment, and distances (m,) from it, NaN where there is no dot."""
+        there = match >= 0
+        moved = np.full((len(self.layout), 2), np.nan)
+        moved[there] = dots_px[match[there]] - self.layout.rest_px[there]
+        vectors, rough = self.layout.harmonics
+        part = vectors[there]
+        hold = np.diag(_STIFF * len(vectors) * rough + 1e-6)
+        weights = np.linalg.solve(part.T @ part + hold, part.T @ moved[there])
+        smooth = vectors @ weights
+        return smooth, np.asarray(np.linalg.norm(moved - smooth, axis=1))
+
+    def refine(self, dots_px: FloatArray, guess: FloatArray) -> Correspondence:
+        """The correspondence near a guess of the displacement (m, 2), px, without looking for others."""
+        layout, smooth, previous = self.layout, guess, b""
+        tree = cKDTree(dots_px)
+        for turn in range(_TURNS):
+            reach = _WIDE + (_NEAR - _WIDE) * min(turn / 3, 1.0)
+            match = _mutual(layout.rest_px + smooth, dots_px, tree, reach)
+            if (match >= 0).sum() < max(6, 0.2 * len(layout)):
+                break
+            smooth, _ = self._field(dots_px, match)
+            if match.tobytes() == previous:
+                break
+            previous = match.tobytes()
+        else:
+            match = _mutual(layout.rest_px + smooth, dots_px, tree, _NEAR)
+        return self._judge(dots_px, *self._mend(dots_px, match, smooth))
+
+    def _mend(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> tuple[IntArray, FloatArray]:
+        """The assignment without dots about which it is torn, grown again from what is whole."""
+        layout = self.layout
+        for _ in range(3):
+            torn = find_tears(layout.rest_px, layout.neighbours, dots_px, match) > _TORN
+            if not torn.any():
+                break
+            beside = layout.neighbours[torn]
+            torn[beside[beside >= 0]] = True
+            kept = np.where(torn, -1, match)
+            if (kept >= 0).sum() < 0.3 * len(layout):
+                break
+            match = grow(layout.rest_px, layout.neighbours, dots_px, _largest(kept, layout.neighbours), _STEP)
+            smooth, _ = self._field(dots_px, match)
+        return match, smooth
+
+    def _judge(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> Correspondence:
+        layout, there = self.layout, match >= 0
+        moved = smooth.copy()
+        moved[there] = dots_px[match[there]] - layout.rest_px[there]
+        far = np.linalg.norm(moved - smooth, axis=1) / layout.spacing_px
+        there &= far < _OFF  # two dots that are seen as one are neither of them
+        moved[~there] = smooth[~there]
+        off = far[there]
+        rough = float(np.sqrt(np.mean(off**2))) if there.any() else np.inf
+        agreement = float(2 * there.sum() / (len(layout) + len(dots_px)))
+        fault = Fault.LEFT_OVER if agreement < _BELIEVED else Fault.ROUGH if rough > _ROUGH else Fault.NONE
+        return Correspondence(moved, there, agreement, rough, fault)
+
+    def _choose(self, tried: list[Correspondence]) -> Correspondence:
+        best = max(tried, key=lambda one: (one.good, one.score))
+        if not best.good:
+            return best
+        spacing = float(np.median(self.layout.spacing_px))
+        others = [
+            one.score
+            for one in tried
+            if one.good and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
+        ]
+        if others and max(others) > best.score - _APART:
+            return Correspondence(best.moved_px, best.found, best.agreement, best.rough, Fault.AMBIGUOUS)
+        return best
+
+    def _nearest(self, dots_px: FloatArray) -> Correspondence:
+        if not len(dots_px):
+            count = len(self.layout)
+            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
+        match = cKDTree(dots_px).query(self.layout.rest_px)[1]
+        moved = dots_px[match] - self.layout.rest_px
+        return Correspondence(moved, np.ones(len(match), bool), 1.0, 0.0)
+
+
+def _largest(match: IntArray, near: IntArray) -> IntArray:
+    """The largest part of an assignment whose dots are neighbours."""
+    there = match >= 0
+    left, right = np.repeat(np.arange(len(near)), near.shape[1]), near.ravel()
+    edge = (right >= 0) & there[left] & there[right]
+    graph = coo_array((np.ones(edge.sum()), (left[edge], right[edge])), shape=(len(near),) * 2)
+    _, part = connected_components(graph, directed=False)
+    sizes = np.bincount(part[there], minlength=part.max() + 1)
+    return np.where(there & (part == np.argmax(sizes)), match, -1)
+
+
+def _mutual(places: FloatArray, dots_px: FloatArray, tree: cKDTree, reach: float) -> IntArray:
+    """(m,) dots that are nearest to a place whose nearest they are in turn, -1 where none is within reach."""
+    around = cKDTree(places)
+    far, match = tree.query(places)
+    _, back = around.query(dots_px)
+    spacing = around.query(places, min(4, len(places)))[0][:, 1:].mean(axis=1)
+    good = (back[match] == np.arange(len(places))) & (far < reach * spacing)
+    return np.where(good, match, -1)

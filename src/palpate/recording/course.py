@@ -1,0 +1,157 @@
+"""The course of a network's training: epochs on one lesson, the best of them kept, and what goes on after a break.
+
+After each epoch the network is judged on the presses that choose, and the numbers of the best epoch are handed on.
+What is known is written every few seconds, so that an interrupted training goes on where it was.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.core import load_extra, written_whole
+from palpate.recording.lesson import Lesson
+
+_WARM_UP = 200
+_BETWEEN_S = 5.0
+
+
+def load_torch() -> Any:
+    """PyTorch.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    return load_extra("torch", "learn")
+
+
+@dataclass(frozen=True)
+class CourseSpec:
+    """How a network is trained.
+
+    Attributes
+    ----------
+    epochs, batch, rate, decay
+        Passes, images of a batch, learning rate of AdamW (cosine, after a short rise), weight decay.
+    noise
+        Standard deviation of noise on the inputs while training.
+    grey
+        Mean and spread by which pictures of 8 bit, over 255, are normalised; `None` for inputs that are.
+    tie
+        Pull of the weights towards where they began.
+    threads
+        Cores that it may use.
+    """
+
+    epochs: int
+    batch: int = 32
+    rate: float = 2e-3
+    decay: float = 2e-2
+    noise: float = 0.0
+    grey: tuple[float, float] | None = None
+    tie: float = 0.0
+    threads: int = 1
+
+
+class Course:
+    """The loop over epochs of one network, on standardised targets."""
+
+    def __init__(self, net: Any, lesson: Lesson, inputs: Any, targets: Any, spec: CourseSpec) -> None:
+        self.torch = load_torch()
+        self.net, self.inputs, self.targets, self.spec = net, inputs, targets, spec
+        self.teach = self.torch.as_tensor(np.flatnonzero(lesson.teach))
+        self.judge = self.torch.as_tensor(np.flatnonzero(lesson.judge))
+        self.optimiser = self.torch.optim.AdamW(net.parameters(), spec.rate, weight_decay=spec.decay)
+        self.begin = [value.detach().clone() for value in net.parameters()] if spec.tie else []
+        self.best, self.state, self.epoch = math.inf, dict[str, Any](), 0
+
+    def run(self, kept: Path | None = None, say: Callable[[str], None] | None = None) -> dict[str, Any]:
+        """Train to the end; what the best epoch knew.
+
+        Parameters
+        ----------
+        kept
+            File that holds what is known now and then; `None` keeps nothing.
+        say
+            Told after each epoch.
+        """
+        threads, saved = self.torch.get_num_threads(), time.monotonic()
+        self.torch.set_num_threads(self.spec.threads)
+        try:
+            if kept is not None and kept.is_file():
+                self._go_on(kept)
+            while self.epoch < self.spec.epochs:
+                self._train()
+                error = self._judge()
+                self.epoch += 1
+                if error < self.best or not self.state:
+                    self.best = error
+                    self.state = {key: value.detach().clone() for key, value in self.net.state_dict().items()}
+                if kept is not None and time.monotonic() - saved > _BETWEEN_S:
+                    self._keep(kept)
+                    saved = time.monotonic()
+                if say is not None:
+                    say(f"epoch {self.epoch} of {self.spec.epochs}, validation error {error:.4f} of the deviation")
+        finally:
+            self.torch.set_num_threads(threads)
+        return self.state
+
+    def _batch(self, rows: Any) -> Any:
+        inputs, grey = self.inputs[rows], self.spec.grey
+        return inputs if grey is None else (inputs.float() / 255.0 - grey[0]) / grey[1]
+
+    def _train(self) -> None:
+        self.net.train()
+        order = self.teach[self.torch.randperm(len(self.teach))]
+        batches = [rows for rows in order.split(self.spec.batch) if len(rows) > 1]
+        steps = max(self.spec.epochs * len(batches), 1)
+        for number, rows in enumerate(batches):
+            step = self.epoch * len(batches) + number + 1
+            rate = self.spec.rate * min(1.0, step / min(_WARM_UP, 0.2 * steps + 1))
+            for group in self.optimiser.param_groups:
+                group["lr"] = rate * 0.5 * (1.0 + math.cos(math.pi * step / steps))
+            inputs = self._batch(rows)
+            inputs = inputs + self.spec.noise * self.torch.randn_like(inputs)
+            self.optimiser.zero_grad()
+            loss = ((self.net(inputs) - self.targets[rows]) ** 2).mean()
+            for now, before in zip(self.net.parameters(), self.begin, strict=False):
+                loss = loss + self.spec.tie * ((now - before) ** 2).sum()
+            loss.backward()
+            self.optimiser.step()
+
+    def _judge(self) -> float:
+        self.net.eval()
+        with self.torch.no_grad():
+            squares = [
+                ((self.net(self._batch(rows)) - self.targets[rows]) ** 2).mean(dim=1) for rows in self.judge.split(64)
+            ]
+        return float(self.torch.cat(squares).mean().sqrt())
+
+    def _keep(self, path: Path) -> None:
+        with written_whole(path) as draft:
+            self.torch.save(
+                {
+                    "net": self.net.state_dict(),
+                    "optimiser": self.optimiser.state_dict(),
+                    "random": self.torch.get_rng_state(),
+                    "best": [self.best, self.epoch],
+                    "state": self.state,
+                },
+                draft,
+            )
+
+    def _go_on(self, path: Path) -> None:
+        found = self.torch.load(path, weights_only=True)
+        self.net.load_state_dict(found["net"])
+        self.optimiser.load_state_dict(found["optimiser"])
+        self.torch.set_rng_state(found["random"])
+        self.best, self.epoch = float(found["best"][0]), int(found["best"][1])
+        self.state = found["state"]

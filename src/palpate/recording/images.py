@@ -1,0 +1,169 @@
+"""Images of a recording, wherever they lie: files, a video, an array in HDF5, cells of a Parquet table.
+
+They are read in rising order, one by one, and none is kept.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, final
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.camera import IMAGE_SUFFIXES, open_source, read_image
+from palpate.core import PalpateError
+
+Item = NDArray[Any] | PalpateError
+
+
+class ImageSet(ABC):
+    """Images by number."""
+
+    @abstractmethod
+    def stamp(self, number: int) -> str:
+        """What changes when the image does: name, size and time of its file."""
+
+    @abstractmethod
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        """Images by rising numbers; an error in the place of one that cannot be read."""
+
+
+@final
+class ImageFiles(ImageSet):
+    """Files of a folder."""
+
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self._paths = tuple(paths)
+
+    def stamp(self, number: int) -> str:
+        path = self._paths[number]
+        try:
+            about = path.stat()
+        except OSError:
+            return f"{path.name} is not there"
+        return f"{path.name} {about.st_size} {about.st_mtime_ns}"
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        for number in numbers:
+            try:
+                yield read_image(self._paths[number])
+            except PalpateError as error:
+                yield error
+
+
+@final
+class VideoImages(ImageSet):
+    """Images of one or more videos, each by its number in its video."""
+
+    def __init__(self, videos: Sequence[Path], which: Sequence[int], frames: Sequence[int]) -> None:
+        self._videos, self._which, self._frames = tuple(videos), tuple(which), tuple(frames)
+
+    def stamp(self, number: int) -> str:
+        path = self._videos[self._which[number]]
+        about = path.stat()
+        return f"{path.name} {about.st_size} {about.st_mtime_ns} {self._frames[number]}"
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        playing, at = -1, -1
+        images: Iterator[Item] = iter(())
+        item: Item = PalpateError("The video is empty.")
+        for number in numbers:
+            video, frame = self._which[number], self._frames[number]
+            if video != playing or frame < at:
+                images, playing, at = open_source(str(self._videos[video])).images(), video, -1
+            while at < frame:
+                item = next(images, PalpateError(f"{self._videos[video].name} ends before its image {frame}."))
+                at += 1
+            yield item
+
+
+@final
+class ArrayImages(ImageSet):
+    """Images of datasets (n, h, w) or (n, h, w, c) of an HDF5 file."""
+
+    def __init__(self, path: Path, places: Sequence[tuple[str, int]]) -> None:
+        self._path, self._places = path, tuple(places)
+
+    def stamp(self, number: int) -> str:
+        about = self._path.stat()
+        return f"{self._path.name} {about.st_size} {about.st_mtime_ns} {self._places[number]}"
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        with h5py.File(self._path, "r") as file:
+            for number in numbers:
+                name, row = self._places[number]
+                try:
+                    yield np.asarray(file[name][row])
+                except (OSError, ValueError) as error:
+                    yield PalpateError(f"Image {row} of {name} cannot be read: {error}.")
+
+
+@final
+class ChosenImages(ImageSet):
+    """Some images of a set, in rising order of the set."""
+
+    def __init__(self, images: ImageSet, rows: Sequence[int]) -> None:
+        self._images, self._rows = images, [int(row) for row in rows]
+
+    def stamp(self, number: int) -> str:
+        return self._images.stamp(self._rows[number])
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        return self._images.read([self._rows[number] for number in numbers])
+
+
+@final
+class BesideImages(ImageSet):
+    """The first `count` images of a set, and those of another after them."""
+
+    def __init__(self, images: ImageSet, count: int, last: ImageSet) -> None:
+        self._images, self._count, self._last = images, count, last
+
+    def stamp(self, number: int) -> str:
+        inside = number < self._count
+        return self._images.stamp(number) if inside else self._last.stamp(number - self._count)
+
+    def read(self, numbers: Sequence[int]) -> Iterator[Item]:
+        yield from self._images.read([number for number in numbers if number < self._count])
+        yield from self._last.read([number - self._count for number in numbers if number >= self._count])
+
+
+def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
+    """Paths of images by the names of a table: beside it, or anywhere below it where the name is found once.
+
+    Raises
+    ------
+    PalpateError
+        If none of them is there.
+    """
+    direct = [folder / name.replace("\\", "/") for name in names]
+    if all(path.is_file() for path in direct):
+        return direct
+    below: dict[str, Path] = {}
+    for path in list_below(folder):
+        below.setdefault(path.name, path)
+    found = [path if path.is_file() else below.get(path.name, path) for path in direct]
+    if not any(path.is_file() for path in found):
+        raise PalpateError(
+            f"None of the {len(names)} images of the table is there, the first is {names[0]}.",
+            f"Put them beside the table, into {folder} or a folder in it.",
+        )
+    return found
+
+
+def list_below(folder: Path) -> list[Path]:
+    """Image files of a folder and of all below it, by name; a linked folder is entered once."""
+    found, entered = [], set[str]()
+    for place, inner, files in os.walk(folder, followlinks=True):
+        real = os.path.realpath(place)
+        if real in entered:
+            inner.clear()
+            continue
+        entered.add(real)
+        found += [Path(place) / name for name in files if Path(name).suffix.lower() in IMAGE_SUFFIXES]
+    return sorted(found)

@@ -1,0 +1,204 @@
+"""From a recording to a model with honest errors: dots, correspondence, estimators, the best of them, its intervals.
+
+Every stage lies in a store under what it was made from; a run that was interrupted goes on where it was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
+from palpate.recording.adapt import Start, adapt_parts, draw_adapted_curve
+from palpate.recording.columns import PoseColumn
+from palpate.recording.conclude import WHOLE, PartScore, conclude, estimate_all
+from palpate.recording.course import CourseSpec
+from palpate.recording.curve import CurvePoint, draw_learning_curve
+from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.model import RecordedModel
+from palpate.recording.part import PARTS, ModelPart
+from palpate.recording.read_recording import Recording
+from palpate.recording.see_recording import Say, Seen, see_recording
+from palpate.recording.spec import RecordingSpec
+from palpate.recording.split import find_shift
+from palpate.recording.train_part import train_dots_network, train_picture_network
+
+PART_VERSION = "3"
+"""Version of the code that decides what a part predicts; part of an artefact's key."""
+_NO_BETTER, _DOUBTFUL = 0.9, 0.7
+"""Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Learnt:
+    """What a recording gave.
+
+    Attributes
+    ----------
+    seen
+        What was learnt from.
+    model
+        The model.
+    scores
+        Every estimator's errors on held-out presses; `best` is that of the model as a whole.
+    best
+        Name of the estimator that reads images with numbered dots, or all images.
+    estimates
+        (n, k) of the model for all images that are used, NaN where there is none.
+    curve
+        Errors by number of presses.
+    seconds
+        Time until the first errors were known, and altogether.
+    """
+
+    seen: Seen
+    model: RecordedModel
+    scores: tuple[PartScore, ...]
+    best: str
+    estimates: FloatArray
+    curve: tuple[CurvePoint, ...] = ()
+    seconds: tuple[float, float] = (0.0, 0.0)
+
+
+def learn_recording(
+    recording: Recording,
+    spec: RecordingSpec,
+    store: ArtefactStore,
+    say: Say,
+    start: Start | None = None,
+    first: Learnt | None = None,
+) -> Learnt:
+    """Learn from a recording.
+
+    Parameters
+    ----------
+    recording, spec
+        What is learnt from, and how.
+    store
+        Where stages are kept.
+    say
+        Told how far it is.
+    start
+        A model to begin with: of another unit, or of a simulation.
+    first
+        What fewer estimators gave for the same recording: its learning curve and times are taken over.
+
+    Raises
+    ------
+    PalpateError
+        If images and poses do not belong together, or too little is left to learn from.
+    """
+    begin = time.monotonic()
+    seen = see_recording(recording, spec, store, say)
+    parts: dict[str, ModelPart] = {}
+    seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
+    early = 0.0 if first is None else first.seconds[0]
+    for name in _plan(seen, spec):
+        now = time.monotonic()
+        parts[name] = _train(name, seen, spec, store, say)
+        seconds[name] = max(seconds.get(name, 0.0), time.monotonic() - now)
+        if first is None or name not in {score.name for score in first.scores}:
+            _say_errors(name, parts[name], seen, say)
+        if first is None and "picture-network" not in name:
+            early = time.monotonic() - begin
+    if start is not None:
+        parts |= adapt_parts(start, seen, say)
+    model, scores, best = conclude(seen, spec, parts, seconds)
+    _refuse_strangers(seen, scores)
+    if first is None:
+        curve = draw_learning_curve(seen.moved, seen.pictures, seen.good, seen.targets, seen.press, seen.split)
+        curve += draw_adapted_curve(start, seen) if start is not None else ()
+    else:
+        curve = first.curve
+    whole = time.monotonic() - begin + (0.0 if first is None else first.seconds[1])
+    return Learnt(seen, model, scores, best, estimate_all(model, seen), curve, (early, whole))
+
+
+def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
+    names = [] if spec.estimators == "dots" else ["picture-ridge"]
+    if seen.assigned is not None:
+        names += ["dots-ridge"] if spec.estimators == "ridge" else ["dots-ridge", "dots-network"]
+    if spec.estimators in ("all", "picture"):
+        names += ["picture-network"]
+        if seen.recording.others:
+            names += ["picture-network-all"]
+    return names or ["picture-ridge"]
+
+
+def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
+    """What a part learns from: dots only where they are believed, and all motions where its name says so."""
+    if name.startswith("dots"):
+        return Lesson(
+            seen.moved, seen.targets, seen.split.teach & seen.good, seen.split.choose & seen.good, spec.seed
+        )
+    targets = seen.targets
+    if name.endswith("-all"):
+        others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
+        targets = np.hstack([targets, others])
+    return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed)
+
+
+def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say: Say) -> ModelPart:
+    lesson = lesson_of(name, seen, spec)
+    digest = hashlib.sha256()
+    for array in (lesson.inputs, lesson.targets, lesson.teach, lesson.judge):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    own = [name, digest.hexdigest(), spec.seed, spec.epochs if "picture-network" in name else 0]
+    recipe = Recipe("part", own, version=PART_VERSION)
+    path = store.find(recipe, ".npz")
+    if path is None:
+        course = CourseSpec(spec.epochs, threads=spec.threads)
+        kept = store.path(recipe, ".epochs")
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        if name.endswith("-ridge"):
+            part: ModelPart = fit_ridge_part(name, lesson, name.startswith("picture"))
+        elif name == "dots-network":
+            part = train_dots_network(name, lesson, kept=kept)
+        else:
+            part = train_picture_network(name, lesson, seen.targets.shape[1], course, kept, say)
+        path = store.write(recipe, lambda file: np.savez(file, **cast(dict[str, Any], part.arrays)), ".npz")
+        for left in kept.parent.glob(f"{kept.stem}.*"):
+            if left.suffix not in (".npz", ".json"):
+                left.unlink(missing_ok=True)
+    kind = "linear" if name.endswith("-ridge") else "dots-network" if name == "dots-network" else "picture-network"
+    return PARTS[kind](name, dict(np.load(path)))
+
+
+def _say_errors(name: str, part: ModelPart, seen: Seen, say: Say) -> None:
+    use = seen.split.judge & (seen.good if part.reads_dots else True)
+    off = part.predict((seen.moved if part.reads_dots else seen.pictures)[use]) - seen.targets[use]
+    errors = np.sqrt(np.mean(off**2, axis=0))
+    say(f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True)))
+
+
+def _figure(error: float, one: PoseColumn) -> str:
+    return f"{one.axis} {error:.3g}{'°' if one.unit == 'deg' else '' if one.unit == '1' else ' ' + one.unit}"
+
+
+def _refuse_strangers(seen: Seen, scores: tuple[PartScore, ...]) -> None:
+    """Refuse images from which poses cannot be told better than by their mean."""
+    judged = seen.split.judge
+    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.teach].mean(axis=0)) ** 2, axis=0))
+    ratio = np.array([[one.rmse for one in score.errors] for score in scores if score.name != WHOLE])
+    ratio = ratio / np.maximum(sd, 1e-12)
+    best = ratio.mean(axis=1).argmin()
+    features = seen.pictures[:, ::4, ::4].reshape(len(seen.pictures), -1).astype(float)
+    if not (ratio[best] > _NO_BETTER).all() and ratio[best].mean() < _DOUBTFUL:
+        return
+    shift = find_shift(features, seen.targets, seen.split.teach)
+    if shift:
+        raise PalpateError(
+            f"Poses and images are {abs(shift)} row{'s' if abs(shift) > 1 else ''} apart: moved by so much they fit.",
+            "Mend the table.",
+        )
+    if (ratio[best] > _NO_BETTER).all():
+        one, error = seen.recording.poses[0], scores[best].errors[0].rmse
+        raise PalpateError(
+            f"The poses cannot be told from the images: on presses held out the best estimate of {one.axis} is off "
+            f"by {error:.3g} {one.unit}, its mean by {sd[0]:.3g} {one.unit}.",
+            "Images and poses do not belong together: another run's table, or names that were shuffled.",
+        )

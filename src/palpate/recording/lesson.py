@@ -1,0 +1,80 @@
+"""What a part learns from; and ridge regression, the one that has a closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import BoolArray, FloatArray
+from palpate.recording.part import LinearPart, flat_features
+
+PENALTIES = tuple(10.0**k for k in range(-4, 4))
+"""Ridge penalties that are tried, over the mean square of a feature and the number of images."""
+SIDES = (16, 24, 32)
+"""Sizes to which pictures are shrunk for ridge, px."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """What a part learns from.
+
+    Attributes
+    ----------
+    inputs
+        (n, m, 2) displacements or (n, h, w) pictures.
+    targets
+        (n, k) poses; of networks that learn all motions, those asked for come first.
+    teach, judge
+        (n,) images to learn from, and to choose by.
+    seed
+        Seed of weights and batches.
+    """
+
+    inputs: NDArray[Any]
+    targets: FloatArray
+    teach: BoolArray
+    judge: BoolArray
+    seed: int = 0
+
+    @property
+    def scale(self) -> tuple[FloatArray, FloatArray]:
+        """Mean and standard deviation (k,) of the targets that teach."""
+        sd = self.targets[self.teach].std(axis=0)
+        return self.targets[self.teach].mean(axis=0), np.where(sd > 1e-9, sd, 1.0)
+
+    def error(self, estimates: FloatArray) -> float:
+        """Root mean square error of the images that judge, over the targets' standard deviations."""
+        return float(np.sqrt(np.mean(((estimates - self.targets[self.judge]) / self.scale[1]) ** 2)))
+
+
+def fit_ridge_part(name: str, lesson: Lesson, pictures: bool) -> LinearPart:
+    """Ridge regression with the penalty, and the size of pictures, that judge best."""
+    best: dict[str, NDArray[Any]] = {}
+    least = math.inf
+    for side in SIDES if pictures else (None,):
+        features = flat_features(lesson.inputs, side)
+        for weight, bias in _ridges(features[lesson.teach], lesson):
+            error = lesson.error(features[lesson.judge] @ weight + bias)
+            if error < least:
+                least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
+                best |= {} if side is None else {"side": np.array(side)}
+    return LinearPart(name, best)
+
+
+def _ridges(features: NDArray[Any], lesson: Lesson) -> list[tuple[FloatArray, FloatArray]]:
+    """Weights (p, k) and biases (k,) for each penalty."""
+    mean, _ = lesson.scale
+    centre = features.mean(axis=0).astype(float)
+    part = features - centre
+    values, vectors = np.linalg.eigh(part.T @ part)
+    right = vectors.T @ (part.T @ (lesson.targets[lesson.teach] - mean))
+    unit = max(float(values.mean()), 1e-12)
+    found = []
+    for penalty in PENALTIES:
+        weight = vectors @ (right / (np.maximum(values, 0.0) + penalty * unit)[:, None])
+        found.append((weight, mean - centre @ weight))
+    return found

@@ -1,0 +1,126 @@
+"""Choosing among estimators, and mixing them: weights that make the error least on presses that taught nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import nnls
+
+from palpate.core import BoolArray, FloatArray, IntArray
+
+MIXTURE = "mixture"
+_LEAST = 0.03
+"""Weight below which an estimator is left out of a mixture."""
+_GAIN = 0.97
+"""A mixture is taken where it brings the error below this share of the best alone."""
+
+
+@dataclass(eq=False)
+class Option:
+    """One way to a pose.
+
+    Attributes
+    ----------
+    name
+        Estimator, or ``mixture``.
+    parts, weights
+        Names, and (parts, k) weights of each component.
+    error
+        Root mean square error of the images that choose, over the range's deviations.
+    half_width
+        (k,) half-widths of its intervals.
+    """
+
+    name: str
+    parts: tuple[str, ...]
+    weights: FloatArray
+    error: float
+    half_width: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def combine(self, estimates: Mapping[str, FloatArray]) -> FloatArray:
+        """Estimates (n, k) from those of the parts."""
+        return np.asarray(
+            sum(weight * estimates[name] for name, weight in zip(self.parts, self.weights, strict=True))
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Options:
+    """All ways to a pose by their error, and those taken where dots are numbered and where not (`None`: none)."""
+
+    ranked: tuple[Option, ...]
+    with_dots: Option | None
+    without: Option | None
+
+
+def choose_parts(
+    estimates: Mapping[str, FloatArray], targets: FloatArray, choose: BoolArray, scale: FloatArray, dots: set[str]
+) -> Options:
+    """Choose by the error on the images that choose.
+
+    Parameters
+    ----------
+    estimates
+        Name → (n, k) estimates, NaN where an estimator has none.
+    targets, choose, scale
+        (n, k) poses, (n,) images that choose, (k,) by which errors are divided.
+    dots
+        Names of those that read dots.
+    """
+    scale = np.where(scale > 0, scale, 1.0)
+    whole = choose & np.all([np.isfinite(one).all(axis=1) for one in estimates.values()], axis=0)
+    whole = whole if whole.any() else choose
+    ones = np.ones((1, targets.shape[1]))
+
+    def error(found: FloatArray) -> float:
+        off = ((found - targets) / scale)[whole]
+        return float(np.sqrt(np.nanmean(off**2)))
+
+    ranked = [Option(name, (name,), ones, error(found)) for name, found in estimates.items()]
+    ranked.sort(key=lambda option: option.error)
+    mixed = _mix(estimates, targets, whole)
+    if mixed is not None:
+        mixed.error = error(mixed.combine(estimates))
+        ranked.append(mixed)
+    alone = ranked[0]
+    best = mixed if mixed is not None and mixed.error < _GAIN * alone.error else alone
+    pictures = [option for option in ranked if not dots & set(option.parts)]
+    return Options(tuple(sorted(ranked, key=lambda option: option.error)), best, pictures[0] if pictures else None)
+
+
+def _mix(estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Option | None:
+    """Weights of each component, none negative, that sum to one and make the squares least; `None` for one part."""
+    names = list(estimates)
+    if len(names) < 2 or rows.sum() < 10:
+        return None
+    weights = np.zeros((len(names), targets.shape[1]))
+    for column in range(targets.shape[1]):
+        off = np.stack([estimates[name][rows, column] - targets[rows, column] for name in names], axis=1)
+        size = float(np.sqrt((off**2).mean(axis=0).min()))
+        hold = 1e3 * size * np.sqrt(rows.sum())
+        found, _ = nnls(np.vstack([off, np.full((1, len(names)), hold)]), np.append(np.zeros(len(off)), hold))
+        found[found < _LEAST] = 0.0
+        weights[:, column] = found / max(found.sum(), 1e-12)
+    used = np.asarray(weights.any(axis=1))
+    if used.sum() < 2:
+        return None
+    return Option(MIXTURE, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf)
+
+
+def press_quantile_of(errors: FloatArray, press: IntArray, level: float) -> FloatArray:
+    """Half-widths (k,) that cover a share of the values of a press to come, from errors (n, k) of K presses.
+
+    Each press weighs 1 / (K + 1), shared by its images, see `palpate.learn.interval`; infinite where K is too small.
+    """
+    _, member, images = np.unique(press, return_inverse=True, return_counts=True)
+    if not len(images):
+        return np.full(errors.shape[1], np.inf)
+    weight = 1.0 / ((len(images) + 1) * images[member.reshape(-1)])
+    widths = []
+    for column in errors.T:
+        order = np.argsort(column)
+        reached = np.flatnonzero(np.cumsum(weight[order]) >= level - 1e-12)
+        widths.append(float(column[order][reached[0]]) if len(reached) else np.inf)
+    return np.array(widths)

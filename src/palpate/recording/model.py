@@ -1,0 +1,239 @@
+"""The model that a recording gives: layout, estimators and intervals in one HDF5 file of numbers, no program in it.
+
+An image is looked at as in the training, its dots get the layout's numbers, and the estimator that was best by
+held-out error gives the pose. Where it reads dots and these are not to be trusted, the best that reads pictures takes
+over, with its own, wider intervals.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import FloatArray, PalpateError, refuse_outside_links, written_whole
+from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.markers import Detector, DetectSpec
+from palpate.recording.correspond import Correspondence, Correspondent, Fault
+from palpate.recording.layout import DotLayout
+from palpate.recording.part import PARTS, ModelPart
+from palpate.recording.sight import Eye
+
+FORMAT, FORMAT_VERSION = "palpate-recorded-model", 1
+_BANK = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Choosing:
+    """Which parts give the pose, by what weights, and how far it may be wrong.
+
+    Attributes
+    ----------
+    parts
+        Names of the parts.
+    weights
+        (parts, k) of each component.
+    half_width
+        (k,) half-widths of the intervals.
+    """
+
+    parts: tuple[str, ...]
+    weights: FloatArray
+    half_width: FloatArray
+
+
+class PoseReading(NamedTuple):
+    """What a model says about one image."""
+
+    pose: FloatArray
+    half_width: FloatArray
+    found: int
+    fault: str
+    correspondence: Correspondence | None
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedModel:
+    """A sensor that was learnt from a recording.
+
+    Attributes
+    ----------
+    eye
+        How images are looked at.
+    layout
+        Dots at rest; `None` where the sensor is read from pictures alone.
+    bank
+        Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found.
+    parts
+        All that was trained and is kept, by name.
+    with_dots, without
+        What gives the pose where dots are numbered, and where they are not; `None` where nothing can.
+    outputs
+        Axis and unit of each component, and its name in the table.
+    about
+        What it was made from and with, as JSON data.
+    """
+
+    eye: Eye
+    layout: DotLayout | None
+    bank: tuple[FloatArray, FloatArray]
+    parts: Mapping[str, ModelPart]
+    with_dots: Choosing | None
+    without: Choosing | None
+    outputs: tuple[tuple[str, str, str], ...]
+    about: Mapping[str, Any]
+
+    @property
+    def space(self) -> PoseSpace:
+        """What it estimates; the package's own space where it is that of a wall."""
+        names = tuple(f"{axis}_{unit}" for axis, unit, _ in self.outputs)
+        if names == TILT_DEPTH.names:
+            return TILT_DEPTH
+        return PoseSpace.free([(axis, unit) for axis, unit, _ in self.outputs])
+
+    @cached_property
+    def correspondent(self) -> Correspondent | None:
+        """Numbers the dots of images."""
+        if self.layout is None:
+            return None
+        fields, seen = self.bank
+        return Correspondent(self.layout, self.eye.shape, list(seen), list(fields))
+
+    def read(self, image: NDArray[Any]) -> PoseReading:
+        """The pose in one image.
+
+        Parameters
+        ----------
+        image
+            (h, w) or (h, w, 3), of the size of the recording.
+
+        Raises
+        ------
+        PalpateError
+            If it is no image, or has another size.
+        """
+        picture, dots = self.eye.look(image)
+        found = self.correspondent.find(dots) if self.correspondent is not None else None
+        use = self.with_dots if found is not None and found.good and self.with_dots is not None else self.without
+        fault = "" if found is None else str(found.fault)
+        count = 0 if found is None else int(found.found.sum())
+        if use is None:
+            nothing = np.full(len(self.outputs), np.nan)
+            return PoseReading(nothing, np.full(len(nothing), np.inf), count, fault or str(Fault.NO_DOTS), found)
+        moved = None if found is None else found.moved_px[None]
+        pose = self.estimate(use, moved, picture[None])[0]
+        return PoseReading(pose, use.half_width, count, fault, found)
+
+    def is_outside(self, pose: FloatArray) -> bool:
+        """Whether a pose (k,) is beyond those that were learnt from, by more than its interval."""
+        low, high = np.array(self.about["range"])
+        room = np.zeros(len(pose)) if self.with_dots is None else np.minimum(self.with_dots.half_width, high - low)
+        return bool(((pose < low - room) | (pose > high + room)).any())
+
+    def estimate(self, use: Choosing, moved: FloatArray | None, pictures: NDArray[Any]) -> FloatArray:
+        """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
+        total = np.zeros((len(pictures), len(self.outputs)))
+        for name, weight in zip(use.parts, use.weights, strict=True):
+            part = self.parts[name]
+            total += weight * part.predict(moved if part.reads_dots and moved is not None else pictures)
+        return total
+
+
+def write_model(path: Path, model: RecordedModel) -> None:
+    """Write a model.
+
+    Raises
+    ------
+    PalpateError
+        If the file cannot be written.
+    """
+    with written_whole(path) as draft, h5py.File(draft, "w") as file:
+        file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
+        detector = model.eye.detector
+        file.attrs["about"] = json.dumps(
+            {
+                "shape": model.eye.shape,
+                "size": model.eye.size,
+                "dark": model.eye.dark,
+                "detector": None if detector is None else [detector.dark, detector.diameter_px, detector.edge_px],
+                "outputs": model.outputs,
+                "with_dots": _plain(model.with_dots),
+                "without": _plain(model.without),
+                "parts": [[name, part.kind] for name, part in model.parts.items()],
+                "about": model.about,
+            }
+        )
+        if model.layout is not None:
+            file["rest_px"] = model.layout.rest_px
+            file["fields"] = np.asarray(model.bank[0][:_BANK], np.float32)
+            file["seen"] = np.asarray(model.bank[1][:_BANK], np.float32)
+        for name, part in model.parts.items():
+            for key, values in part.arrays.items():
+                single = np.asarray(values)
+                file[f"parts/{name}/{key}"] = (
+                    single.astype(np.float32) if single.dtype == float and single.ndim > 1 else single
+                )
+
+
+def read_model(path: Path) -> RecordedModel:
+    """Read what `write_model` wrote.
+
+    Raises
+    ------
+    PalpateError
+        If the file is not such a model.
+    """
+    again = "Make it again by palpate learn."
+    try:
+        with h5py.File(path, "r") as file:
+            refuse_outside_links(file, path)
+            if file.attrs.get("format") != FORMAT or int(file.attrs.get("format_version", 0)) != FORMAT_VERSION:
+                raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again)
+            facts = json.loads(file.attrs["about"])
+            parts = {
+                name: PARTS[kind](name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
+                for name, kind in facts["parts"]
+            }
+            layout = DotLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
+            bank = (np.asarray(file["fields"]), np.asarray(file["seen"])) if layout else (np.zeros(0), np.zeros(0))
+        found = facts["detector"]
+        detector = (
+            None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])
+        )
+        eye = Eye(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
+        return RecordedModel(
+            eye,
+            layout,
+            bank,
+            parts,
+            _choosing(facts["with_dots"]),
+            _choosing(facts["without"]),
+            tuple((str(axis), str(unit), str(column)) for axis, unit, column in facts["outputs"]),
+            facts["about"],
+        )
+    except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
+        raise PalpateError(f"{path} is not a model of a recording: {error}.", again) from error
+
+
+def is_recorded_model(path: Path) -> bool:
+    """Whether a file says that it is such a model."""
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get("format") == FORMAT)
+    except OSError:
+        return False
+
+
+def _plain(use: Choosing | None) -> Any:
+    return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
+
+
+def _choosing(found: Any) -> Choosing | None:
+    return None if found is None else Choosing(tuple(found[0]), np.array(found[1]), np.array(found[2], float))

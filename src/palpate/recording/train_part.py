@@ -1,0 +1,187 @@
+"""Training of networks on dots and on pictures, from nothing or from another network."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import child_seed
+from palpate.recording.course import Course, CourseSpec, load_torch
+from palpate.recording.lesson import Lesson
+from palpate.recording.part import DotsNetwork, PictureNetwork, flat_features
+
+COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
+"""Network on dots: principal components read, units and number of hidden layers, members, epochs."""
+CHANNELS, DENSE = (16, 32, 64, 96, 128), 256
+"""Network on pictures: channels of its convolutions, units of its dense layer."""
+NOISE = 0.1
+"""Noise on pictures while training, over their standard deviation."""
+_POWER = 0.35
+"""Components are scaled by their deviation to this power: small ones count, but not as much as large ones."""
+
+
+def train_dots_network(
+    name: str, lesson: Lesson, course: CourseSpec | None = None, members: int = MEMBERS, kept: Path | None = None
+) -> DotsNetwork:
+    """Perceptrons on principal components of displacements.
+
+    Parameters
+    ----------
+    name, lesson
+        Name of the part, and what it learns from.
+    course, members
+        How it is trained, and how many are averaged.
+    kept
+        File that holds what is known now and then.
+
+    Raises
+    ------
+    MissingExtraError
+        If torch is not installed.
+    """
+    features = flat_features(lesson.inputs, None)
+    taught = features[lesson.teach]
+    centre = taught.mean(axis=0)
+    values, vectors = np.linalg.eigh(np.cov((taught - centre).T) + 1e-9 * np.eye(taught.shape[1]))
+    count = min(COMPONENTS, len(values), max(4, len(taught) // 4))
+    values, vectors = np.maximum(values[::-1][:count], 1e-9), vectors[:, ::-1][:, :count]
+    projection = vectors / (values / values[0]) ** _POWER / math.sqrt(values[0])
+    start = {"projection": projection, "offset": centre @ projection}
+    return tune_dots_network(
+        name, lesson, start, course or CourseSpec(DOTS_EPOCHS, noise=0.01), members=members, kept=kept
+    )
+
+
+def tune_dots_network(
+    name: str,
+    lesson: Lesson,
+    start: Mapping[str, NDArray[Any]],
+    course: CourseSpec,
+    *,
+    members: int = MEMBERS,
+    kept: Path | None = None,
+) -> DotsNetwork:
+    """Train perceptrons on a given projection of displacements, from given weights where there are such."""
+    torch = load_torch()
+    given = "weight_0" in start
+    mean, sd = (start["mean"], start["sd"]) if given else lesson.scale
+    features = flat_features(lesson.inputs, None) @ start["projection"] - start["offset"]
+    inputs = torch.as_tensor(features.astype(np.float32))
+    targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
+    states = []
+    for member in range(len(start["weight_0"]) if given else members):
+        torch.manual_seed(child_seed(lesson.seed, name, member))
+        net = _build_perceptron(torch, start, member) if given else _new_perceptron(torch, inputs, targets)
+        own = None if kept is None else kept.with_suffix(f".{member}")
+        states.append(Course(net, lesson, inputs, targets, course).run(own))
+    arrays = {key: np.asarray(start[key]) for key in ("projection", "offset")} | {"mean": mean, "sd": sd}
+    for layer, key in enumerate(key for key in states[0] if key.endswith(".weight")):
+        arrays[f"weight_{layer}"] = np.stack([state[key].numpy().T for state in states])
+        arrays[f"bias_{layer}"] = np.stack([state[key.replace("weight", "bias")].numpy() for state in states])
+    return DotsNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
+
+
+def _new_perceptron(torch: Any, inputs: Any, targets: Any) -> Any:
+    layers, inward = [], inputs.shape[1]
+    for _ in range(LAYERS):
+        layers += [torch.nn.Linear(inward, WIDTH), torch.nn.SiLU()]
+        inward = WIDTH
+    return torch.nn.Sequential(*layers, torch.nn.Linear(inward, targets.shape[1]))
+
+
+def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: int) -> Any:
+    """A perceptron with the weights of one member."""
+    layers: list[Any] = []
+    for number in range(sum(key.startswith("weight_") for key in arrays)):
+        weight, bias = arrays[f"weight_{number}"][member], arrays[f"bias_{number}"][member]
+        layer = torch.nn.Linear(*weight.shape)
+        layer.weight.data = torch.as_tensor(np.ascontiguousarray(weight.T, np.float32))
+        layer.bias.data = torch.as_tensor(np.ascontiguousarray(bias, np.float32))
+        layers += [layer, torch.nn.ReLU() if "relu" in arrays else torch.nn.SiLU()]
+    return torch.nn.Sequential(*layers[:-1])
+
+
+def train_picture_network(
+    name: str, lesson: Lesson, asked: int, course: CourseSpec, kept: Path, say: Callable[[str], None]
+) -> PictureNetwork:
+    """A convolutional network on pictures.
+
+    Parameters
+    ----------
+    name, lesson
+        Name of the part, and what it learns from: of its targets the first `asked` are handed on.
+    asked, course
+        Number of targets handed on; epochs and threads.
+    kept
+        File that holds what is known after each epoch; it is removed by who keeps the part.
+    say
+        Told after each epoch.
+
+    Raises
+    ------
+    MissingExtraError
+        If torch is not installed.
+    """
+    torch = load_torch()
+    mean, sd = lesson.scale
+    torch.manual_seed(child_seed(lesson.seed, name))
+    net = _build_network(torch, lesson.inputs.shape[1:], lesson.targets.shape[1])
+    taught = lesson.inputs[lesson.teach]
+    level, spread = float(taught.mean()) / 255.0, max(float(taught.std()) / 255.0, 1e-3)
+    pictures = torch.as_tensor(lesson.inputs)[:, None]
+    targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
+    spec = replace(course, noise=NOISE, grey=(level, spread))
+    state = Course(net, lesson, pictures, targets, spec).run(kept, lambda text: say(f"{name}: {text}"))
+    arrays = _folded(state, level, spread)
+    return PictureNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
+
+
+def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:
+    layers, inward, side = [], 1, np.array(size)
+    for number, outward in enumerate(CHANNELS):
+        width = 5 if number == 0 else 3
+        layers += [
+            torch.nn.Conv2d(inward, outward, width, 2 if number == 0 else 1, width // 2, bias=False),
+            torch.nn.BatchNorm2d(outward),
+            torch.nn.ReLU(),
+        ]
+        layers += [] if number == 0 else [torch.nn.MaxPool2d(2)]
+        side = (side + 1) // 2 if number == 0 else side // 2
+        inward = outward
+        if min(side) < 8:
+            break
+    return torch.nn.Sequential(
+        torch.nn.Sequential(*layers),
+        torch.nn.Flatten(),
+        torch.nn.Linear(inward * int(side.prod()), DENSE),
+        torch.nn.ReLU(),
+        torch.nn.Dropout(0.1),
+        torch.nn.Linear(DENSE, outputs),
+    )
+
+
+def _folded(state: dict[str, Any], level: float, spread: float) -> dict[str, NDArray[Any]]:
+    """Arrays of a network with the normalisation of pictures and batches folded into its convolutions."""
+    arrays: dict[str, NDArray[Any]] = {}
+    numbers = sorted(
+        {int(key.split(".")[1]) for key in state if key.startswith("0.") and key.endswith("running_mean")}
+    )
+    for layer, place in enumerate(numbers):
+        own = {
+            key: state[f"0.{place}.{key}"].numpy().astype(float)
+            for key in ("weight", "bias", "running_mean", "running_var")
+        }
+        factor = own["weight"] / np.sqrt(own["running_var"] + 1e-5)
+        kernel = state[f"0.{place - 1}.weight"].numpy().astype(float)
+        arrays[f"kernel_{layer}"] = kernel * factor[:, None, None, None]
+        arrays[f"shift_{layer}"] = own["bias"] - own["running_mean"] * factor
+    arrays["level"], arrays["spread"] = np.array(level), np.array(spread)
+    arrays["dense_0"], arrays["add_0"] = state["2.weight"].numpy(), state["2.bias"].numpy()
+    arrays["dense_1"], arrays["add_1"] = state["5.weight"].numpy(), state["5.bias"].numpy()
+    return arrays

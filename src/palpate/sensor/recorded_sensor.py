@@ -1,0 +1,59 @@
+"""A sensor that was learnt from a recording, at work: readings of its images, one by one, without a design."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import PalpateError
+from palpate.recording import RecordedModel
+from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.spec import RigSpec
+
+
+class RecordedSensor:
+    """Reads images by a model of `palpate learn`; each by itself, in any order.
+
+    Attributes
+    ----------
+    model, spec
+        What it reads with, and when it flags.
+    """
+
+    def __init__(self, model: RecordedModel, spec: RigSpec | None = None) -> None:
+        self.model, self.spec = model, spec or RigSpec()
+        self._count = 0
+
+    def read(self, image: NDArray[Any] | PalpateError) -> Reading:
+        """Estimate the pose in the next image; an error instead of an image gives a flagged reading."""
+        start, space = time.perf_counter(), self.model.space
+        self._count += 1
+        try:
+            if isinstance(image, PalpateError):
+                raise image
+            found = self.model.read(image)
+        except PalpateError as error:
+            none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
+            latency = (time.perf_counter() - start) * 1e3
+            return Reading(
+                self._count, none, anything, False, 0, (Flag.UNREADABLE,), latency, error.what, space=space
+            )
+        flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.BY_PICTURE]
+        if np.isfinite(found.pose).all() and self.model.is_outside(found.pose):
+            flags.append(Flag.OUTSIDE)
+        seen = found.correspondence
+        moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))
+        return Reading(
+            image=self._count,
+            pose=tuple(found.pose.tolist()),
+            half_width=tuple(found.half_width.tolist()),
+            touching=moved > self.spec.touch_px,
+            found=found.found,
+            flags=tuple(flags),
+            latency_ms=(time.perf_counter() - start) * 1e3,
+            reason=found.fault,
+            space=space,
+        )

@@ -1,0 +1,282 @@
+"""From a drawn recording to a model: what it reads, what it says of itself, and of hostile recordings."""
+
+import csv
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from drawn_tactip import DrawnSensor, DrawnTruth, another_unit, draw_motions, draw_recording
+from needs import needs
+from palpate.cli import main
+from palpate.core import ArtefactStore, PalpateError
+from palpate.recording import (
+    Learnt,
+    RecordingSpec,
+    Start,
+    learn_recording,
+    read_model,
+    read_recording,
+    recording_page,
+    recording_report,
+    write_model,
+)
+
+SENSOR = DrawnSensor(rings=4)
+COUNT = 150
+FAST = RecordingSpec(estimators="ridge", threads=1)
+
+
+def quiet(_: str) -> None:
+    """Say nothing."""
+
+
+def learn(folder: Path, spec: RecordingSpec = FAST, start: Start | None = None) -> Learnt:
+    return learn_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), quiet, start)
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, DrawnTruth]:
+    folder = tmp_path_factory.mktemp("drawn")
+    return folder, draw_recording(folder, draw_motions(COUNT, 1, shear=3.0), SENSOR)
+
+
+@pytest.fixture(scope="module")
+def learnt(drawn: tuple[Path, DrawnTruth]) -> Learnt:
+    return learn(drawn[0])
+
+
+@pytest.fixture
+def copied(drawn: tuple[Path, DrawnTruth], tmp_path: Path) -> Path:
+    shutil.copytree(drawn[0], tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def change_table(folder: Path, change: Callable[[list[list[str]]], list[list[str]]]) -> Path:
+    path = folder / "poses.csv"
+    head, *rows = csv.reader(path.read_text().splitlines())
+    path.write_text("\n".join(",".join(row) for row in [head, *change(rows)]) + "\n")
+    return folder
+
+
+def test_a_recording_is_learnt_far_better_than_by_the_mean(learnt: Learnt) -> None:
+    best = next(score for score in learnt.scores if score.name == learnt.best)
+    assert best.errors[0].rmse < 5.0
+    assert best.errors[1].rmse < 5.0
+    assert best.errors[2].rmse < 1.1
+    assert all(0.6 < inside <= 1 for inside in best.coverage)
+
+
+def test_most_correspondences_are_right_against_what_was_drawn(
+    learnt: Learnt, drawn: tuple[Path, DrawnTruth]
+) -> None:
+    assigned, truth = learnt.seen.assigned, drawn[1]
+    assert assigned is not None
+    rest = assigned.layout.rest_px
+    own = np.argmin(np.linalg.norm(rest[:, None] - truth.rest[None], axis=-1), axis=1)
+    off = np.linalg.norm(rest + assigned.moved_px[:COUNT] - truth.heads[:, own], axis=-1)
+    right = (off < 3) & assigned.found[:COUNT]
+    assert right[truth.seen[:, own]].mean() > 0.98
+
+
+def test_presses_that_judge_teach_nothing(learnt: Learnt) -> None:
+    split, press = learnt.seen.split, learnt.seen.press
+    parts = [set(press[rows].tolist()) for rows in (split.teach, split.choose, split.judge)]
+    assert sum(map(len, parts)) == len(set().union(*parts))
+
+
+def test_the_model_file_reads_images_as_in_the_training(learnt: Learnt, tmp_path: Path) -> None:
+    write_model(tmp_path / "model.h5", learnt.model)
+    model = read_model(tmp_path / "model.h5")
+    seen = learnt.seen
+    for row in (3, 40, 90):
+        image = next(iter(seen.recording.images.read([int(seen.rows[row])])))
+        assert not isinstance(image, PalpateError)
+        np.testing.assert_allclose(model.read(image).pose, learnt.estimates[row], atol=0.05)
+
+
+def test_the_report_holds_every_estimator_its_errors_and_what_it_was_made_with(learnt: Learnt) -> None:
+    data = recording_report(learnt)
+    assert {"picture-ridge", "dots-ridge"} <= {one["name"] for one in data["estimators"]}
+    assert data["made_by"]["palpate"]
+    assert data["spec"]["seed"] == 0
+    assert "331" not in recording_page(learnt)
+    json.dumps(data)
+
+
+def test_a_second_run_finds_every_stage_and_says_the_same(drawn: tuple[Path, DrawnTruth], learnt: Learnt) -> None:
+    said: list[str] = []
+    again = learn_recording(read_recording(drawn[0]), FAST, ArtefactStore(drawn[0] / "store"), said.append)
+    np.testing.assert_array_equal(again.estimates, learnt.estimates)
+    assert not any(text.startswith("dots: ") for text in said)
+
+
+def test_without_an_image_at_rest_the_most_central_one_is_named(copied: Path) -> None:
+    (copied / "images" / "rest.png").unlink()
+    found = learn(copied)
+    assert any("No image is at rest" in note for note in found.seen.notes)
+    assert found.seen.good.mean() > 0.9
+
+
+def test_poses_of_another_run_are_told(copied: Path) -> None:
+    rng = np.random.default_rng(0)
+
+    def other(rows: list[list[str]]) -> list[list[str]]:
+        return [[row[0], *(f"{x:.3f}" for x in rng.uniform([-25, -25, 1], [25, 25, 6]))] for row in rows]
+
+    with pytest.raises(PalpateError, match="poses cannot be told from the images") as refused:
+        learn(change_table(copied, other))
+    assert "do not belong together" in refused.value.remedy
+
+
+def test_shuffled_names_are_told(copied: Path) -> None:
+    rng = np.random.default_rng(0)
+
+    def shuffle(rows: list[list[str]]) -> list[list[str]]:
+        return [[rows[k][0], *row[1:]] for k, row in zip(rng.permutation(len(rows)), rows, strict=True)]
+
+    with pytest.raises(PalpateError, match="poses cannot be told from the images"):
+        learn(change_table(copied, shuffle))
+
+
+def test_poses_that_are_a_row_late_are_told(copied: Path) -> None:
+    with pytest.raises(PalpateError, match="1 row apart"):
+        learn(change_table(copied, lambda rows: [[a[0], *b[1:]] for a, b in zip(rows[1:], rows, strict=False)]))
+
+
+def test_copies_of_images_are_left_out_and_how_far_their_poses_differ_is_told(copied: Path) -> None:
+    for number in range(20):
+        shutil.copy(copied / "images" / "image_00000.png", copied / "images" / f"image_{number + 40:05d}.png")
+    found = learn(copied)
+    assert len(found.seen.rows) == COUNT - 20
+    assert any("20 images are copies of others and left out" in note for note in found.seen.notes)
+
+
+def test_one_press_only_is_refused(copied: Path) -> None:
+    def one_press(rows: list[list[str]]) -> list[list[str]]:
+        return [["press", "image", "rx_deg", "ry_deg", "depth_mm"], *[["1", *row] for row in rows]]
+
+    path = copied / "poses.csv"
+    rows = list(csv.reader(path.read_text().splitlines()))[1:]
+    path.write_text("\n".join(",".join(row) for row in one_press(rows)) + "\n")
+    with pytest.raises(PalpateError, match="1 press: none could be held out"):
+        learn(copied)
+
+
+def test_images_without_dots_are_read_from_the_picture_and_told(copied: Path) -> None:
+    for number in range(0, COUNT, 2):
+        path = copied / "images" / f"image_{number:05d}.png"
+        image = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+        smooth = cv2.GaussianBlur(image, (0, 0), 45)  # so far out of focus that no dot is left
+        cv2.imwrite(str(path), smooth + np.uint8(number % 7))
+    found = learn(copied)
+    assert any("of 150 images is believed; the others are read from the picture" in note for note in found.seen.notes)
+    assert "all images, by dots or by picture" in {score.name for score in found.scores}
+    assert 0.4 < found.seen.good.mean() < 0.6
+    assert np.isfinite(found.estimates).all()
+
+
+def test_images_that_are_cut_off_or_missing_are_counted_and_the_others_are_used(copied: Path) -> None:
+    (copied / "images" / "image_00005.png").unlink()
+    (copied / "images" / "image_00006.png").write_bytes(b"\x89PNG nothing")
+    found = learn(copied)
+    assert len(found.seen.rows) == COUNT - 2
+    assert any("2 images cannot be read, the first is image_00005.png" in note for note in found.seen.notes)
+
+
+def test_grey_images_with_black_dots_are_learnt_alike(tmp_path: Path) -> None:
+    draw_recording(tmp_path, draw_motions(80, 2, shear=2.0), SENSOR, threshold=False, dark=True)
+    found = learn(tmp_path)
+    assert found.seen.eye.dark
+    assert found.seen.good.mean() > 0.95
+
+
+def test_networks_go_on_where_they_were_stopped(drawn: tuple[Path, DrawnTruth], tmp_path: Path) -> None:
+    needs("torch")
+    from palpate.recording.course import Course, CourseSpec, load_torch
+    from palpate.recording.lesson import Lesson
+
+    torch, rng = load_torch(), np.random.default_rng(0)
+    inputs = rng.normal(size=(60, 6)).astype(np.float32)
+    targets = inputs[:, :2] ** 2
+    lesson = Lesson(inputs, targets, np.arange(60) < 45, np.arange(60) >= 45)
+
+    def course() -> Course:
+        torch.manual_seed(3)
+        net = torch.nn.Sequential(torch.nn.Linear(6, 16), torch.nn.SiLU(), torch.nn.Linear(16, 2))
+        return Course(net, lesson, torch.as_tensor(inputs), torch.as_tensor(targets), CourseSpec(8, noise=0.1))
+
+    whole = course().run()
+    stopped = course()
+    for _ in range(3):
+        stopped._train()
+        stopped.best = min(stopped.best, stopped._judge())
+        stopped.state = {key: value.clone() for key, value in stopped.net.state_dict().items()}
+        stopped.epoch += 1
+    stopped._keep(tmp_path / "kept.epochs")
+    rest = course().run(tmp_path / "kept.epochs")
+    for key, value in whole.items():
+        assert torch.equal(value, rest[key])
+
+
+def test_a_picture_network_in_the_file_says_what_the_trained_one_said(
+    drawn: tuple[Path, DrawnTruth], tmp_path: Path
+) -> None:
+    needs("torch")
+    needs("onnxruntime")
+    found = learn(drawn[0], RecordingSpec(estimators="picture", epochs=2, picture_px=48, threads=1))
+    assert "picture-network" in {score.name for score in found.scores}
+    names = {part for use in (found.model.with_dots, found.model.without) if use for part in use.parts}
+    assert names <= {"picture-ridge", "picture-network"}
+
+
+def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -> None:
+    needs("torch")
+    from palpate.recording.adapt import carry_network
+
+    sensor = replace(SENSOR, misprint=0.03)
+    draw_recording(tmp_path / "a", draw_motions(150, 3, shear=1.0), sensor)
+    draw_recording(tmp_path / "b", draw_motions(60, 4, shear=1.0), another_unit(sensor), seed=5)
+    first = learn(tmp_path / "a", RecordingSpec(estimators="dots"))
+    network = first.model.parts["dots-network"]
+    assert first.model.layout is not None
+    start = Start("a", first.model.layout, network, first.model.space.names)
+    second = learn(tmp_path / "b", FAST, start)
+    assert {"adapted-dots-network", "corrected-dots-network"} <= {score.name for score in second.scores}
+    alone = min(score.errors[0].rmse for score in second.scores if score.name.endswith("ridge"))
+    adapted = next(score for score in second.scores if score.name == "adapted-dots-network")
+    assert adapted.errors[0].rmse < alone
+    assert carry_network(start, second.seen).predict(second.seen.moved).shape == (60, 3)
+    assert any(point.estimator == "adapted" for point in second.curve)
+
+
+def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
+    drawn: tuple[Path, DrawnTruth], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    with pytest.raises(SystemExit) as left:
+        main(["learn", str(drawn[0]), "--out", str(out), "--estimators", "ridge"])
+    assert left.value.code == 0
+    assert {"model.h5", "report.md", "report.json", "correspondence.png", "errors.png", "accept.md"} <= {
+        path.name for path in out.iterdir()
+    }
+    assert "presses that taught nothing" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as left:
+        main(
+            ["live", "--model", str(out / "model.h5"), "--source", str(drawn[0] / "images"), "--count", "3", "--json"]
+        )
+    assert left.value.code == 0
+    readings = json.loads(capsys.readouterr().out)
+    assert abs(readings[1]["rx_deg"] - drawn[1].motions[1, 0]) < 12
+    rows = ["image,press,rx_deg,ry_deg,depth_mm"]
+    rows += [f"image_{n:05d}.png,{n},{','.join(f'{x:.3f}' for x in drawn[1].motions[n, :3])}" for n in range(6)]
+    (drawn[0] / "images" / "truth.csv").write_text("\n".join(rows) + "\n")
+    words = ["--rmse", "9", "--max-error", "25", "--depth-rmse", "2", "--no-zero", "--least-depth", "0"]
+    with pytest.raises(SystemExit) as left:
+        main(["accept", str(drawn[0] / "images" / "truth.csv"), "--model", str(out / "model.h5"), *words])
+    assert left.value.code == 0
