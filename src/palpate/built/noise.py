@@ -10,7 +10,7 @@ NOISE_PX = 0.02
 """Standard deviation of a dot's coordinate in an image of 346 x 260 px, as the detector finds it on the bench."""
 MODEL_PX = 0.02
 """What the twin itself may be off, px."""
-FREEDOM = 6.0
+FREEDOM = 30.0
 """Degrees of freedom of Student's distribution, of dots that are not where they should be."""
 _MEDIAN = 2.0 * np.log(2.0)
 """Median square of two normal numbers together."""
