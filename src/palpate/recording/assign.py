@@ -13,7 +13,7 @@ from palpate.recording.correspond import Correspondence, Correspondent, Fault, d
 from palpate.recording.layout import LEAST_DOTS, DotLayout, number_dots
 from palpate.recording.sight import Sight
 
-ASSIGN_VERSION = "2"
+ASSIGN_VERSION = "3"
 """Version of the code that decides which dot is which; part of an artefact's key."""
 _SAID = 500
 _LEAST_SURE, _LOOKED, _ALIKE, _TURNS = 30, 200, 8, 3

@@ -37,7 +37,7 @@ _CALM, _ROUGH = 0.035, 0.06
 _STEP, _TORN = 0.45, 0.16
 """Greatest distance of a dot from where its neighbours say, over theirs, to be grown to, and to count as whole."""
 _OFF = 0.2
-"""Distance from the smooth field, over the spacing, from which a dot is none of the layout's."""
+"""Distance from where its neighbours say, over theirs, from which a dot is none of the layout's."""
 _REACH = 4.5
 """Displacement up to which a start is tried, over the spacing."""
 _STARTS, _ALIKE, _KEPT = 5, 4, 400
@@ -249,10 +249,10 @@ class Correspondent:
         layout, there = self.layout, match >= 0
         moved = smooth.copy()
         moved[there] = dots_px[match[there]] - layout.rest_px[there]
-        far = np.linalg.norm(moved - smooth, axis=1) / layout.spacing_px
-        there &= far < _OFF  # two dots that are seen as one are neither of them
+        # two dots that are seen as one are neither of them
+        there &= find_tears(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
         moved[~there] = smooth[~there]
-        off = far[there]
+        off = np.linalg.norm((moved - smooth)[there], axis=1) / layout.spacing_px[there]
         rough = float(np.sqrt(np.mean(off**2))) if there.any() else np.inf
         agreement = float(2 * there.sum() / (len(layout) + len(dots_px)))
         fault = Fault.LEFT_OVER if agreement < _BELIEVED else Fault.ROUGH if rough > _ROUGH else Fault.NONE
