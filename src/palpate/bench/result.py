@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.bench.bench import Bench, Played, play_unit
+from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import Deviation, ToleranceSpec, draw_deviation
 from palpate.core import parameters
 from palpate.sensor import PAPER_TABLE_3, Score, made_by, score_readings, table_lines, write_report
@@ -138,8 +139,7 @@ def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
         "",
         f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.least_depth:g} to {spec.depth:g} "
         f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
-        f"{spec.solver}; seed {spec.seed}. The depth's zero is "
-        f"{'found by one press beforehand' if spec.zero else 'not corrected'}.",
+        f"{spec.solver}; seed {spec.seed}. {_beforehand(spec)}",
         "",
         *table_lines(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
         "",
@@ -180,6 +180,22 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
         unit = "mm" if name == "depth" else "deg"
         cells = (paper.rmse, paper.mae, paper.max, paper.sd)
         yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
+
+
+def _beforehand(spec: VirtualBenchSpec) -> str:
+    """What is done with each unit before the presses that count, and how its robot moves."""
+    told = "The depth's zero is " + ("found by one press beforehand." if spec.zero else "not corrected.")
+    if spec.known:
+        told = f"Each unit is told by {spec.known} known presses and one reading of a load cell."
+    tolerance = spec.tolerance
+    if tolerance.lateral or tolerance.twist_deg:
+        told += (
+            f" Robots drift by up to {tolerance.lateral:g} mm in both directions and {tolerance.twist_deg:g}° in a "
+            "press."
+        )
+    if tolerance.friction_most:
+        told += f" Friction is {tolerance.friction:g} to {tolerance.friction_most:g}, even in 1/µ."
+    return told
 
 
 def _describe_unit(result: UnitResult) -> dict[str, Any]:
