@@ -4,13 +4,14 @@ from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw
 from palpate.built.fit_pose import PoseFit, PoseFitter
 from palpate.built.force import Force, ForceScale, expect_scale, learn_scale
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
+from palpate.built.foresee_budget import foresee_budget
 from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, Identified, RobotPress, RobotSpec, identify
-from palpate.built.mounting import MOUNTING, Mounting
+from palpate.built.mounting import MOUNTING
 from palpate.built.next_press import rank_presses
 from palpate.built.noise import NOISE_PX
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
-from palpate.built.unit_model import UNKNOWN, Look, UnitBelief, UnitModel, learn_rest, model_unit
+from palpate.built.unit_model import UNKNOWN, Look, UnitModel, learn_rest, model_unit
 
 __all__ = [
     "FORESEE_VERSION",
@@ -29,17 +30,16 @@ __all__ = [
     "Imperfection",
     "KnownUnit",
     "Look",
-    "Mounting",
     "PoseFit",
     "PoseFitter",
     "RobotPress",
     "RobotSpec",
     "ToleranceSpec",
-    "UnitBelief",
     "UnitModel",
     "draw_deviation",
     "expect_scale",
     "foresee",
+    "foresee_budget",
     "identify",
     "learn_rest",
     "learn_scale",

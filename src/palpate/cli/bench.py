@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,14 +11,16 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from palpate.bench import ToleranceSpec, VirtualBenchSpec
-from palpate.camera import CameraSpec, RenderSpec
+from palpate.built import ForeseeSpec, foresee_budget
+from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json, print_table
 from palpate.cli.press import MaterialFlags
 from palpate.cli.unit import DesignFlags
-from palpate.core import ArtefactStore, PalpateError
+from palpate.core import ArtefactStore, PalpateError, written_whole
 from palpate.study import MaterialSpec
+from palpate.twin import Twin
 
 if TYPE_CHECKING:
     from palpate.bench import Bench
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
 _MODEL = "Model of this design: its twin (.h5), or a network (.onnx) trained for the nominal camera."
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
-_BUDGET = "Measure every imperfection alone instead of sampled units."
+_BUDGET = "Measure every imperfection alone instead of sampled units; calculated where a twin reads."
 _CLEAN = "Images without uneven light, blur, noise and dirt."
 
 
@@ -66,7 +69,10 @@ def bench(
     played = Bench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
     announce_compilation()
-    (_budget if budget else _units)(played, out, json)
+    if budget and isinstance(played.reads_with, Twin):
+        _foreseen(played, played.reads_with, out, json)
+    else:
+        (_budget if budget else _units)(played, out, json)
 
 
 def _units(played: Bench, out: Path, json: bool) -> None:
@@ -85,6 +91,27 @@ def _units(played: Bench, out: Path, json: bool) -> None:
         return
     print((out / "bench.md").read_text(encoding="utf-8").split("## Every unit")[0].strip())
     print(f"\nTables: {out}")
+
+
+def _foreseen(played: Bench, twin: Twin, out: Path, json: bool) -> None:
+    """The budget of units that are read by their twin, calculated instead of played."""
+    spec = ForeseeSpec(
+        least_depth=played.spec.least_depth, max_tilt_deg=played.spec.max_tilt_deg, seed=played.spec.seed
+    )
+    costs = foresee_budget(twin, played.layout, build_camera(played.camera), played.spec.tolerance, spec)
+    rows = [[cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}"] for cost in costs]
+    names = ["imperfection", "tolerance", "alone_deg", "saved_deg"]
+    out.mkdir(parents=True, exist_ok=True)
+    with written_whole(out / "budget.csv") as draft, draft.open("w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([names, *rows])
+    if json:
+        print_json({"lines": [cost._asdict() for cost in costs]})
+        return
+    print_table("error budget, foreseen", names, rows)
+    print(
+        "RMSE of rx and ry: of each alone, and what its absence would take from all together (squares). "
+        f"Table: {out / 'budget.csv'}"
+    )
 
 
 def _budget(played: Bench, out: Path, json: bool) -> None:

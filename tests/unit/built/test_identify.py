@@ -18,6 +18,7 @@ from palpate.built import (
     draw_deviation,
     expect_scale,
     foresee,
+    foresee_budget,
     identify,
     learn_rest,
     learn_scale,
@@ -309,6 +310,17 @@ def test_what_is_foreseen_is_what_units_show(twin: Twin, units: list[Built], see
     assert fewer.rmse_deg > 1.5 * beforehand.rmse_deg
 
 
+def test_the_budget_adds_up_to_what_is_foreseen(twin: Twin) -> None:
+    """Seating is told by no image, so it costs alone what its absence saves; camera and print only cost together."""
+    spec = ForeseeSpec(units=60, poses=20, least_depth=2.0, max_tilt_deg=10.0, noise_px=NOISE)
+    costs = {cost.name: cost for cost in foresee_budget(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec)}
+    assert costs["all"].alone_deg == foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
+    assert costs["seating_tilt_deg"].alone_deg == pytest.approx(0.1 / np.sqrt(3), rel=0.15)
+    assert costs["seating_tilt_deg"].saved_deg == pytest.approx(costs["seating_tilt_deg"].alone_deg, rel=0.15)
+    assert costs["pad"].alone_deg < 0.01 < costs["pad"].saved_deg
+    assert "lateral" not in costs
+
+
 def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[Press], tmp_path, capsys) -> None:
     """Rendered images of known presses, a table of poses: a unit file by which further images are read and judged."""
     import cv2
@@ -354,6 +366,9 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
     assert (tmp_path / "report" / "identification.png").stat().st_size > 10_000
     unit = ["--unit", str(tmp_path / "unit.json")]
     assert run("accept", str(tmp_path / "judged.csv"), "--rmse", "0.1", "--max-error", "0.2", *unit) == 0
+    assert run("bench", "--budget", "--out", str(tmp_path / "bench"), "--depth", "4") == 0
+    assert "seating, tilt" in (tmp_path / "bench" / "budget.csv").read_text()
+    capsys.readouterr()
     assert run("identify", str(tmp_path / "swapped.csv")) == 2
     assert "standard deviations off" in (told := capsys.readouterr().err) or "do not fit" in told
     assert run("identify", str(tmp_path / "known.csv"), "--robot-tilt", "0") == 2
