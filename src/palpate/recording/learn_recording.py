@@ -8,12 +8,12 @@ from __future__ import annotations
 import hashlib
 import time
 from dataclasses import dataclass
-from typing import Any, cast
 
 import numpy as np
 
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.recording.adapt import Start, adapt_parts, draw_adapted_curve
+from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.columns import PoseColumn
 from palpate.recording.conclude import WHOLE, PartScore, conclude, estimate_all
 from palpate.recording.course import CourseSpec
@@ -149,7 +149,7 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
         digest.update(np.ascontiguousarray(array).tobytes())
     own = [name, digest.hexdigest(), spec.seed, spec.epochs if "picture-network" in name else 0]
     recipe = Recipe("part", own, version=PART_VERSION)
-    path = store.find(recipe, ".npz")
+    path = store.find(recipe)
     if path is None:
         course = CourseSpec(spec.epochs, threads=spec.threads)
         kept = store.path(recipe, ".epochs")
@@ -160,12 +160,12 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
             part = train_dots_network(name, lesson, kept=kept)
         else:
             part = train_picture_network(name, lesson, seen.targets.shape[1], course, kept, say)
-        path = store.write(recipe, lambda file: np.savez(file, **cast(dict[str, Any], part.arrays)), ".npz")
+        path = store.write(recipe, lambda file: write_arrays(file, part.arrays))
         for left in kept.parent.glob(f"{kept.stem}.*"):
-            if left.suffix not in (".npz", ".json"):
+            if left.suffix not in (".h5", ".json"):
                 left.unlink(missing_ok=True)
     kind = "linear" if name.endswith("-ridge") else "dots-network" if name == "dots-network" else "picture-network"
-    return PARTS[kind](name, dict(np.load(path)))
+    return PARTS[kind](name, read_arrays(path))
 
 
 def _say_errors(name: str, part: ModelPart, seen: Seen, say: Say) -> None:

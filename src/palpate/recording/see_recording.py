@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe
+from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.assign import ASSIGN_VERSION, Assigned, assign_images, choose_reference
 from palpate.recording.layout import DotLayout
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
@@ -142,12 +143,12 @@ def _assign(
         )
     digest = hashlib.sha256(b"".join(np.ascontiguousarray(dots).tobytes() for dots in sight.dots)).hexdigest()
     recipe = Recipe("assigned", [digest, reference, spec.correspondence, list(eye.shape)], version=ASSIGN_VERSION)
-    path = store.find(recipe, ".npz")
+    path = store.find(recipe)
     if path is None:
         found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", say)
         own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
-        path = store.write(recipe, lambda file: np.savez(file, rest_px=found.layout.rest_px, **own), ".npz")
-    arrays = dict(np.load(path))
+        path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
+    arrays = read_arrays(path)
     assigned = Assigned(DotLayout(arrays.pop("rest_px")), reference, **arrays)
     failed = int((~assigned.good[:count]).sum())
     notes.append(

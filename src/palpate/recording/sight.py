@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, TextArray, load_opencv
 from palpate.markers import Detector, DetectSpec, prepare_detector
+from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import Recording
 
 SIGHT_VERSION = "1"
@@ -147,11 +148,11 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
         numbers = range(start, min(start + CHUNK, total))
         stamps = hashlib.sha256("\n".join(recording.images.stamp(number) for number in numbers).encode()).hexdigest()
         recipe = Recipe("sight", [stamps, spec], version=SIGHT_VERSION)
-        path = store.find(recipe, ".npz")
+        path = store.find(recipe)
         if path is None:
-            path = store.write(recipe, lambda file, own=numbers: _write(file, recording, eye, own), ".npz")  # type: ignore[misc]
+            path = store.write(recipe, lambda file, own=numbers: _write(file, recording, eye, own))  # type: ignore[misc]
             say(f"dots: {numbers[-1] + 1} of {total} images")
-        parts.append(np.load(path))
+        parts.append(read_arrays(path))
     ends = np.concatenate([part["count"] for part in parts])
     dots = np.concatenate([part["dots"] for part in parts])
     sight = Sight(
@@ -180,14 +181,14 @@ def _write(path: Path, recording: Recording, eye: Eye, numbers: Sequence[int]) -
             faults.append(error.what[:200])
         pictures.append(picture)
         dots.append(places)
-    np.savez(
-        path,
-        pictures=np.stack(pictures),
-        dots=np.concatenate(dots),
-        count=np.array([len(one) for one in dots]),
-        digests=np.array(digests, "U16"),
-        faults=np.array(faults, "U200"),
-    )
+    arrays = {
+        "pictures": np.stack(pictures),
+        "dots": np.concatenate(dots),
+        "count": np.array([len(one) for one in dots]),
+        "digests": np.array(digests, "U16"),
+        "faults": np.array(faults, "U200"),
+    }
+    write_arrays(path, arrays)
 
 
 def find_twins(digests: TextArray) -> IntArray:
