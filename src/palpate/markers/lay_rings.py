@@ -1,0 +1,105 @@
+"""Rings found among dots, judged: whether there are as many as the design has, and whether chance could do as much."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import ConvexHull, Delaunay
+
+from palpate.core import FloatArray
+from palpate.markers.laid import Laid
+from palpate.markers.name_rings import RingFinder, RingsFit, mark_turns
+from palpate.markers.pattern import MarkerPattern
+from palpate.markers.ring_law import continue_rings, learn_law
+from palpate.markers.rings import Rings, waves
+
+_CHANCE = -4.0
+"""Power of ten of the number of prints that dots strewn at random would show, above which a print is not believed."""
+_BEYOND = 0.6
+"""Share of the places of one more ring at which the print is another's."""
+_RIVAL = 2.0
+"""Powers of ten by which a print about another middle must be likelier by chance."""
+_ROUGH = 0.1
+"""Greatest residual over the least distance of two places."""
+_STRANGE, _STRANGE_SHARE = 12, 0.1
+"""Dots within the print that are of no ring: so many, and so many more for each that is."""
+_MARK_PX, _MARK_SD = 0.2, 0.9
+"""Standard deviation of the mark about its place: at least, and over the distance of the dots from their ring."""
+_MARK_STRETCH, _MARK_BENT = 0.025, 0.07
+"""The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
+_MARK_ASIDE = 0.16
+"""The same for a bent print in every direction, mm: rings that are off centre hide where the camera stands."""
+_BENT = 0.08
+"""Departure of a ring's radius from the design's at which a print counts as bent."""
+
+
+def lay_rings(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> Laid | None:
+    """The rings of the pattern among dots (n, 2); `None` where there is no innermost ring."""
+    if len(np.unique(blobs_px, axis=0)) < 4:
+        return None
+    finder = RingFinder(blobs_px, pattern, rings)
+    found = finder.find()
+    if not found:
+        return None
+    best = found[0]
+    blob = np.full(len(pattern), -1)
+    places = np.full((len(pattern), 2), np.nan)
+    for number, ring in enumerate(best.rings):
+        members = rings.members(number)
+        blob[members] = ring.blob
+        places[members] = waves(rings.azimuth[members], 5) @ ring.weights
+    marks, axes = _marks(best, pattern, finder)
+    doubt = _doubt(finder, found)
+    return Laid(blob, places, best.residual_px, False, marks, axes, doubt)
+
+
+def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
+    """What speaks against the best fit."""
+    best, rings = found[0], finder.rings
+    if len(best.rings) <= len(rings):
+        return f"ring {len(best.rings)} of {len(rings)} was not found"
+    chance = best.power + float(np.log10(max(finder.seeds, 1)))
+    if chance > _CHANCE:
+        return f"dots strewn at random would do as well in 1 of {10.0 ** -min(chance, 0.0):.0f} images"
+    near = min(2.0 * np.pi * ring.radius_px / len(ring.blob) for ring in best.rings[1:])
+    if best.residual_px > _ROUGH * near:
+        return f"they lie {best.residual_px:.1f} px off even rings"
+    more, there = finder.beyond(best)
+    if there > _BEYOND * more:
+        return f"one more ring of {more} has {there} dots"
+    strange = _strange(finder, best)
+    if strange > _STRANGE + _STRANGE_SHARE * best.count:
+        return f"{strange} other dots lie between them"
+    if len(found) > 1 and found[1].power < best.power + _RIVAL:
+        return f"about another middle {found[1].count} fit as well"
+    return ""
+
+
+def _strange(finder: RingFinder, fit: RingsFit) -> int:
+    """Number of dots within the outermost ring that are of none."""
+    outer = waves(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 5) @ fit.rings[-1].weights
+    free = np.ones(len(finder.blobs), bool)
+    for ring in fit.rings:
+        free[ring.blob[ring.blob >= 0]] = False
+    hull = Delaunay(outer[ConvexHull(outer).vertices])
+    return int((hull.find_simplex(finder.blobs[free]) >= 0).sum())
+
+
+def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[FloatArray | None, FloatArray | None]:
+    """Where the orientation mark would be under each symmetry, and the axes of its standard deviations."""
+    if pattern.marks_px is None or pattern.mark is None or len(fit.rings) <= len(finder.rings):
+        return None, None
+    outer, turns = fit.rings[-1], mark_turns(pattern)
+    law = learn_law(fit.rings[1:], finder.profile, finder.nominal_px[1:])
+    weights, doubt = continue_rings(law, outer, (finder.rings.rho[-1], float(np.hypot(*pattern.mark[:2]))))
+    places = waves(turns, 5) @ weights
+    out = places - weights[0]
+    length = np.linalg.norm(out, axis=1, keepdims=True)
+    out /= length
+    factor = law.rho / finder.rings.rho[1:]
+    bent = min(float(np.abs(factor - 1.0).max()) / _BENT, 1.0) if len(factor) > 1 else 1.0
+    outside = float(length.mean()) - outer.radius_px
+    along = np.hypot(max(_MARK_PX, _MARK_SD * outer.residual_px), bent * _MARK_ASIDE * finder.pixel)
+    stretch = (_MARK_STRETCH + bent * _MARK_BENT) * outside
+    far = float(np.sqrt(along**2 + stretch**2 + (bent * doubt) ** 2))
+    axes = np.stack([far * out, along * np.stack([-out[:, 1], out[:, 0]], axis=-1)], axis=1)
+    return places, axes

@@ -1,0 +1,335 @@
+"""Rings of dots found by their structure: six about one, then twelve, then eighteen, whatever their radii.
+
+A ring is known by its number of dots at even steps. Three dots that could be neighbours on the innermost ring give all
+of it; each further ring is looked for outside the last one, over a range of radii, centres and growths, and accepted
+where its number of dots closes around it. Nothing but the order of the rings, their numbers and their common azimuth is
+taken from the design, so no law of the radii can mislead. What chance would give is counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.special import gammaln
+
+from palpate.core import FloatArray
+from palpate.markers.pattern import MarkerPattern
+from palpate.markers.ring_law import Profile, RingFit, learn_law
+from palpate.markers.rings import Rings, waves
+
+_NEAR = 8
+"""Neighbours of a dot among which those beside it on the innermost ring are looked for."""
+_SIDES, _BEND = (0.65, 1.55), (0.55, 1.75)
+"""Bounds of the ratios of neighbouring chords, and of the diagonal to the radius, on the innermost ring."""
+_AXES = 1.5
+"""Greatest ratio of the axes of the innermost ring as three of its dots give it."""
+_SEED = 0.3
+"""How far a dot of the innermost ring may lie from where three others put it, over the radius."""
+_LEAST_SEED = 0.6
+"""Share of the dots of the innermost ring and its middle that a seed must have."""
+_LEAST_RING = 0.4
+"""Share of a ring's dots that must be seen."""
+_FULL_RING, _FULL = 0.75, 0.6
+"""Shares of a ring, and of all, from which on nothing better is looked for,"""
+_EVEN = 0.06
+"""if the dots are as near as this to their rings, over the distance of neighbours."""
+_GAPS = (0.35, 2.3)
+"""Bounds of the distance to the next ring over what the last ring and the design's radii give."""
+_TRIED = 4
+"""Radii and shifts of the next ring that are looked at more closely."""
+_SURE = -25.0
+"""Power of ten of the number of prints by chance below which a whole print is believed before others are looked at."""
+_SCORE = 0.22
+"""The reach while places are compared, over the distance of neighbours on the ring."""
+_LEAST_RADIUS_PX = 0.5
+"""A dot is not believed to lie nearer to its place than this, when chance is counted."""
+_FREE = 3.0
+"""Dots of a ring that are spent on its shape and place."""
+_REACH = 0.3
+"""How far from its place a dot of a ring may lie while the ring settles, over the least distance of its neighbours."""
+_PRINT_REACH, _LEAST_REACH_PX = 0.22, 0.7
+"""The same once it has settled, at most and at least."""
+_STRAY = 4.5
+"""A dot this many standard deviations from its ring is not of it."""
+_BESIDE = 0.3
+"""Steps of a shifted ring, over the distance to the ring inside."""
+_SD = (4.0, 0.15, 0.02)
+"""How far a ring may differ from its forecast: centre in px; first and second harmonic over the radius."""
+_DOT_PX = 0.3
+_MORE = 0.5
+"""Share of the places between those of a ring at which it is another ring of more dots."""
+_MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
+"""How far centres of rings scatter as one would say beforehand, mm; how many standard deviations the dot in the middle
+may be off them, and how far at most over the innermost ring's radius."""
+
+
+@dataclass(frozen=True, eq=False)
+class RingsFit:
+    """The rings that were found from one seed, from the inside; the first is the dot in the middle."""
+
+    rings: tuple[RingFit, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of dots."""
+        return int(sum((ring.blob >= 0).sum() for ring in self.rings))
+
+    @property
+    def power(self) -> float:
+        """Power of ten of the number of such prints among dots strewn at random, about one middle."""
+        return float(sum(ring.power for ring in self.rings))
+
+    @property
+    def residual_px(self) -> float:
+        """Root of the mean squared distance of the dots from their rings, the middle left out."""
+        off = np.concatenate([ring.off_px[np.isfinite(ring.off_px)] for ring in self.rings[1:]])
+        return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
+
+
+class RingFinder:
+    """Looks for the rings of a pattern among dots (n, 2)."""
+
+    def __init__(self, blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> None:
+        self.blobs, self.pattern, self.rings = blobs_px, pattern, rings
+        self.tree = cKDTree(blobs_px)
+        self.angles = [rings.azimuth[rings.members(k)] for k in range(len(rings) + 1)]
+        nominal = [
+            np.linalg.lstsq(waves(phi, 3), pattern.expected_px[rings.members(k)], rcond=None)[0]
+            for k, phi in enumerate(self.angles)
+            if k
+        ]
+        self.nominal_px = np.array([0.0, *(np.linalg.svd(w[1:], compute_uv=False).mean() for w in nominal)])
+        self.mark_px = _mark_radius(pattern)
+        known = np.column_stack([rings.rho, rings.height, self.nominal_px])[1:]
+        if pattern.mark is not None:
+            known = np.vstack([known, [np.hypot(*pattern.mark[:2]), pattern.mark[2], self.mark_px]])
+        self.profile = Profile(*known.T)
+        self.handed = float(np.sign(np.linalg.det(nominal[0][1:])))
+        self.pixel = float(self.nominal_px[-1] / rings.rho[-1])
+        self.seeds = 0
+        self.density = len(blobs_px) / max(float(np.prod(np.ptp(blobs_px, axis=0))), 1.0)
+
+    def find(self) -> list[RingsFit]:
+        """The best fits first; of those about one middle, only the best."""
+        found: list[RingsFit] = []
+        sure: RingsFit | None = None
+        for weights in self._seeds():
+            if sure and np.linalg.norm(weights[0] - sure.rings[1].weights[0]) > 0.5 * sure.rings[1].radius_px:
+                continue
+            fit = self._grow(weights)
+            found.append(fit)
+            every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
+            if every and fit.power < _SURE and fit.residual_px < _EVEN * self._pitch(fit):
+                sure = fit  # what is left to ask are other dots for the same rings
+        found.sort(key=lambda fit: fit.power)
+        kept: list[RingsFit] = []
+        for fit in found:
+            middles = [other.rings[1].weights[0] for other in kept]
+            near = 0.5 * fit.rings[1].radius_px
+            if all(np.linalg.norm(fit.rings[1].weights[0] - middle) > near for middle in middles):
+                kept.append(fit)
+        return kept
+
+    @staticmethod
+    def _pitch(fit: RingsFit) -> float:
+        """Least distance of neighbours on a ring, px."""
+        return min(2.0 * np.pi * ring.radius_px / len(ring.blob) for ring in fit.rings[1:])
+
+    def _seeds(self) -> list[FloatArray]:
+        """Innermost rings (5, 2) that three dots give and others confirm, those in the middle of the dots first."""
+        blobs, phi = self.blobs, self.angles[1]
+        step = 2.0 * np.pi / len(phi)
+        near = self.tree.query(blobs, min(_NEAR + 1, len(blobs)))[1][:, 1:]
+        a, c = np.triu_indices(near.shape[1], 1)
+        first, last = np.concatenate([a, c]), np.concatenate([c, a])
+        b = np.repeat(np.arange(len(blobs)), len(first))
+        a, c = near[:, first].ravel(), near[:, last].ravel()
+        # three neighbours on the ring, then the middle and two neighbours
+        turn = np.array([-step, 0.0, step])
+        side, other = blobs[a] - blobs[b], blobs[c] - blobs[b]
+        lengths, others = np.linalg.norm(side, axis=1), np.linalg.norm(other, axis=1)
+        across = side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]
+        alike = (lengths > _SIDES[0] * others) & (lengths < _SIDES[1] * others)
+        keep = alike & (np.sign(across) == -self.handed) & (lengths > 1.0) & (others > 1.0)
+        three = np.linalg.inv(waves(turn, 3)) @ np.stack([blobs[a], blobs[b], blobs[c]], axis=1)[keep]
+        keep = alike & (np.sign(across) == self.handed) & (lengths > 1.0) & (others > 1.0)
+        design = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, np.cos(step), np.sin(step)]])
+        two = np.linalg.inv(design) @ np.stack([blobs[b], blobs[a], blobs[c]], axis=1)[keep]
+        weights = np.concatenate([three, two])
+        axes = np.linalg.svd(weights[:, 1:], compute_uv=False)
+        weights = weights[axes[:, 0] < _AXES * axes[:, 1]]
+        return self._confirmed(weights)
+
+    def _confirmed(self, weights: FloatArray) -> list[FloatArray]:
+        """Those of the seeds (n, 3, 2) that have dots enough, each set of dots once."""
+        if not len(weights):
+            return []
+        radius = np.linalg.svd(weights[:, 1:], compute_uv=False).mean(axis=1)
+        places = waves(self.angles[1], 3) @ weights
+        places = np.concatenate([places, weights[:, :1]], axis=1)
+        distance, blob = self.tree.query(places)
+        hit = distance < _SEED * radius[:, None]
+        enough = hit.sum(axis=1) >= _LEAST_SEED * places.shape[1]
+        self.seeds = int(enough.sum())
+        middle = np.median(self.blobs, axis=0) / 2.0 + self.blobs.mean(axis=0) / 2.0
+        far = np.linalg.norm(weights[:, 0] - middle, axis=1)
+        misses = np.where(hit, distance, radius[:, None] * _SEED).sum(axis=1) / radius
+        best: dict[frozenset[int], int] = {}
+        for number in np.flatnonzero(enough)[np.argsort(misses[enough], kind="stable")]:
+            best.setdefault(frozenset(blob[number][hit[number]].tolist()), int(number))
+        order = sorted(best.values(), key=lambda number: (far[number] // (0.7 * radius[number]), misses[number]))
+        return [np.vstack([weights[number], np.zeros((2, 2))]) for number in order]
+
+    def _grow(self, weights: FloatArray) -> RingsFit:
+        """All rings outwards from the innermost, as far as they are found; then the middle."""
+        taken = np.zeros(len(self.blobs), bool)
+        rings = [self._settle(1, weights, taken)]
+        while rings[-1].share >= _LEAST_RING:
+            taken[rings[-1].blob[rings[-1].blob >= 0]] = True
+            if len(rings) == len(self.rings):
+                break
+            rings.append(self._next(rings, taken))
+        if rings[-1].share < _LEAST_RING and len(rings) > 1:
+            rings.pop()
+        return RingsFit((self._middle(rings, taken), *rings))
+
+    def _middle(self, rings: list[RingFit], taken: NDArray[np.bool_]) -> RingFit:
+        """The dot within the innermost ring."""
+        law = learn_law(rings, self.profile, self.nominal_px[1:])
+        weights = np.vstack([law.centre(0.0), np.zeros((4, 2))])
+        blob = np.full(len(self.angles[0]), -1)
+        distance, dot = self.tree.query(weights[:1])
+        reach = min(_MIDDLE_SD * law.centre_sd_px(_MIDDLE_MM * self.pixel), _MIDDLE * rings[0].radius_px)
+        if len(blob) and distance[0] < reach and not taken[dot[0]]:
+            blob[0] = dot[0]
+            weights[0] = self.blobs[dot[0]]
+        left = np.where(blob >= 0, distance, np.nan)
+        return RingFit(weights, blob, left, self._power(blob, left, 0.0))
+
+    def _next(self, rings: list[RingFit], taken: NDArray[np.bool_]) -> RingFit:
+        """The ring outside the last one: the radius, and if need be the shift, under which it has most dots."""
+        number, last = len(rings) + 1, rings[-1]
+        return self._look(last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken)
+
+    def beyond(self, fit: RingsFit) -> tuple[int, int]:
+        """How many dots one more ring than the design's would have, and how many of them are there."""
+        taken = np.zeros(len(self.blobs), bool)
+        for ring in fit.rings:
+            taken[ring.blob[ring.blob >= 0]] = True
+        counts = [len(phi) for phi in self.angles]
+        more = 2 * counts[-1] - counts[-2] if len(counts) > 2 else 2 * counts[-1]
+        phi = self.angles[-1][0] + 2.0 * np.pi * np.arange(more) / more
+        inside = self.nominal_px[-1] - self.nominal_px[-2]
+        ring = self._look(fit.rings[-1], len(counts), phi, 1.0 + inside / self.nominal_px[-1], taken)
+        return more, int((ring.blob >= 0).sum())
+
+    def _look(
+        self, last: RingFit, number: int, phi: FloatArray, growth: float, taken: NDArray[np.bool_]
+    ) -> RingFit:
+        radius = last.radius_px
+        gap, pitch = (growth - 1.0) * radius, 2.0 * np.pi * growth * radius / len(phi)
+        step = 0.3 * min(gap, pitch)
+        radii = np.arange(radius + _GAPS[0] * gap, radius + _GAPS[1] * gap + step, step)
+        best = self._scan(last, phi, radii / radius, np.zeros((1, 2)), taken)
+        if best.share < _FULL_RING:
+            grid = _BESIDE * gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
+            other = self._scan(last, phi, radii / radius, grid, taken)
+            best = min(best, other, key=lambda ring: ring.power)
+        return best
+
+    def _scan(
+        self, last: RingFit, phi: FloatArray, growths: FloatArray, shifts: FloatArray, taken: NDArray[np.bool_]
+    ) -> RingFit:
+        """The ring of the growth and shift under which most dots are on it."""
+        shape = waves(phi, 5)[:, 1:] @ last.weights[1:]
+        centre = last.weights[0] + shifts
+        places = centre[None, :, None] + growths[:, None, None, None] * shape[None, None]
+        distance, blob = self.tree.query(places)
+        pitch = 2.0 * np.pi * growths * last.radius_px / len(phi)
+        reach = (_SCORE * pitch)[:, None, None]
+        score = np.where((distance < reach) & ~taken[blob], 1.0 - (distance / reach) ** 2, 0.0).sum(axis=-1)
+        tried, by_growth = [], score.max(axis=1)
+        for _ in range(_TRIED):
+            grown = int(np.argmax(by_growth))
+            weights = np.vstack([centre[np.argmax(score[grown])], growths[grown] * last.weights[1:]])
+            tried.append(self._settle(0, weights, taken, phi))
+            by_growth[max(grown - 1, 0) : grown + 2] = -1.0
+        return min(tried, key=lambda ring: ring.power)
+
+    def _settle(
+        self, number: int, weights: FloatArray, taken: NDArray[np.bool_], phi: FloatArray | None = None
+    ) -> RingFit:
+        """Nearest dots and the ring in turn; at last what is too far from it is left out."""
+        phi = self.angles[number] if phi is None else phi
+        terms = waves(phi, 5)
+        blob = np.full(len(phi), -1)
+        left = np.full(len(phi), np.nan)
+        sd = np.array([_SD[0], *(_SD[1],) * 2, *(_SD[2],) * 2])
+        for again in range(6):
+            places = terms @ weights
+            radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
+            pitch = 2.0 * np.pi * radius / len(phi)
+            reach = _REACH * pitch
+            if again > 3 and (blob >= 0).sum() > 3:
+                spread = 1.4826 * np.nanmedian(left) / 1.1774 * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
+                reach = min(max(_STRAY * spread, _LEAST_REACH_PX), _PRINT_REACH * pitch)
+            blob, left = self._nearest(places, reach, taken)
+            have = blob >= 0
+            if again == 5 or have.sum() < 3:
+                break
+            hold = _DOT_PX / (sd * np.array([1.0, *(radius,) * 4]))
+            rows = np.vstack([terms[have], np.diag(hold)])
+            weights = np.linalg.lstsq(rows, np.vstack([self.blobs[blob[have]], hold[:, None] * weights]), rcond=None)[0]
+        if self._has_more(phi, weights):
+            return RingFit(weights, np.full(len(phi), -1), np.full(len(phi), np.nan))
+        return RingFit(weights, blob, left, self._power(blob, left, _FREE))
+
+    def _has_more(self, phi: FloatArray, weights: FloatArray) -> bool:
+        """Whether there are dots between the places too, at halves or thirds: a ring of twice or thrice as many."""
+        for parts in (2, 3):
+            step = 2.0 * np.pi / len(phi) / parts
+            between = np.concatenate([phi + step * part for part in range(1, parts)])
+            pitch = step * float(np.linalg.svd(weights[1:3], compute_uv=False).mean())
+            distance = self.tree.query(waves(between, 5) @ weights)[0]
+            if np.mean(distance < _REACH * pitch) > _MORE:
+                return True
+        return False
+
+    def _power(self, blob: NDArray[np.intp], left: FloatArray, free: float) -> float:
+        """Power of ten of how often chance puts so many dots so near to the places of a ring."""
+        off, count = np.sort(left[blob >= 0]), len(blob)
+        if not len(off):
+            return 0.0
+        one = np.minimum(self.density * np.pi * np.maximum(off, _LEAST_RADIUS_PX) ** 2, 1.0)
+        kept = np.arange(1.0, len(off) + 1.0)
+        ways = gammaln(count + 1) - gammaln(kept + 1) - gammaln(count - kept + 1)
+        power = ways / np.log(10.0) + np.maximum(kept - free, 0.0) * np.log10(one)
+        return float(min(power.min(), 0.0))
+
+    def _nearest(
+        self, places: FloatArray, reach: float, taken: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.intp], FloatArray]:
+        """(n,) the free dot of each place within reach, each dot once, and its distance."""
+        distance, blob = self.tree.query(places)
+        order = np.argsort(distance, kind="stable")
+        first = np.zeros(len(places), bool)
+        first[order[np.unique(blob[order], return_index=True)[1]]] = True
+        good = first & (distance < reach) & ~taken[blob]
+        return np.where(good, blob, -1), np.where(good, distance, np.nan)
+
+
+def _mark_radius(pattern: MarkerPattern) -> float:
+    """Distance of the orientation mark from the axis of the nominal image, px; 0 without a mark."""
+    if pattern.marks_px is None or pattern.mark is None:
+        return 0.0
+    return float(np.linalg.svd(np.linalg.lstsq(waves(mark_turns(pattern), 3), pattern.marks_px, rcond=None)[0][1:],
+                               compute_uv=False).mean())  # fmt: skip
+
+
+def mark_turns(pattern: MarkerPattern) -> FloatArray:
+    """(g,) azimuth of the orientation mark under each symmetry."""
+    azimuth = 0.0 if pattern.mark is None else np.arctan2(pattern.mark[1], pattern.mark[0])
+    return np.asarray(np.radians(pattern.turns_deg) + np.where(pattern.mirrored, -azimuth, azimuth))

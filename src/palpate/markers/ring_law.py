@@ -1,0 +1,205 @@
+"""The law of a print of rings in the image: how radius and centre change from ring to ring, and what comes next.
+
+A ring of radius ρ on the dome is drawn at the scale g(ρ) = r/ρ of the nominal camera, since the dome is nearer to the
+camera or farther there. A camera beside the axis moves the centre of a ring by as much as its scale says: c = a + b g.
+A print that is bent as a whole has other radii than the design; they are read off the same profile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import FloatArray
+
+_BELIEF = 2.0
+"""Rings that what is said beforehand of the scatter of centres weighs as much as."""
+_FLAT = 1e-6
+"""Differences of height over the radius below which a skin is flat."""
+_BEYOND = 1.3
+"""How far the profile goes, over the outermost known radius."""
+_HOLD = 0.05
+"""Ridge on b: a dot's error in px over the distance that a camera may stand beside the axis, mm."""
+_RIM = 0.98
+"""Share of the meridian's greatest radius beyond which nothing is printed."""
+_ZOOM_SHARE = 0.2
+"""Share of a common growth of all rings that is the camera's, as far as a camera's distance is better known than a
+print's size: 4 % against 8 %."""
+_ZOOM_SD = 0.035
+"""Standard deviation of what is then left."""
+
+
+@dataclass(frozen=True, eq=False)
+class RingFit:
+    """One ring of dots.
+
+    Attributes
+    ----------
+    weights
+        (5, 2) factors of `waves`, px.
+    blob
+        (n,) dot of each of its markers, -1 where there is none.
+    off_px
+        (n,) how far the dots lie from the ring; NaN where there is none.
+    power
+        Power of ten of the number of such rings that as many dots strewn at random would show in one place.
+    """
+
+    weights: FloatArray
+    blob: NDArray[np.intp]
+    off_px: FloatArray
+
+    power: float = 0.0
+
+    @property
+    def share(self) -> float:
+        """Share of its dots that were seen."""
+        return float(np.mean(self.blob >= 0))
+
+    @property
+    def residual_px(self) -> float:
+        """Root of the mean squared distance of its dots from it; infinite without a dot."""
+        off = self.off_px[np.isfinite(self.off_px)]
+        return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
+
+    @property
+    def radius_px(self) -> float:
+        """Mean of its half axes."""
+        return float(np.linalg.svd(self.weights[1:3], compute_uv=False).mean())
+
+
+class Profile:
+    """The nominal camera's radius r in px of a ring of radius ρ in mm, from some known ones.
+
+    The meridian is taken for a circle about the axis, ρ² + z² = p + q z, and the scale for 1/g = s + t z; what the
+    known rings are beside that is kept.
+
+    Parameters
+    ----------
+    rho, height, radius_px
+        (k,) radius and height of rings, mm, and their radius in the image, px.
+    """
+
+    def __init__(self, rho: FloatArray, height: FloatArray, radius_px: FloatArray) -> None:
+        ones = np.ones_like(rho)
+        self._circle = np.linalg.lstsq(np.column_stack([ones, height]), rho**2 + height**2, rcond=None)[0]
+        self._flat = float(height.mean()) if np.ptp(height) < _FLAT * rho.max() else None
+        model = np.column_stack([ones, self._heights(rho)])
+        self._factors = np.linalg.lstsq(model, rho / radius_px, rcond=None)[0]
+        self._known, self._beside = rho, (radius_px / rho) * (model @ self._factors)
+        self._rho = np.linspace(0.0, _BEYOND * float(rho.max()), 400)
+        self._px = np.maximum.accumulate(self._rho * self.scale(self._rho))
+
+    @property
+    def widest(self) -> float:
+        """Radius up to which the meridian is followed, mm."""
+        p, q = self._circle
+        reach = _RIM * float(np.sqrt(max(q * q / 4.0 + p, 0.0)))
+        return float(self._rho[-1]) if self._flat is not None else max(reach, float(self._known.max()))
+
+    def _heights(self, rho: FloatArray) -> FloatArray:
+        """Heights of the meridian, mm."""
+        if self._flat is not None:
+            return np.full_like(rho, self._flat)
+        p, q = self._circle
+        return np.asarray(q / 2.0 + np.sqrt(np.maximum(q * q / 4.0 + p - rho**2, 0.0)))
+
+    def scale(self, rho: FloatArray | float) -> FloatArray:
+        """Pixels of a millimetre along a ring of this radius, mm."""
+        rho = np.asarray(rho, float)
+        model = self._factors[0] + self._factors[1] * self._heights(rho)
+        return np.asarray(np.interp(rho, self._known, self._beside) / model)
+
+    def rho(self, radius_px: FloatArray | float) -> FloatArray:
+        """Radius in mm of a ring in the nominal image, px."""
+        return np.asarray(np.interp(radius_px, self._px, self._rho))
+
+
+@dataclass(frozen=True, eq=False)
+class RingLaw:
+    """Centres and radii of the rings of a print, and what they say of another ring.
+
+    Attributes
+    ----------
+    profile
+        That of the nominal camera.
+    zoom
+        Pixels of the image over those of the nominal camera.
+    rho
+        (k,) radius of each ring, mm, for the nominal distance: without a common factor, which is the camera's.
+    drift
+        (2, 2) a in px and b in mm of the centres a + b g.
+    left_px
+        (k, 2) centres beside that.
+    """
+
+    profile: Profile
+    zoom: float
+    rho: FloatArray
+    drift: FloatArray
+    left_px: FloatArray
+
+    def centre_sd_px(self, expected_px: float) -> float:
+        """How far the centres scatter, where `expected_px` is what one would say beforehand."""
+        free = max(len(self.left_px) - 2, 0)
+        square = (self.left_px**2).sum() / 2.0 + _BELIEF * expected_px**2
+        return float(np.sqrt(square / (free + _BELIEF)))
+
+    def radius_px(self, of_px: float, growth: float, share: float) -> float:
+        """Radius in the image of the ring `growth` times as wide on the dome as one of radius `of_px`.
+
+        `share` multiplies the zoom.
+        """
+        zoom = self.zoom * share
+        rho = np.minimum(self.profile.rho(of_px / zoom) * growth, self.profile.widest)
+        return float(zoom * rho * self.profile.scale(rho))
+
+    def centre(self, rho: float) -> FloatArray:
+        """(2,) centre of a ring of this radius, mm."""
+        return np.asarray(self.drift[0] + self.zoom * self.profile.scale(rho) * self.drift[1])
+
+
+def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray) -> RingLaw:
+    """The law of some rings, from the innermost, the middle left out; `nominal_px` are the design's radii (k,)."""
+    radius = np.array([ring.radius_px for ring in rings])
+    zoom = 1.0 + _ZOOM_SHARE * (float(np.median(radius / nominal_px[: len(rings)])) - 1.0)
+    rho = profile.rho(radius / zoom)
+    centres = np.stack([ring.weights[0] for ring in rings])
+    scale = zoom * profile.scale(rho)
+    if len(rings) < 2:
+        drift = np.vstack([centres[0], np.zeros(2)])
+    else:
+        weight = np.sqrt(rho / rho.max())
+        middle = float(np.average(scale, weights=weight**2))
+        rows = np.column_stack([weight, weight * (scale - middle)])
+        rows = np.vstack([rows, [0.0, _HOLD * zoom]])
+        fit = np.linalg.lstsq(rows, np.vstack([weight[:, None] * centres, np.zeros(2)]), rcond=None)[0]
+        drift = np.vstack([fit[0] - middle * fit[1], fit[1]])
+    left = centres - drift[0] - scale[:, None] * drift[1]
+    return RingLaw(profile, zoom, rho, drift, left)
+
+
+def continue_rings(law: RingLaw, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float]:
+    """A ring outside the outermost one, as its own shape goes on.
+
+    Parameters
+    ----------
+    law, outer
+        The law of all rings, and the outermost.
+    design
+        Radii of the outermost ring and of the one that is wanted, mm.
+
+    Returns
+    -------
+    ndarray
+        (5, 2) factors of `waves`, px.
+    float
+        Standard deviation of its radius, px, since it is not known how much of the rings' size is the camera's.
+    """
+    radii = [law.radius_px(outer.radius_px, design[1] / design[0], share) for share in (1.0, 1.0 - _ZOOM_SD, 1.0 + _ZOOM_SD)]
+    weights = outer.weights * (radii[0] / outer.radius_px)
+    weights[0] = law.centre(float(law.profile.rho(radii[0] / law.zoom))) + law.left_px[-1]
+    return weights, max(abs(radius - radii[0]) for radius in radii)
