@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import ConvexHull, Delaunay
 
 from palpate.core import FloatArray
 from palpate.markers.laid import Laid
@@ -26,8 +25,6 @@ _MARK_PX, _MARK_SD = 0.2, 0.9
 """Standard deviation of the mark about its place: at least, and over the distance of the dots from their ring."""
 _MARK_STRETCH, _MARK_BENT = 0.025, 0.07
 """The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
-_MARK_ASIDE = 0.16
-"""The same for a bent print in every direction, mm: rings that are off centre hide where the camera stands."""
 _BENT = 0.08
 """Departure of a ring's radius from the design's at which a print counts as bent."""
 
@@ -46,7 +43,7 @@ def lay_rings(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> Lai
     for number, ring in enumerate(best.rings):
         members = rings.members(number)
         blob[members] = ring.blob
-        places[members] = waves(rings.azimuth[members], 5) @ ring.weights
+        places[members] = waves(rings.azimuth[members], 7) @ ring.weights
     marks, axes = _marks(best, pattern, finder)
     doubt = _doubt(finder, found)
     return Laid(blob, places, best.residual_px, False, marks, axes, doubt)
@@ -66,7 +63,7 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"
-    strange = _strange(finder, best)
+    strange = finder.strange(best)
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
         return f"{strange} other dots lie between them"
     if len(found) > 1 and found[1].power < best.power + _RIVAL:
@@ -74,31 +71,21 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     return ""
 
 
-def _strange(finder: RingFinder, fit: RingsFit) -> int:
-    """Number of dots within the outermost ring that are of none."""
-    outer = waves(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 5) @ fit.rings[-1].weights
-    free = np.ones(len(finder.blobs), bool)
-    for ring in fit.rings:
-        free[ring.blob[ring.blob >= 0]] = False
-    hull = Delaunay(outer[ConvexHull(outer).vertices])
-    return int((hull.find_simplex(finder.blobs[free]) >= 0).sum())
-
-
 def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[FloatArray | None, FloatArray | None]:
     """Where the orientation mark would be under each symmetry, and the axes of its standard deviations."""
     if pattern.marks_px is None or pattern.mark is None or len(fit.rings) <= len(finder.rings):
         return None, None
     outer, turns = fit.rings[-1], mark_turns(pattern)
-    law = learn_law(fit.rings[1:], finder.profile, finder.nominal_px[1:])
-    weights, doubt = continue_rings(law, outer, (finder.rings.rho[-1], float(np.hypot(*pattern.mark[:2]))))
-    places = waves(turns, 5) @ weights
+    law = learn_law(fit.rings[1:], finder.profile, finder.nominal_px[1:], finder.rings.rho[1:])
+    weights, doubt, aside = continue_rings(law, outer, (finder.rings.rho[-1], float(np.hypot(*pattern.mark[:2]))))
+    places = waves(turns, 7) @ weights
     out = places - weights[0]
     length = np.linalg.norm(out, axis=1, keepdims=True)
     out /= length
     factor = law.rho / finder.rings.rho[1:]
     bent = min(float(np.abs(factor - 1.0).max()) / _BENT, 1.0) if len(factor) > 1 else 1.0
     outside = float(length.mean()) - outer.radius_px
-    along = np.hypot(max(_MARK_PX, _MARK_SD * outer.residual_px), bent * _MARK_ASIDE * finder.pixel)
+    along = np.hypot(max(_MARK_PX, _MARK_SD * outer.residual_px), aside)
     stretch = (_MARK_STRETCH + bent * _MARK_BENT) * outside
     far = float(np.sqrt(along**2 + stretch**2 + (bent * doubt) ** 2))
     axes = np.stack([far * out, along * np.stack([-out[:, 1], out[:, 0]], axis=-1)], axis=1)

@@ -8,11 +8,12 @@ taken from the design, so no law of the radii can mislead. What chance would giv
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.special import gammaln
 
 from palpate.core import FloatArray
@@ -34,8 +35,8 @@ _LEAST_RING = 0.4
 """Share of a ring's dots that must be seen."""
 _FULL_RING, _FULL = 0.75, 0.6
 """Shares of a ring, and of all, from which on nothing better is looked for,"""
-_EVEN = 0.06
-"""if the dots are as near as this to their rings, over the distance of neighbours."""
+_EVEN, _FEW = 0.06, 3
+"""if the dots are as near as this to their rings, over the distance of neighbours, and so few others are between."""
 _GAPS = (0.35, 2.3)
 """Bounds of the distance to the next ring over what the last ring and the design's radii give."""
 _TRIED = 4
@@ -44,7 +45,7 @@ _SURE = -25.0
 """Power of ten of the number of prints by chance below which a whole print is believed before others are looked at."""
 _SCORE = 0.22
 """The reach while places are compared, over the distance of neighbours on the ring."""
-_LEAST_RADIUS_PX = 0.5
+_LEAST_RADIUS_PX = 0.25
 """A dot is not believed to lie nearer to its place than this, when chance is counted."""
 _FREE = 3.0
 """Dots of a ring that are spent on its shape and place."""
@@ -56,9 +57,24 @@ _STRAY = 4.5
 """A dot this many standard deviations from its ring is not of it."""
 _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
-_SD = (4.0, 0.15, 0.02)
-"""How far a ring may differ from its forecast: centre in px; first and second harmonic over the radius."""
+_SD = (4.0, 0.15, 0.02, 0.006)
+"""How far a ring may differ from its forecast: centre in px; harmonics over the radius."""
+_SD_ALONE = (50.0, 1.0, 0.01, 0.001)
+"""The same for the innermost ring, of which nothing is known."""
+_SD_INSIDE = (3.0, 0.06, 0.01, 0.002)
+"""The same for a ring as the one outside forecasts it."""
+_GAPPY = 0.85
+"""Share of its dots below which a ring is looked for again."""
 _DOT_PX = 0.3
+_FLAT = 0.1
+"""Standard deviation of the ratio of a ring's axes."""
+_FEWEST = 6
+_SMALL, _DROP = 60, 2.5
+"""Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely by
+as many powers of ten;"""
+_ALONE, _ALONE_PITCH, _SPENT = 6.0, 0.06, 8.0
+"""of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the ring
+of the rest, on which so many coordinates are spent."""
 _MORE = 0.5
 """Share of the places between those of a ring at which it is another ring of more dots."""
 _MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
@@ -122,7 +138,8 @@ class RingFinder:
             fit = self._grow(weights)
             found.append(fit)
             every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
-            if every and fit.power < _SURE and fit.residual_px < _EVEN * self._pitch(fit):
+            even = every and fit.power < _SURE and fit.residual_px < _EVEN * self._pitch(fit)
+            if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
                 sure = fit  # what is left to ask are other dots for the same rings
         found.sort(key=lambda fit: fit.power)
         kept: list[RingsFit] = []
@@ -139,7 +156,7 @@ class RingFinder:
         return min(2.0 * np.pi * ring.radius_px / len(ring.blob) for ring in fit.rings[1:])
 
     def _seeds(self) -> list[FloatArray]:
-        """Innermost rings (5, 2) that three dots give and others confirm, those in the middle of the dots first."""
+        """Innermost rings (7, 2) that three dots give and others confirm, those in the middle of the dots first."""
         blobs, phi = self.blobs, self.angles[1]
         step = 2.0 * np.pi / len(phi)
         near = self.tree.query(blobs, min(_NEAR + 1, len(blobs)))[1][:, 1:]
@@ -181,12 +198,12 @@ class RingFinder:
         for number in np.flatnonzero(enough)[np.argsort(misses[enough], kind="stable")]:
             best.setdefault(frozenset(blob[number][hit[number]].tolist()), int(number))
         order = sorted(best.values(), key=lambda number: (far[number] // (0.7 * radius[number]), misses[number]))
-        return [np.vstack([weights[number], np.zeros((2, 2))]) for number in order]
+        return [np.vstack([weights[number], np.zeros((4, 2))]) for number in order]
 
     def _grow(self, weights: FloatArray) -> RingsFit:
         """All rings outwards from the innermost, as far as they are found; then the middle."""
         taken = np.zeros(len(self.blobs), bool)
-        rings = [self._settle(1, weights, taken)]
+        rings = [self._settle(weights, taken, self.angles[1], _SD_ALONE)]
         while rings[-1].share >= _LEAST_RING:
             taken[rings[-1].blob[rings[-1].blob >= 0]] = True
             if len(rings) == len(self.rings):
@@ -194,12 +211,32 @@ class RingFinder:
             rings.append(self._next(rings, taken))
         if rings[-1].share < _LEAST_RING and len(rings) > 1:
             rings.pop()
-        return RingsFit((self._middle(rings, taken), *rings))
+        if len(rings) == len(self.rings):
+            rings = self._look_again(rings)
+        return RingsFit((self._middle(rings, self._taken(rings)), *rings))
+
+    def _look_again(self, rings: list[RingFit]) -> list[RingFit]:
+        """The innermost ring, and those with gaps, as the ring outside (of the outermost, inside) says they should be."""
+        for number in [0, *(k for k in range(1, len(rings)) if rings[k].share < _GAPPY)]:
+            if len(rings) < 2:
+                break
+            by = rings[number + 1] if number + 1 < len(rings) else rings[number - 1]
+            low = rings[number - 1].radius_px if number else 0.5 * rings[0].radius_px
+            high = rings[number + 1].radius_px if number + 1 < len(rings) else 1.3 * rings[number].radius_px
+            radii = np.append(np.arange(low + 0.15 * (high - low), high - 0.1 * (high - low), 0.06 * (high - low)),
+                              rings[number].radius_px)  # fmt: skip
+            taken = self._taken([ring for other, ring in enumerate(rings) if other != number])
+            gap = _BESIDE * (high - low) / 2.0
+            grid = gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
+            new = self._scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, _SD_INSIDE)
+            if new.power < rings[number].power + (_DROP if number == 0 else 0.0):
+                rings[number] = new
+        return rings
 
     def _middle(self, rings: list[RingFit], taken: NDArray[np.bool_]) -> RingFit:
         """The dot within the innermost ring."""
-        law = learn_law(rings, self.profile, self.nominal_px[1:])
-        weights = np.vstack([law.centre(0.0), np.zeros((4, 2))])
+        law = learn_law(rings, self.profile, self.nominal_px[1:], self.rings.rho[1:])
+        weights = np.vstack([law.centre(0.0), np.zeros((6, 2))])
         blob = np.full(len(self.angles[0]), -1)
         distance, dot = self.tree.query(weights[:1])
         reach = min(_MIDDLE_SD * law.centre_sd_px(_MIDDLE_MM * self.pixel), _MIDDLE * rings[0].radius_px)
@@ -214,11 +251,23 @@ class RingFinder:
         number, last = len(rings) + 1, rings[-1]
         return self._look(last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken)
 
+    def strange(self, fit: RingsFit) -> int:
+        """Number of dots within the outermost ring that are of none."""
+        outer = waves(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 7) @ fit.rings[-1].weights
+        free = ~self._taken(fit.rings)
+        hull = Delaunay(outer[ConvexHull(outer).vertices])
+        return int((hull.find_simplex(self.blobs[free]) >= 0).sum())
+
+    def _taken(self, rings: Sequence[RingFit]) -> NDArray[np.bool_]:
+        """(n,) whether a dot is of a ring."""
+        taken = np.zeros(len(self.blobs), bool)
+        for ring in rings:
+            taken[ring.blob[ring.blob >= 0]] = True
+        return taken
+
     def beyond(self, fit: RingsFit) -> tuple[int, int]:
         """How many dots one more ring than the design's would have, and how many of them are there."""
-        taken = np.zeros(len(self.blobs), bool)
-        for ring in fit.rings:
-            taken[ring.blob[ring.blob >= 0]] = True
+        taken = self._taken(fit.rings)
         counts = [len(phi) for phi in self.angles]
         more = 2 * counts[-1] - counts[-2] if len(counts) > 2 else 2 * counts[-1]
         phi = self.angles[-1][0] + 2.0 * np.pi * np.arange(more) / more
@@ -241,10 +290,16 @@ class RingFinder:
         return best
 
     def _scan(
-        self, last: RingFit, phi: FloatArray, growths: FloatArray, shifts: FloatArray, taken: NDArray[np.bool_]
+        self,
+        last: RingFit,
+        phi: FloatArray,
+        growths: FloatArray,
+        shifts: FloatArray,
+        taken: NDArray[np.bool_],
+        sd: tuple[float, ...] = _SD,
     ) -> RingFit:
         """The ring of the growth and shift under which most dots are on it."""
-        shape = waves(phi, 5)[:, 1:] @ last.weights[1:]
+        shape = waves(phi, 7)[:, 1:] @ last.weights[1:]
         centre = last.weights[0] + shifts
         places = centre[None, :, None] + growths[:, None, None, None] * shape[None, None]
         distance, blob = self.tree.query(places)
@@ -255,19 +310,17 @@ class RingFinder:
         for _ in range(_TRIED):
             grown = int(np.argmax(by_growth))
             weights = np.vstack([centre[np.argmax(score[grown])], growths[grown] * last.weights[1:]])
-            tried.append(self._settle(0, weights, taken, phi))
+            tried.append(self._settle(weights, taken, phi, sd))
             by_growth[max(grown - 1, 0) : grown + 2] = -1.0
         return min(tried, key=lambda ring: ring.power)
 
     def _settle(
-        self, number: int, weights: FloatArray, taken: NDArray[np.bool_], phi: FloatArray | None = None
+        self, weights: FloatArray, taken: NDArray[np.bool_], phi: FloatArray, sd: tuple[float, ...]
     ) -> RingFit:
         """Nearest dots and the ring in turn; at last what is too far from it is left out."""
-        phi = self.angles[number] if phi is None else phi
-        terms = waves(phi, 5)
+        terms = waves(phi, 7)
         blob = np.full(len(phi), -1)
         left = np.full(len(phi), np.nan)
-        sd = np.array([_SD[0], *(_SD[1],) * 2, *(_SD[2],) * 2])
         for again in range(6):
             places = terms @ weights
             radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
@@ -280,12 +333,55 @@ class RingFinder:
             have = blob >= 0
             if again == 5 or have.sum() < 3:
                 break
-            hold = _DOT_PX / (sd * np.array([1.0, *(radius,) * 4]))
-            rows = np.vstack([terms[have], np.diag(hold)])
-            weights = np.linalg.lstsq(rows, np.vstack([self.blobs[blob[have]], hold[:, None] * weights]), rcond=None)[0]
+            weights = self._fitted(terms[have], self.blobs[blob[have]], weights, sd)
+        if len(phi) <= _SMALL:
+            weights, blob, left = self._without_worst(terms, (weights, sd), blob, left)
         if self._has_more(phi, weights):
             return RingFit(weights, np.full(len(phi), -1), np.full(len(phi), np.nan))
-        return RingFit(weights, blob, left, self._power(blob, left, _FREE))
+        return RingFit(weights, blob, left, self._power(blob, left, _FREE) + _flatness(weights))
+
+    def _without_worst(
+        self,
+        terms: FloatArray,
+        held: tuple[FloatArray, tuple[float, ...]],
+        blob: NDArray[np.intp],
+        left: FloatArray,
+    ) -> tuple[FloatArray, NDArray[np.intp], FloatArray]:
+        """A small ring without a dot that alone bends it: the others then fit so well that chance does it less."""
+        have = np.flatnonzero(blob >= 0)
+        if len(have) < 5:
+            return held[0], blob, left
+        tried = []
+        for out in have:
+            rest = have[have != out]
+            fit = self._fitted(terms[rest], self.blobs[blob[rest]], *held)
+            off = np.full(len(blob), np.nan)
+            off[have] = np.linalg.norm(self.blobs[blob[have]] - terms[have] @ fit, axis=1)
+            tried.append((off[out], fit, np.where(np.arange(len(blob)) == out, -1, blob), off))
+        if len(blob) <= _FEWEST:
+            power = [self._power(kept, off, _FREE) for _, _, kept, off in tried]
+            which = int(np.argmin(power))
+            drop = power[which] < self._power(blob, left, _FREE) + _DROP
+        else:
+            which = int(np.argmax([each[0] for each in tried]))
+            far, fit, kept, off = tried[which]
+            spread = np.sqrt(np.sum(off[kept >= 0] ** 2) / max(2.0 * len(have) - 2.0 - _SPENT, 2.0))
+            pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
+            drop = far > max(_ALONE * spread, _ALONE_PITCH * pitch, _LEAST_REACH_PX)
+        if not drop:
+            return held[0], blob, left
+        _, fit, kept, off = tried[which]
+        return fit, kept, np.where(kept >= 0, off, np.nan)
+
+    def _fitted(
+        self, terms: FloatArray, seen: FloatArray, weights: FloatArray, share: tuple[float, ...]
+    ) -> FloatArray:
+        """The ring through dots (n, 2), as near to its forecast as `share`, one of `_SD`, says."""
+        radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
+        sd = np.array([share[0], *(radius * each for each in share[1:] for _ in range(2))])
+        hold = _DOT_PX / sd
+        rows = np.vstack([terms, np.diag(hold)])
+        return np.asarray(np.linalg.lstsq(rows, np.vstack([seen, hold[:, None] * weights]), rcond=None)[0])
 
     def _has_more(self, phi: FloatArray, weights: FloatArray) -> bool:
         """Whether there are dots between the places too, at halves or thirds: a ring of twice or thrice as many."""
@@ -293,7 +389,7 @@ class RingFinder:
             step = 2.0 * np.pi / len(phi) / parts
             between = np.concatenate([phi + step * part for part in range(1, parts)])
             pitch = step * float(np.linalg.svd(weights[1:3], compute_uv=False).mean())
-            distance = self.tree.query(waves(between, 5) @ weights)[0]
+            distance = self.tree.query(waves(between, 7) @ weights)[0]
             if np.mean(distance < _REACH * pitch) > _MORE:
                 return True
         return False
@@ -319,6 +415,12 @@ class RingFinder:
         first[order[np.unique(blob[order], return_index=True)[1]]] = True
         good = first & (distance < reach) & ~taken[blob]
         return np.where(good, blob, -1), np.where(good, distance, np.nan)
+
+
+def _flatness(weights: FloatArray) -> float:
+    """Powers of ten by which an ellipse is less likely than a circle."""
+    axes = np.linalg.svd(weights[1:3], compute_uv=False)
+    return float(0.5 * ((axes[0] / max(axes[1], 1e-9) - 1.0) / _FLAT) ** 2 / np.log(10.0))
 
 
 def _mark_radius(pattern: MarkerPattern) -> float:

@@ -21,8 +21,10 @@ _FLAT = 1e-6
 """Differences of height over the radius below which a skin is flat."""
 _BEYOND = 1.3
 """How far the profile goes, over the outermost known radius."""
-_HOLD = 0.05
-"""Ridge on b: a dot's error in px over the distance that a camera may stand beside the axis, mm."""
+_ASIDE_MM = 4.0
+"""Standard deviation of how far a camera stands beside the axis, in each direction."""
+_LEAST_OFF_PX, _OFF, _BENT = 0.1, 3.0, 0.08
+"""Standard deviation of the centres of rings about their line: at least, and in mm over how far the radii are off."""
 _RIM = 0.98
 """Share of the meridian's greatest radius beyond which nothing is printed."""
 _ZOOM_SHARE = 0.2
@@ -39,7 +41,7 @@ class RingFit:
     Attributes
     ----------
     weights
-        (5, 2) factors of `waves`, px.
+        (7, 2) factors of `waves`, px.
     blob
         (n,) dot of each of its markers, -1 where there is none.
     off_px
@@ -134,6 +136,8 @@ class RingLaw:
         (2, 2) a in px and b in mm of the centres a + b g.
     left_px
         (k, 2) centres beside that.
+    drift_sd
+        Standard deviation of b, mm.
     """
 
     profile: Profile
@@ -141,6 +145,7 @@ class RingLaw:
     rho: FloatArray
     drift: FloatArray
     left_px: FloatArray
+    drift_sd: float
 
     def centre_sd_px(self, expected_px: float) -> float:
         """How far the centres scatter, where `expected_px` is what one would say beforehand."""
@@ -162,27 +167,45 @@ class RingLaw:
         return np.asarray(self.drift[0] + self.zoom * self.profile.scale(rho) * self.drift[1])
 
 
-def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray) -> RingLaw:
-    """The law of some rings, from the innermost, the middle left out; `nominal_px` are the design's radii (k,)."""
+def learn_law(
+    rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray
+) -> RingLaw:
+    """The law of some rings, from the innermost, the middle left out.
+
+    `nominal_px` and `design_rho` are the design's radii (k,) in px of the nominal image and in mm.
+    """
+    nominal_px, design_rho = nominal_px[: len(rings)], design_rho[: len(rings)]
     radius = np.array([ring.radius_px for ring in rings])
-    zoom = 1.0 + _ZOOM_SHARE * (float(np.median(radius / nominal_px[: len(rings)])) - 1.0)
+    zoom = 1.0 + _ZOOM_SHARE * (float(np.median(radius / nominal_px)) - 1.0)
     rho = profile.rho(radius / zoom)
     centres = np.stack([ring.weights[0] for ring in rings])
     scale = zoom * profile.scale(rho)
-    if len(rings) < 2:
-        drift = np.vstack([centres[0], np.zeros(2)])
-    else:
-        weight = np.sqrt(rho / rho.max())
-        middle = float(np.average(scale, weights=weight**2))
+    bent = float(np.abs(rho / design_rho - 1.0).max())
+    drift, sd = _drift(centres, scale, np.sqrt(rho / rho.max()), min(bent, _BENT) * _OFF)
+    left = centres - drift[0] - scale[:, None] * drift[1]
+    return RingLaw(profile, zoom, rho, drift, left, sd)
+
+
+def _drift(
+    centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: float
+) -> tuple[FloatArray, float]:
+    """The line a + b g through the centres of rings, b held near zero as far as they scatter, and b's deviation."""
+    middle = float(np.average(scale, weights=weight**2))
+    expected = np.hypot(_LEAST_OFF_PX, off_mm * scale.mean())
+    sd = expected
+    for _ in range(2):
         rows = np.column_stack([weight, weight * (scale - middle)])
-        rows = np.vstack([rows, [0.0, _HOLD * zoom]])
+        rows = np.vstack([rows, [0.0, sd / _ASIDE_MM]])
         fit = np.linalg.lstsq(rows, np.vstack([weight[:, None] * centres, np.zeros(2)]), rcond=None)[0]
         drift = np.vstack([fit[0] - middle * fit[1], fit[1]])
-    left = centres - drift[0] - scale[:, None] * drift[1]
-    return RingLaw(profile, zoom, rho, drift, left)
+        left = centres - drift[0] - scale[:, None] * drift[1]
+        free = max(len(centres) - 2, 0)
+        sd = float(np.sqrt(((left**2).sum() / 2.0 + _BELIEF * expected**2) / (free + _BELIEF)))
+    spread = (weight**2 * (scale - middle) ** 2).sum()
+    return drift, float(1.0 / np.sqrt(spread / sd**2 + 1.0 / _ASIDE_MM**2))
 
 
-def continue_rings(law: RingLaw, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float]:
+def continue_rings(law: RingLaw, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float, float]:
     """A ring outside the outermost one, as its own shape goes on.
 
     Parameters
@@ -195,11 +218,16 @@ def continue_rings(law: RingLaw, outer: RingFit, design: tuple[float, float]) ->
     Returns
     -------
     ndarray
-        (5, 2) factors of `waves`, px.
+        (7, 2) factors of `waves`, px.
     float
         Standard deviation of its radius, px, since it is not known how much of the rings' size is the camera's.
+    float
+        Standard deviation of each coordinate of its centre, px.
     """
-    radii = [law.radius_px(outer.radius_px, design[1] / design[0], share) for share in (1.0, 1.0 - _ZOOM_SD, 1.0 + _ZOOM_SD)]
+    zooms = (1.0, 1.0 - _ZOOM_SD, 1.0 + _ZOOM_SD)
+    radii = [law.radius_px(outer.radius_px, design[1] / design[0], share) for share in zooms]
     weights = outer.weights * (radii[0] / outer.radius_px)
-    weights[0] = law.centre(float(law.profile.rho(radii[0] / law.zoom))) + law.left_px[-1]
-    return weights, max(abs(radius - radii[0]) for radius in radii)
+    rho = float(law.profile.rho(radii[0] / law.zoom))
+    weights[0] = law.centre(rho) + law.left_px[-1]
+    aside = law.drift_sd * law.zoom * abs(float(law.profile.scale(rho) - law.profile.scale(float(law.rho[-1]))))
+    return weights, max(abs(radius - radii[0]) for radius in radii), aside

@@ -72,10 +72,10 @@ def _even(azimuth: FloatArray) -> bool:
 
 
 def waves(azimuth: FloatArray, terms: int) -> FloatArray:
-    """(n, terms) 1, cos φ, sin φ and, of five terms, cos 2φ and sin 2φ: what a bent ring is made of.
+    """(n, terms) 1, cos φ, sin φ, and of five or seven terms cos and sin of 2φ and 3φ: what a bent ring is made of.
 
-    With weights (3, 2) they are an ellipse of any centre on which the dots keep their order; the second harmonic is
+    With weights (3, 2) they are an ellipse of any centre on which the dots keep their order; the higher harmonics are
     what perspective and distortion add.
     """
-    columns = [np.ones_like(azimuth), np.cos(azimuth), np.sin(azimuth), np.cos(2 * azimuth), np.sin(2 * azimuth)]
-    return np.stack(columns[:terms], axis=-1)
+    waves_of = [wave(k * azimuth) for k in range(1, terms // 2 + 1) for wave in (np.cos, np.sin)]
+    return np.stack([np.ones_like(azimuth), *waves_of], axis=-1)
