@@ -17,8 +17,6 @@ _BEYOND = 0.6
 """Share of the places of one more ring at which the print is another's."""
 _RIVAL = 2.0
 """Powers of ten by which a print about another middle must be likelier by chance."""
-_ROUGH = 0.1
-"""Greatest residual over the least distance of two places."""
 _STRANGE, _STRANGE_SHARE = 12, 0.1
 """Dots within the print that are of no ring: so many, and so many more for each that is."""
 _MARK_PX, _MARK_SD = 0.2, 0.9
@@ -57,9 +55,9 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     chance = best.power + float(np.log10(max(finder.seeds, 1)))
     if chance > _CHANCE:
         return f"dots strewn at random would do as well in 1 of {10.0 ** -min(chance, 0.0):.0f} images"
-    near = min(2.0 * np.pi * ring.radius_px / len(ring.blob) for ring in best.rings[1:])
-    if best.residual_px > _ROUGH * near:
-        return f"they lie {best.residual_px:.1f} px off even rings"
+    uneven = [number for number, ring in enumerate(best.rings) if number and not ring.even]
+    if uneven:
+        return f"ring {uneven[0]} is not even: its dots lie {best.rings[uneven[0]].residual_px:.1f} px off"
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"

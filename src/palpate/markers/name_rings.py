@@ -29,14 +29,16 @@ _AXES = 1.5
 """Greatest ratio of the axes of the innermost ring as three of its dots give it."""
 _SEED = 0.3
 """How far a dot of the innermost ring may lie from where three others put it, over the radius."""
-_LEAST_SEED = 0.6
-"""Share of the dots of the innermost ring and its middle that a seed must have."""
+_LEAST_SEED, _POOR_SEED = 0.6, 0.55
+"""Share of the dots of the innermost ring and its middle that a seed must have, and if none leads to all rings."""
+_SEEDS = 60
+"""Seeds that are tried at most, from the middle of the dots outwards."""
 _LEAST_RING = 0.4
 """Share of a ring's dots that must be seen."""
 _FULL_RING, _FULL = 0.75, 0.6
 """Shares of a ring, and of all, from which on nothing better is looked for,"""
-_EVEN, _FEW = 0.06, 3
-"""if the dots are as near as this to their rings, over the distance of neighbours, and so few others are between."""
+_FEW = 3
+"""if the rings are even and so few other dots are between."""
 _GAPS = (0.35, 2.3)
 """Bounds of the distance to the next ring over what the last ring and the design's radii give."""
 _TRIED = 4
@@ -131,16 +133,9 @@ class RingFinder:
     def find(self) -> list[RingsFit]:
         """The best fits first; of those about one middle, only the best."""
         found: list[RingsFit] = []
-        sure: RingsFit | None = None
-        for weights in self._seeds():
-            if sure and np.linalg.norm(weights[0] - sure.rings[1].weights[0]) > 0.5 * sure.rings[1].radius_px:
-                continue
-            fit = self._grow(weights)
-            found.append(fit)
-            every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
-            even = every and fit.power < _SURE and fit.residual_px < _EVEN * self._pitch(fit)
-            if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
-                sure = fit  # what is left to ask are other dots for the same rings
+        for least in (_LEAST_SEED, _POOR_SEED) if len(self.rings) > 1 else (_LEAST_SEED,):
+            if self._ask(self._seeds(least)[:_SEEDS], found):
+                break
         found.sort(key=lambda fit: fit.power)
         kept: list[RingsFit] = []
         for fit in found:
@@ -150,12 +145,21 @@ class RingFinder:
                 kept.append(fit)
         return kept
 
-    @staticmethod
-    def _pitch(fit: RingsFit) -> float:
-        """Least distance of neighbours on a ring, px."""
-        return min(2.0 * np.pi * ring.radius_px / len(ring.blob) for ring in fit.rings[1:])
+    def _ask(self, seeds: list[FloatArray], found: list[RingsFit]) -> bool:
+        """Grow seeds one after the other, until a whole print is sure: then others of its middle only."""
+        sure: RingsFit | None = None
+        for weights in seeds:
+            if sure and np.linalg.norm(weights[0] - sure.rings[1].weights[0]) > 0.5 * sure.rings[1].radius_px:
+                continue
+            fit = self._grow(weights)
+            found.append(fit)
+            every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
+            even = every and fit.power < _SURE and all(ring.even for ring in fit.rings[1:])
+            if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
+                sure = fit
+        return sure is not None
 
-    def _seeds(self) -> list[FloatArray]:
+    def _seeds(self, least: float) -> list[FloatArray]:
         """Innermost rings (7, 2) that three dots give and others confirm, those in the middle of the dots first."""
         blobs, phi = self.blobs, self.angles[1]
         step = 2.0 * np.pi / len(phi)
@@ -178,9 +182,9 @@ class RingFinder:
         weights = np.concatenate([three, two])
         axes = np.linalg.svd(weights[:, 1:], compute_uv=False)
         weights = weights[axes[:, 0] < _AXES * axes[:, 1]]
-        return self._confirmed(weights)
+        return self._confirmed(weights, least)
 
-    def _confirmed(self, weights: FloatArray) -> list[FloatArray]:
+    def _confirmed(self, weights: FloatArray, least: float) -> list[FloatArray]:
         """Those of the seeds (n, 3, 2) that have dots enough, each set of dots once."""
         if not len(weights):
             return []
@@ -189,8 +193,8 @@ class RingFinder:
         places = np.concatenate([places, weights[:, :1]], axis=1)
         distance, blob = self.tree.query(places)
         hit = distance < _SEED * radius[:, None]
-        enough = hit.sum(axis=1) >= _LEAST_SEED * places.shape[1]
-        self.seeds = int(enough.sum())
+        enough = hit.sum(axis=1) >= least * places.shape[1]
+        self.seeds = max(int(enough.sum()), self.seeds)
         middle = np.median(self.blobs, axis=0) / 2.0 + self.blobs.mean(axis=0) / 2.0
         far = np.linalg.norm(weights[:, 0] - middle, axis=1)
         misses = np.where(hit, distance, radius[:, None] * _SEED).sum(axis=1) / radius
@@ -216,10 +220,10 @@ class RingFinder:
         return RingsFit((self._middle(rings, self._taken(rings)), *rings))
 
     def _look_again(self, rings: list[RingFit]) -> list[RingFit]:
-        """The innermost ring, and those with gaps, as the ring outside (of the outermost, inside) says they should be."""
-        for number in [0, *(k for k in range(1, len(rings)) if rings[k].share < _GAPPY)]:
-            if len(rings) < 2:
-                break
+        """The innermost ring, and poor ones, as the ring outside (of the outermost, inside) says they should be."""
+        for number in reversed(range(len(rings) if len(rings) > 1 else 0)):
+            if number and rings[number].share > _GAPPY and rings[number].even:
+                continue
             by = rings[number + 1] if number + 1 < len(rings) else rings[number - 1]
             low = rings[number - 1].radius_px if number else 0.5 * rings[0].radius_px
             high = rings[number + 1].radius_px if number + 1 < len(rings) else 1.3 * rings[number].radius_px

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from palpate.core import FloatArray
 
+_EVEN = 0.07
+"""Greatest residual of a ring's dots over the distance of neighbours."""
 _BELIEF = 2.0
 """Rings that what is said beforehand of the scatter of centres weighs as much as."""
 _FLAT = 1e-6
@@ -66,6 +68,11 @@ class RingFit:
         """Root of the mean squared distance of its dots from it; infinite without a dot."""
         off = self.off_px[np.isfinite(self.off_px)]
         return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
+
+    @property
+    def even(self) -> bool:
+        """Whether the dots lie as near to it as a print's do."""
+        return self.residual_px < _EVEN * 2.0 * np.pi * self.radius_px / len(self.blob)
 
     @property
     def radius_px(self) -> float:
