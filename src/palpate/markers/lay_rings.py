@@ -55,7 +55,7 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     chance = best.power + float(np.log10(max(finder.seeds, 1)))
     if chance > _CHANCE:
         return f"dots strewn at random would do as well in 1 of {10.0 ** -min(chance, 0.0):.0f} images"
-    uneven = [number for number, ring in enumerate(best.rings) if number and not ring.even]
+    uneven = [number for number, ring in enumerate(best.rings) if number and not ring.even and ring.count]
     if uneven:
         return f"ring {uneven[0]} is not even: its dots lie {best.rings[uneven[0]].residual_px:.1f} px off"
     more, there = finder.beyond(best)

@@ -53,8 +53,8 @@ _FREE = 3.0
 """Dots of a ring that are spent on its shape and place."""
 _REACH = 0.3
 """How far from its place a dot of a ring may lie while the ring settles, over the least distance of its neighbours."""
-_PRINT_REACH, _LEAST_REACH_PX = 0.22, 0.7
-"""The same once it has settled, at most and at least."""
+_PRINT_REACH, _LEAST_REACH, _LEAST_REACH_PX = 0.22, 0.05, 0.7
+"""The same once it has settled, at most and at least, and in px."""
 _STRAY = 4.5
 """A dot this many standard deviations from its ring is not of it."""
 _BESIDE = 0.3
@@ -63,6 +63,8 @@ _SD = (4.0, 0.15, 0.02, 0.006)
 """How far a ring may differ from its forecast: centre in px; harmonics over the radius."""
 _SD_ALONE = (50.0, 1.0, 0.01, 0.001)
 """The same for the innermost ring, of which nothing is known."""
+_LAW_REACH = 0.12
+"""How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
 _SD_INSIDE = (3.0, 0.06, 0.01, 0.002)
 """The same for a ring as the one outside forecasts it."""
 _GAPPY = 0.85
@@ -235,7 +237,26 @@ class RingFinder:
             new = self._scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, _SD_INSIDE)
             if new.power < rings[number].power + (_DROP if number == 0 else 0.0):
                 rings[number] = new
+        good = [number for number, ring in enumerate(rings) if ring.even and ring.share > _LEAST_RING]
+        for number in set(range(len(rings))).difference(good) if len(good) > 1 else ():
+            taken = self._taken([ring for other, ring in enumerate(rings) if other != number])
+            rings[number] = self._by_law(number + 1, [rings[k] for k in good], [k + 1 for k in good], taken)
         return rings
+
+    def _by_law(
+        self, number: int, rings: list[RingFit], numbers: list[int], taken: NDArray[np.bool_]
+    ) -> RingFit:
+        """A ring too poor to tell its own shape, as the law of others says, with the dots that lie there."""
+        design = self.rings.rho[numbers]
+        law = learn_law(rings, self.profile, self.nominal_px[numbers], design)
+        rho = float(np.interp(self.rings.rho[number], design, law.rho / design) * self.rings.rho[number])
+        like = rings[int(np.argmin(np.abs(np.array(numbers) - number)))]
+        weights = like.weights * (law.zoom * rho * float(law.profile.scale(rho)) / like.radius_px)
+        weights[0] = law.centre(rho)
+        phi = self.angles[number]
+        pitch = 2.0 * np.pi * like.radius_px / len(phi) * float(rho / law.rho.max())
+        blob, left = self._nearest(waves(phi, 7) @ weights, _LAW_REACH * pitch, taken)
+        return RingFit(weights, blob, left)
 
     def _middle(self, rings: list[RingFit], taken: NDArray[np.bool_]) -> RingFit:
         """The dot within the innermost ring."""
@@ -332,7 +353,7 @@ class RingFinder:
             reach = _REACH * pitch
             if again > 3 and (blob >= 0).sum() > 3:
                 spread = 1.4826 * np.nanmedian(left) / 1.1774 * np.sqrt(max(len(phi) / max(len(phi) - 3, 1), 1.0))
-                reach = min(max(_STRAY * spread, _LEAST_REACH_PX), _PRINT_REACH * pitch)
+                reach = min(max(_STRAY * spread, _LEAST_REACH_PX, _LEAST_REACH * pitch), _PRINT_REACH * pitch)
             blob, left = self._nearest(places, reach, taken)
             have = blob >= 0
             if again == 5 or have.sum() < 3:
@@ -375,6 +396,10 @@ class RingFinder:
         if not drop:
             return held[0], blob, left
         _, fit, kept, off = tried[which]
+        away, dot = self.tree.query(terms[have[which]] @ fit)
+        pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
+        if dot != blob[have[which]] and dot not in kept and away < max(_ALONE_PITCH * pitch, _LEAST_REACH_PX):
+            kept[have[which]], off[have[which]] = dot, away
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
     def _fitted(

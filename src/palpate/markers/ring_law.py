@@ -59,6 +59,11 @@ class RingFit:
     power: float = 0.0
 
     @property
+    def count(self) -> int:
+        """Number of its dots that were seen."""
+        return int((self.blob >= 0).sum())
+
+    @property
     def share(self) -> float:
         """Share of its dots that were seen."""
         return float(np.mean(self.blob >= 0))
