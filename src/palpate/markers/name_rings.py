@@ -9,7 +9,7 @@ taken from the design, so no law of the radii can mislead. What chance would giv
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ _SIDES, _BEND = (0.65, 1.55), (0.55, 1.75)
 """Bounds of the ratios of neighbouring chords, and of the diagonal to the radius, on the innermost ring."""
 _AXES = 1.5
 """Greatest ratio of the axes of the innermost ring as three of its dots give it."""
+_SIZES = (0.55, 1.8)
+"""Bounds of its radius over the design's in the nominal image."""
 _SEED = 0.3
 """How far a dot of the innermost ring may lie from where three others put it, over the radius."""
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
@@ -61,7 +63,7 @@ _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
 _SD = (4.0, 0.15, 0.02, 0.006)
 """How far a ring may differ from its forecast: centre in px; harmonics over the radius."""
-_SD_ALONE = (50.0, 1.0, 0.01, 0.001)
+_SD_ALONE = (50.0, 1.0, 0.005, 0.001)
 """The same for the innermost ring, of which nothing is known."""
 _LAW_REACH = 0.12
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
@@ -70,10 +72,12 @@ _SD_INSIDE = (3.0, 0.06, 0.01, 0.002)
 _GAPPY = 0.85
 """Share of its dots below which a ring is looked for again."""
 _DOT_PX = 0.3
+_SIZE = 0.15
+"""Standard deviation of the innermost ring's size, as a share: print and camera together."""
 _FLAT = 0.1
 """Standard deviation of the ratio of a ring's axes."""
 _FEWEST = 6
-_SMALL, _DROP = 60, 2.5
+_SMALL, _DROP = 60, 3.0
 """Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely by
 as many powers of ten;"""
 _ALONE, _ALONE_PITCH, _SPENT = 6.0, 0.06, 8.0
@@ -183,7 +187,8 @@ class RingFinder:
         two = np.linalg.inv(design) @ np.stack([blobs[b], blobs[a], blobs[c]], axis=1)[keep]
         weights = np.concatenate([three, two])
         axes = np.linalg.svd(weights[:, 1:], compute_uv=False)
-        weights = weights[axes[:, 0] < _AXES * axes[:, 1]]
+        size = axes.mean(axis=1) / self.nominal_px[1]
+        weights = weights[(axes[:, 0] < _AXES * axes[:, 1]) & (size > _SIZES[0]) & (size < _SIZES[1])]
         return self._confirmed(weights, least)
 
     def _confirmed(self, weights: FloatArray, least: float) -> list[FloatArray]:
@@ -210,6 +215,8 @@ class RingFinder:
         """All rings outwards from the innermost, as far as they are found; then the middle."""
         taken = np.zeros(len(self.blobs), bool)
         rings = [self._settle(weights, taken, self.angles[1], _SD_ALONE)]
+        size = float(np.log(rings[0].radius_px / self.nominal_px[1]) / _SIZE)
+        rings[0] = replace(rings[0], power=rings[0].power + 0.5 * size**2 / np.log(10.0))
         while rings[-1].share >= _LEAST_RING:
             taken[rings[-1].blob[rings[-1].blob >= 0]] = True
             if len(rings) == len(self.rings):
@@ -219,7 +226,28 @@ class RingFinder:
             rings.pop()
         if len(rings) == len(self.rings):
             rings = self._look_again(rings)
+            rings = self._assign(rings)
         return RingsFit((self._middle(rings, self._taken(rings)), *rings))
+
+    def _assign(self, rings: list[RingFit]) -> list[RingFit]:
+        """All dots given to the places of all rings at once, each to the nearest."""
+        for _ in range(2):
+            places = [waves(phi, 7) @ ring.weights for phi, ring in zip(self.angles[1:], rings, strict=True)]
+            every = cKDTree(np.concatenate(places))
+            own = every.query(self.blobs)[1]
+            first = 0
+            for number, (ring, where) in enumerate(zip(rings, places, strict=True)):
+                pitch = 2.0 * np.pi * ring.radius_px / len(where)
+                distance, blob = self.tree.query(where)
+                spread = _STRAY * ring.residual_px / np.sqrt(2.0) if ring.count else 0.0
+                reach = min(max(spread, _LEAST_REACH * pitch, _LEAST_REACH_PX), _LAW_REACH * pitch)
+                good = (distance < reach) & (own[blob] == first + np.arange(len(where)))
+                first += len(where)
+                blob, weights = np.where(good, blob, -1), ring.weights
+                if good.sum() > len(where) / 2:
+                    weights = self._fitted(waves(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, _SD)
+                rings[number] = replace(ring, weights=weights, blob=blob, off_px=np.where(good, distance, np.nan))
+        return rings
 
     def _look_again(self, rings: list[RingFit]) -> list[RingFit]:
         """The innermost ring, and poor ones, as the ring outside (of the outermost, inside) says they should be."""

@@ -90,8 +90,8 @@ def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=
     shape = (round(300 * scale), round(400 * scale))
     dots = dots + np.array(shape[::-1]) / 2 - places.mean(axis=0)
     places = dots[:-1].copy()
-    extra = rng.uniform(0, 1, (false, 2)) * np.array(shape[::-1])
     seen = np.flatnonzero(~gone)
+    extra = _specks(dots[seen], false, shape, 1.5 * px, rng)
     order = rng.permutation(len(seen) + false)
     truth = np.full(len(dots), -1)
     truth[seen] = np.argsort(order)[: len(seen)]
@@ -106,6 +106,16 @@ def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=
         "pose": pose,
         "extra": extra,
     }
+
+
+def _specks(dots, count, shape, apart_px, rng):
+    """False dots (count, 2) anywhere, a dot's diameter from what is seen: nearer ones would be one blob with it."""
+    found = np.empty((0, 2))
+    while len(found) < count:
+        new = rng.uniform(0, 1, 2) * np.array(shape[::-1])
+        if np.linalg.norm(np.vstack([dots, found]) - new, axis=1).min() > apart_px:
+            found = np.vstack([found, new])
+    return found
 
 
 def _photographed(points, rng, scale):
