@@ -61,13 +61,13 @@ _STRAY = 4.5
 """A dot this many standard deviations from its ring is not of it."""
 _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
-_SD = (4.0, 0.15, 0.02, 0.006)
+_SD = (4.0, 0.15, 0.03, 0.015)
 """How far a ring may differ from its forecast: centre in px; harmonics over the radius."""
-_SD_ALONE = (50.0, 1.0, 0.005, 0.001)
+_SD_ALONE = (50.0, 1.0, 0.01, 0.002)
 """The same for the innermost ring, of which nothing is known."""
 _LAW_REACH = 0.12
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
-_SD_INSIDE = (3.0, 0.06, 0.01, 0.002)
+_SD_INSIDE = (3.0, 0.08, 0.015, 0.005)
 """The same for a ring as the one outside forecasts it."""
 _GAPPY = 0.85
 """Share of its dots below which a ring is looked for again."""
@@ -371,7 +371,7 @@ class RingFinder:
         self, weights: FloatArray, taken: NDArray[np.bool_], phi: FloatArray, sd: tuple[float, ...]
     ) -> RingFit:
         """Nearest dots and the ring in turn; at last what is too far from it is left out."""
-        terms = waves(phi, 7)
+        terms, held = waves(phi, 7), weights
         blob = np.full(len(phi), -1)
         left = np.full(len(phi), np.nan)
         for again in range(6):
@@ -386,9 +386,10 @@ class RingFinder:
             have = blob >= 0
             if again == 5 or have.sum() < 3:
                 break
-            weights = self._fitted(terms[have], self.blobs[blob[have]], weights, sd)
+            weights = self._fitted(terms[have], self.blobs[blob[have]], held, sd)
         if len(phi) <= _SMALL:
-            weights, blob, left = self._without_worst(terms, (weights, sd), blob, left)
+            if dropped := self._without_worst(terms, (held, sd), blob, left):
+                weights, blob, left = dropped
         if self._has_more(phi, weights):
             return RingFit(weights, np.full(len(phi), -1), np.full(len(phi), np.nan))
         return RingFit(weights, blob, left, self._power(blob, left, _FREE) + _flatness(weights))
@@ -399,11 +400,11 @@ class RingFinder:
         held: tuple[FloatArray, tuple[float, ...]],
         blob: NDArray[np.intp],
         left: FloatArray,
-    ) -> tuple[FloatArray, NDArray[np.intp], FloatArray]:
+    ) -> tuple[FloatArray, NDArray[np.intp], FloatArray] | None:
         """A small ring without a dot that alone bends it: the others then fit so well that chance does it less."""
         have = np.flatnonzero(blob >= 0)
         if len(have) < 5:
-            return held[0], blob, left
+            return None
         tried = []
         for out in have:
             rest = have[have != out]
@@ -422,7 +423,7 @@ class RingFinder:
             pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
             drop = far > max(_ALONE * spread, _ALONE_PITCH * pitch, _LEAST_REACH_PX)
         if not drop:
-            return held[0], blob, left
+            return None
         _, fit, kept, off = tried[which]
         away, dot = self.tree.query(terms[have[which]] @ fit)
         pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
