@@ -101,7 +101,9 @@ class _Growth:
         patch = self.own.query(self.template[anchor], min(_PATCH, len(self.template)))[1]
         shape = self.template[patch] - self.template[anchor]
         angle = np.radians(np.arange(0.0, 360.0, _ANGLE_STEP_DEG))
-        turn = np.stack([np.stack([np.cos(angle), np.sin(angle)], -1), np.stack([-np.sin(angle), np.cos(angle)], -1)], 1)
+        turn = np.stack(
+            [np.stack([np.cos(angle), np.sin(angle)], -1), np.stack([-np.sin(angle), np.cos(angle)], -1)], 1
+        )
         laid = (np.array(_SCALES)[:, None, None, None] * (shape @ turn)[None]).reshape(-1, len(patch), 2)
         score = np.empty((len(laid), len(self.blobs)))
         limit = np.array(self.near.shape)[::-1] - 1
@@ -149,7 +151,9 @@ class _Growth:
         design = np.concatenate([np.ones((*x.shape[:2], 1)), x], axis=-1)
         weighted = design * weight[..., None]
         ridge = np.diag([1e-6, 0.05, 0.05])
-        solved = np.linalg.solve(np.swapaxes(weighted, 1, 2) @ design + ridge, np.swapaxes(weighted, 1, 2) @ left[near])
+        solved = np.linalg.solve(
+            np.swapaxes(weighted, 1, 2) @ design + ridge, np.swapaxes(weighted, 1, 2) @ left[near]
+        )
         places = whole(self.template) + solved[:, 0]
         second = distance[:, min(2, count - 1)]
         return places if every else np.where((second < _NEAR * self.pitch)[:, None], places, np.inf)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,24 +52,16 @@ _SCORE = 0.22
 """The reach while places are compared, over the distance of neighbours on the ring."""
 _LEAST_RADIUS_PX = 0.25
 """A dot is not believed to lie nearer to its place than this, when chance is counted."""
-_FREE = 3.0
-"""Dots of a ring that are spent on its shape and place."""
 _REACH = 0.3
 """How far from its place a dot of a ring may lie while the ring settles, over the least distance of its neighbours."""
-_PRINT_REACH, _LEAST_REACH, _LEAST_REACH_PX = 0.22, 0.05, 0.7
+_PRINT_REACH, _LEAST_REACH, _LEAST_REACH_PX = 0.22, 0.1, 0.7
 """The same once it has settled, at most and at least, and in px."""
 _STRAY = 4.5
 """A dot this many standard deviations from its ring is not of it."""
 _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
-_SD = (4.0, 0.15, 0.03, 0.015)
-"""How far a ring may differ from its forecast: centre in px; harmonics over the radius."""
-_SD_ALONE = (50.0, 1.0, 0.01, 0.002)
-"""The same for the innermost ring, of which nothing is known."""
 _LAW_REACH = 0.12
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
-_SD_INSIDE = (3.0, 0.08, 0.015, 0.005)
-"""The same for a ring as the one outside forecasts it."""
 _GAPPY = 0.85
 """Share of its dots below which a ring is looked for again."""
 _DOT_PX = 0.3
@@ -80,7 +73,7 @@ _FEWEST = 6
 _SMALL, _DROP = 60, 3.0
 """Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely by
 as many powers of ten;"""
-_ALONE, _ALONE_PITCH, _SPENT = 6.0, 0.06, 8.0
+_OFF, _OFF_PITCH, _SPENT = 6.0, 0.1, 8.0
 """of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the ring
 of the rest, on which so many coordinates are spent."""
 _MORE = 0.5
@@ -88,6 +81,23 @@ _MORE = 0.5
 _MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
 """How far centres of rings scatter as one would say beforehand, mm; how many standard deviations the dot in the middle
 may be off them, and how far at most over the innermost ring's radius."""
+
+
+class _Hold(NamedTuple):
+    """How far a ring may differ from its forecast, and how many dots its own freedom costs when chance is counted."""
+
+    centre_px: float
+    harmonics: tuple[float, float, float]
+    """The first three, over the radius."""
+    spent: float
+
+
+_ALONE = _Hold(50.0, (1.0, 0.01, 0.002), 3.0)
+"""The innermost ring, of which nothing is known."""
+_NEXT = _Hold(4.0, (0.15, 0.03, 0.015), 3.0)
+"""A ring as the one inside forecasts it."""
+_INSIDE = _Hold(3.0, (0.08, 0.015, 0.005), 1.5)
+"""A ring as the one outside forecasts it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +224,7 @@ class RingFinder:
     def _grow(self, weights: FloatArray) -> RingsFit:
         """All rings outwards from the innermost, as far as they are found; then the middle."""
         taken = np.zeros(len(self.blobs), bool)
-        rings = [self._settle(weights, taken, self.angles[1], _SD_ALONE)]
+        rings = [self._settle(weights, taken, self.angles[1], _ALONE)]
         size = float(np.log(rings[0].radius_px / self.nominal_px[1]) / _SIZE)
         rings[0] = replace(rings[0], power=rings[0].power + 0.5 * size**2 / np.log(10.0))
         while rings[-1].share >= _LEAST_RING:
@@ -245,7 +255,9 @@ class RingFinder:
                 first += len(where)
                 blob, weights = np.where(good, blob, -1), ring.weights
                 if good.sum() > len(where) / 2:
-                    weights = self._fitted(waves(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, _SD)
+                    weights = self._fitted(
+                        waves(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, _NEXT
+                    )
                 rings[number] = replace(ring, weights=weights, blob=blob, off_px=np.where(good, distance, np.nan))
         return rings
 
@@ -262,7 +274,7 @@ class RingFinder:
             taken = self._taken([ring for other, ring in enumerate(rings) if other != number])
             gap = _BESIDE * (high - low) / 2.0
             grid = gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
-            new = self._scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, _SD_INSIDE)
+            new = self._scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, _INSIDE)
             if new.power < rings[number].power + (_DROP if number == 0 else 0.0):
                 rings[number] = new
         good = [number for number, ring in enumerate(rings) if ring.even and ring.share > _LEAST_RING]
@@ -271,9 +283,7 @@ class RingFinder:
             rings[number] = self._by_law(number + 1, [rings[k] for k in good], [k + 1 for k in good], taken)
         return rings
 
-    def _by_law(
-        self, number: int, rings: list[RingFit], numbers: list[int], taken: NDArray[np.bool_]
-    ) -> RingFit:
+    def _by_law(self, number: int, rings: list[RingFit], numbers: list[int], taken: NDArray[np.bool_]) -> RingFit:
         """A ring too poor to tell its own shape, as the law of others says, with the dots that lie there."""
         design = self.rings.rho[numbers]
         law = learn_law(rings, self.profile, self.nominal_px[numbers], design)
@@ -302,7 +312,9 @@ class RingFinder:
     def _next(self, rings: list[RingFit], taken: NDArray[np.bool_]) -> RingFit:
         """The ring outside the last one: the radius, and if need be the shift, under which it has most dots."""
         number, last = len(rings) + 1, rings[-1]
-        return self._look(last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken)
+        return self._look(
+            last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken
+        )
 
     def strange(self, fit: RingsFit) -> int:
         """Number of dots within the outermost ring that are of none."""
@@ -328,9 +340,7 @@ class RingFinder:
         ring = self._look(fit.rings[-1], len(counts), phi, 1.0 + inside / self.nominal_px[-1], taken)
         return more, int((ring.blob >= 0).sum())
 
-    def _look(
-        self, last: RingFit, number: int, phi: FloatArray, growth: float, taken: NDArray[np.bool_]
-    ) -> RingFit:
+    def _look(self, last: RingFit, number: int, phi: FloatArray, growth: float, taken: NDArray[np.bool_]) -> RingFit:
         radius = last.radius_px
         gap, pitch = (growth - 1.0) * radius, 2.0 * np.pi * growth * radius / len(phi)
         step = 0.3 * min(gap, pitch)
@@ -349,7 +359,7 @@ class RingFinder:
         growths: FloatArray,
         shifts: FloatArray,
         taken: NDArray[np.bool_],
-        sd: tuple[float, ...] = _SD,
+        hold: _Hold = _NEXT,
     ) -> RingFit:
         """The ring of the growth and shift under which most dots are on it."""
         shape = waves(phi, 7)[:, 1:] @ last.weights[1:]
@@ -363,13 +373,11 @@ class RingFinder:
         for _ in range(_TRIED):
             grown = int(np.argmax(by_growth))
             weights = np.vstack([centre[np.argmax(score[grown])], growths[grown] * last.weights[1:]])
-            tried.append(self._settle(weights, taken, phi, sd))
+            tried.append(self._settle(weights, taken, phi, hold))
             by_growth[max(grown - 1, 0) : grown + 2] = -1.0
         return min(tried, key=lambda ring: ring.power)
 
-    def _settle(
-        self, weights: FloatArray, taken: NDArray[np.bool_], phi: FloatArray, sd: tuple[float, ...]
-    ) -> RingFit:
+    def _settle(self, weights: FloatArray, taken: NDArray[np.bool_], phi: FloatArray, hold: _Hold) -> RingFit:
         """Nearest dots and the ring in turn; at last what is too far from it is left out."""
         terms, held = waves(phi, 7), weights
         blob = np.full(len(phi), -1)
@@ -386,18 +394,18 @@ class RingFinder:
             have = blob >= 0
             if again == 5 or have.sum() < 3:
                 break
-            weights = self._fitted(terms[have], self.blobs[blob[have]], held, sd)
+            weights = self._fitted(terms[have], self.blobs[blob[have]], held, hold)
         if len(phi) <= _SMALL:
-            if dropped := self._without_worst(terms, (held, sd), blob, left):
+            if dropped := self._without_worst(terms, (held, hold), blob, left):
                 weights, blob, left = dropped
         if self._has_more(phi, weights):
             return RingFit(weights, np.full(len(phi), -1), np.full(len(phi), np.nan))
-        return RingFit(weights, blob, left, self._power(blob, left, _FREE) + _flatness(weights))
+        return RingFit(weights, blob, left, self._power(blob, left, hold.spent) + _flatness(weights))
 
     def _without_worst(
         self,
         terms: FloatArray,
-        held: tuple[FloatArray, tuple[float, ...]],
+        held: tuple[FloatArray, _Hold],
         blob: NDArray[np.intp],
         left: FloatArray,
     ) -> tuple[FloatArray, NDArray[np.intp], FloatArray] | None:
@@ -413,33 +421,31 @@ class RingFinder:
             off[have] = np.linalg.norm(self.blobs[blob[have]] - terms[have] @ fit, axis=1)
             tried.append((off[out], fit, np.where(np.arange(len(blob)) == out, -1, blob), off))
         if len(blob) <= _FEWEST:
-            power = [self._power(kept, off, _FREE) for _, _, kept, off in tried]
+            power = [self._power(kept, off, held[1].spent) for _, _, kept, off in tried]
             which = int(np.argmin(power))
-            drop = power[which] < self._power(blob, left, _FREE) + _DROP
+            drop = power[which] < self._power(blob, left, held[1].spent) + _DROP
         else:
             which = int(np.argmax([each[0] for each in tried]))
             far, fit, kept, off = tried[which]
             spread = np.sqrt(np.sum(off[kept >= 0] ** 2) / max(2.0 * len(have) - 2.0 - _SPENT, 2.0))
             pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
-            drop = far > max(_ALONE * spread, _ALONE_PITCH * pitch, _LEAST_REACH_PX)
+            drop = far > max(_OFF * spread, _OFF_PITCH * pitch, _LEAST_REACH_PX)
         if not drop:
             return None
         _, fit, kept, off = tried[which]
         away, dot = self.tree.query(terms[have[which]] @ fit)
         pitch = 2.0 * np.pi * float(np.linalg.svd(fit[1:3], compute_uv=False).mean()) / len(blob)
-        if dot != blob[have[which]] and dot not in kept and away < max(_ALONE_PITCH * pitch, _LEAST_REACH_PX):
+        if dot != blob[have[which]] and dot not in kept and away < max(_OFF_PITCH * pitch, _LEAST_REACH_PX):
             kept[have[which]], off[have[which]] = dot, away
         return fit, kept, np.where(kept >= 0, off, np.nan)
 
-    def _fitted(
-        self, terms: FloatArray, seen: FloatArray, weights: FloatArray, share: tuple[float, ...]
-    ) -> FloatArray:
-        """The ring through dots (n, 2), as near to its forecast as `share`, one of `_SD`, says."""
+    def _fitted(self, terms: FloatArray, seen: FloatArray, weights: FloatArray, hold: _Hold) -> FloatArray:
+        """The ring through dots (n, 2), as near to its forecast as it is held."""
         radius = max(float(np.linalg.svd(weights[1:3], compute_uv=False).mean()), 1.0)
-        sd = np.array([share[0], *(radius * each for each in share[1:] for _ in range(2))])
-        hold = _DOT_PX / sd
-        rows = np.vstack([terms, np.diag(hold)])
-        return np.asarray(np.linalg.lstsq(rows, np.vstack([seen, hold[:, None] * weights]), rcond=None)[0])
+        sd = np.array([hold.centre_px, *(radius * each for each in hold.harmonics for _ in range(2))])
+        ridge = _DOT_PX / sd
+        rows = np.vstack([terms, np.diag(ridge)])
+        return np.asarray(np.linalg.lstsq(rows, np.vstack([seen, ridge[:, None] * weights]), rcond=None)[0])
 
     def _has_more(self, phi: FloatArray, weights: FloatArray) -> bool:
         """Whether there are dots between the places too, at halves or thirds: a ring of twice or thrice as many."""

@@ -179,9 +179,7 @@ class RingLaw:
         return np.asarray(self.drift[0] + self.zoom * self.profile.scale(rho) * self.drift[1])
 
 
-def learn_law(
-    rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray
-) -> RingLaw:
+def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray) -> RingLaw:
     """The law of some rings, from the innermost, the middle left out.
 
     `nominal_px` and `design_rho` are the design's radii (k,) in px of the nominal image and in mm.
@@ -198,9 +196,7 @@ def learn_law(
     return RingLaw(profile, zoom, rho, drift, left, sd)
 
 
-def _drift(
-    centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: float
-) -> tuple[FloatArray, float]:
+def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: float) -> tuple[FloatArray, float]:
     """The line a + b g through the centres of rings, b held near zero as far as they scatter, and b's deviation."""
     middle = float(np.average(scale, weights=weight**2))
     expected = np.hypot(_LEAST_OFF_PX, off_mm * scale.mean())
