@@ -21,7 +21,7 @@ _STRANGE, _STRANGE_SHARE = 12, 0.1
 """Dots within the print that are of no ring: so many, and so many more for each that is."""
 _MARK_PX, _MARK_SD = 0.2, 0.9
 """Standard deviation of the mark about its place: at least, and over the distance of the dots from their ring."""
-_MARK_STRETCH, _MARK_BENT = 0.025, 0.07
+_MARK_STRETCH, _MARK_BENT = 0.025, 0.055
 """The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
 _BENT = 0.08
 """Departure of a ring's radius from the design's at which a print counts as bent."""

@@ -20,11 +20,13 @@ from palpate.markers.lay_free import lay_free
 from palpate.markers.lay_rings import lay_rings
 from palpate.markers.pattern import MarkerPattern
 
-_CHANCE = 2e-3
+_CHANCE = 5e-3
 """Chance that another symmetry is the right one, above which the mark is not believed."""
 _MARK_REACH = 3.0
 """A dot is not the mark this many standard deviations from its place."""
-_MIRROR = 0.05
+_SEEN = 20.0
+"""Prints of one dot, one of them hidden, that are known beforehand."""
+_MIRROR = 0.01
 """Share of the cameras that mirror the image."""
 _LEAST_SHARE = 0.55
 """Share of the markers that must be found for a naming to be believed."""
@@ -142,7 +144,7 @@ def _find_mark(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> tuple[N
         return every, -1
     away = (blobs[free][None] - laid.marks_px[:, None]) @ np.linalg.inv(laid.mark_axes_px)
     square = (away**2).sum(axis=-1)
-    hidden = (1.0 + (laid.blob < 0).sum()) / (2.0 + len(laid.blob))
+    hidden = (1.0 + (laid.blob < 0).sum()) / (_SEEN + len(laid.blob))
     crowd = (len(free) + 1) / float(np.prod(np.ptp(blobs, axis=0)))
     area = 2.0 * np.pi * np.abs(np.linalg.det(laid.mark_axes_px))
     near = np.where(square < _MARK_REACH**2, np.exp(-square / 2.0), 0.0)
