@@ -26,7 +26,7 @@ _MARK_REACH = 3.0
 """A dot is not the mark this many standard deviations from its place."""
 _SEEN = 20.0
 """Prints of one dot, one of them hidden, that are known beforehand."""
-_MIRROR = 0.01
+_MIRROR = 0.05
 """Share of the cameras that mirror the image."""
 _LEAST_SHARE = 0.55
 """Share of the markers that must be found for a naming to be believed."""

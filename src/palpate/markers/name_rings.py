@@ -62,6 +62,10 @@ _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
 _LAW_REACH = 0.12
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
+_PASSES = 3
+_OUTSIDE, _FAR_PX = 0.35, 20.0
+"""Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how far
+from the middle of the dots, px."""
 _GAPPY = 0.85
 """Share of its dots below which a ring is looked for again."""
 _DOT_PX = 0.3
@@ -135,6 +139,7 @@ class RingFinder:
             for k, phi in enumerate(self.angles)
             if k
         ]
+        self.nominal = nominal
         self.nominal_px = np.array([0.0, *(np.linalg.svd(w[1:], compute_uv=False).mean() for w in nominal)])
         self.mark_px = _mark_radius(pattern)
         known = np.column_stack([rings.rho, rings.height, self.nominal_px])[1:]
@@ -152,6 +157,8 @@ class RingFinder:
         for least in (_LEAST_SEED, _POOR_SEED) if len(self.rings) > 1 else (_LEAST_SEED,):
             if self._ask(self._seeds(least)[:_SEEDS], found):
                 break
+        else:
+            found += self._from_outside() if len(self.rings) > 1 else []
         found.sort(key=lambda fit: fit.power)
         kept: list[RingsFit] = []
         for fit in found:
@@ -235,9 +242,45 @@ class RingFinder:
         if rings[-1].share < _LEAST_RING and len(rings) > 1:
             rings.pop()
         if len(rings) == len(self.rings):
+            return self._finish(rings)
+        return RingsFit((self._middle(rings, taken), *rings))
+
+    def _finish(self, rings: list[RingFit]) -> RingsFit:
+        """Rings that are all there, looked at again from their neighbours, and the middle."""
+        for _ in range(_PASSES):
+            before = sum(ring.power for ring in rings)
             rings = self._look_again(rings)
-            rings = self._assign(rings)
+            if sum(ring.power for ring in rings) > before - 1.0:
+                break
+        rings = self._assign(self._mend(rings))
         return RingsFit((self._middle(rings, self._taken(rings)), *rings))
+
+    def _from_outside(self) -> list[RingsFit]:
+        """Prints found by their outermost ring, where too little is left of the innermost."""
+        phi, design = self.angles[-1], self.nominal[-1]
+        centre = np.median(self.blobs, axis=0) / 2.0 + self.blobs.mean(axis=0) / 2.0
+        pitch = 2.0 * np.pi / len(phi)
+        step = _OUTSIDE * pitch * self.nominal_px[-1]
+        reach = np.arange(-_FAR_PX, _FAR_PX + step, step)
+        grid = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
+        nothing, free = np.full(len(phi), -1), np.zeros(len(self.blobs), bool)
+        found = []
+        for part in np.arange(0.0, 1.0, _OUTSIDE):
+            start = RingFit(turned(np.vstack([centre, design[1:], np.zeros((4, 2))]), part * pitch), nothing, nothing * np.nan)
+            found.append(self._scan(start, phi, np.arange(0.82, 1.2, 0.03), grid, free))
+        outer = min(found, key=lambda ring: ring.power)
+        fits = []
+        for label in range(len(phi) // len(self.angles[1])):
+            weights = turned(outer.weights, label * pitch)
+            blob, left = self._nearest(waves(phi, 7) @ weights, _REACH * pitch * outer.radius_px, free)
+            rings = []
+            for number in range(1, len(self.angles) - 1):
+                shrunk = weights * (self.nominal_px[number] / self.nominal_px[-1])
+                shrunk[0] = weights[0]
+                none = np.full(len(self.angles[number]), -1)
+                rings.append(RingFit(shrunk, none, none * np.nan))
+            fits.append(self._finish([*rings, replace(outer, weights=weights, blob=blob, off_px=left)]))
+        return fits
 
     def _assign(self, rings: list[RingFit]) -> list[RingFit]:
         """All dots given to the places of all rings at once, each to the nearest."""
@@ -277,6 +320,10 @@ class RingFinder:
             new = self._scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, _INSIDE)
             if new.power < rings[number].power + (_DROP if number == 0 else 0.0):
                 rings[number] = new
+        return rings
+
+    def _mend(self, rings: list[RingFit]) -> list[RingFit]:
+        """Rings that are still too poor to tell their shape, as the law of the others says they should be."""
         good = [number for number, ring in enumerate(rings) if ring.even and ring.share > _LEAST_RING]
         for number in set(range(len(rings))).difference(good) if len(good) > 1 else ():
             taken = self._taken([ring for other, ring in enumerate(rings) if other != number])
@@ -485,6 +532,16 @@ def _flatness(weights: FloatArray) -> float:
     """Powers of ten by which an ellipse is less likely than a circle."""
     axes = np.linalg.svd(weights[1:3], compute_uv=False)
     return float(0.5 * ((axes[0] / max(axes[1], 1e-9) - 1.0) / _FLAT) ** 2 / np.log(10.0))
+
+
+def turned(weights: FloatArray, angle: float) -> FloatArray:
+    """Factors (7, 2) of a ring whose azimuths are counted from `angle`."""
+    found = weights.copy()
+    for order in range(1, len(weights) // 2 + 1):
+        a, b = weights[2 * order - 1], weights[2 * order]
+        c, s = np.cos(order * angle), np.sin(order * angle)
+        found[2 * order - 1 : 2 * order + 1] = c * a + s * b, c * b - s * a
+    return found
 
 
 def _mark_radius(pattern: MarkerPattern) -> float:
