@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.markers.laid import Laid
-from palpate.markers.name_rings import RingFinder, RingsFit, mark_turns
+from palpate.markers.name_rings import TWIST, RingFinder, RingsFit, mark_turns
 from palpate.markers.pattern import MarkerPattern
 from palpate.markers.ring_law import continue_rings, learn_law
 from palpate.markers.rings import Rings, waves
@@ -58,6 +58,9 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     uneven = [number for number, ring in enumerate(best.rings) if number and not ring.even and ring.count]
     if uneven:
         return f"ring {uneven[0]} is not even: its dots lie {best.rings[uneven[0]].residual_px:.1f} px off"
+    if len(best.rings) > 2 and np.abs(best.twist).max() > TWIST:
+        which = int(np.argmax(np.abs(best.twist)))
+        return f"ring {which + 2} is turned by {best.twist[which]:.1f} of its steps against the ring inside"
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"

@@ -66,6 +66,8 @@ _PASSES = 3
 _OUTSIDE, _FAR_PX = 0.35, 20.0
 """Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how far
 from the middle of the dots, px."""
+TWIST, _TWIST_POWER = 0.25, 20.0
+"""Greatest turn of a ring against the one inside, over the step of its dots; and powers of ten that a whole step costs."""
 _GAPPY = 0.85
 """Share of its dots below which a ring is looked for again."""
 _DOT_PX = 0.3
@@ -118,7 +120,19 @@ class RingsFit:
     @property
     def power(self) -> float:
         """Power of ten of the number of such prints among dots strewn at random, about one middle."""
-        return float(sum(ring.power for ring in self.rings))
+        return float(sum(ring.power for ring in self.rings)) + _TWIST_POWER * float((self.twist**2).sum())
+
+    @property
+    def twist(self) -> FloatArray:
+        """(k - 1,) how far each ring is turned against the one inside, over the step of its dots."""
+        turns = np.array([ring.turn for ring in self.rings[1:]])
+        steps = np.array([2.0 * np.pi / len(ring.blob) for ring in self.rings[2:]])
+        return np.asarray(((np.diff(turns) + np.pi) % (2.0 * np.pi) - np.pi) / steps)
+
+    @property
+    def even(self) -> bool:
+        """Whether all rings are, and turned alike."""
+        return all(ring.even for ring in self.rings[1:]) and not (np.abs(self.twist) > TWIST).any()
 
     @property
     def residual_px(self) -> float:
@@ -177,7 +191,7 @@ class RingFinder:
             fit = self._grow(weights)
             found.append(fit)
             every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
-            even = every and fit.power < _SURE and all(ring.even for ring in fit.rings[1:])
+            even = every and fit.power < _SURE and fit.even
             if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
                 sure = fit
         return sure is not None

@@ -80,6 +80,13 @@ class RingFit:
         return self.residual_px < _EVEN * 2.0 * np.pi * self.radius_px / len(self.blob)
 
     @property
+    def turn(self) -> float:
+        """Angle from the first axis of the image to azimuth 0, of the turn that is nearest to its shape."""
+        left, _, right = np.linalg.svd(self.weights[1:3])
+        turn = left @ right
+        return float(np.arctan2(turn[0, 1], turn[0, 0]))
+
+    @property
     def radius_px(self) -> float:
         """Mean of its half axes."""
         return float(np.linalg.svd(self.weights[1:3], compute_uv=False).mean())
