@@ -180,6 +180,8 @@ class RingFinder:
             near = 0.5 * fit.rings[1].radius_px
             if all(np.linalg.norm(fit.rings[1].weights[0] - middle) > near for middle in middles):
                 kept.append(fit)
+        if kept and len(self.rings) > 1 and len(kept[0].rings) == len(self.rings) + 1:
+            kept[0] = self._finish(list(kept[0].rings[1:]))
         return kept
 
     def _ask(self, seeds: list[FloatArray], found: list[RingsFit]) -> bool:
@@ -262,9 +264,9 @@ class RingFinder:
     def _finish(self, rings: list[RingFit]) -> RingsFit:
         """Rings that are all there, looked at again from their neighbours, and the middle."""
         for _ in range(_PASSES):
-            before = sum(ring.power for ring in rings)
+            before = [ring.blob for ring in rings]
             rings = self._look_again(rings)
-            if sum(ring.power for ring in rings) > before - 1.0:
+            if all(np.array_equal(ring.blob, old) for ring, old in zip(rings, before, strict=True)):
                 break
         rings = self._assign(self._mend(rings))
         return RingsFit((self._middle(rings, self._taken(rings)), *rings))
@@ -328,11 +330,12 @@ class RingFinder:
             high = rings[number + 1].radius_px if number + 1 < len(rings) else 1.3 * rings[number].radius_px
             radii = np.append(np.arange(low + 0.15 * (high - low), high - 0.1 * (high - low), 0.06 * (high - low)),
                               rings[number].radius_px)  # fmt: skip
-            taken = self._taken([ring for other, ring in enumerate(rings) if other != number])
+            whole = [ring for ring in rings[:number] if ring.even and ring.share > _FULL_RING]
+            taken = self._taken([*whole, *rings[number + 1 :]])
             gap = _BESIDE * (high - low) / 2.0
             grid = gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
             new = self._scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, _INSIDE)
-            if new.power < rings[number].power + (_DROP if number == 0 else 0.0):
+            if new.power < rings[number].power + (0.0 if number else _DROP):
                 rings[number] = new
         return rings
 
@@ -481,7 +484,7 @@ class RingFinder:
             off = np.full(len(blob), np.nan)
             off[have] = np.linalg.norm(self.blobs[blob[have]] - terms[have] @ fit, axis=1)
             tried.append((off[out], fit, np.where(np.arange(len(blob)) == out, -1, blob), off))
-        if len(blob) <= _FEWEST:
+        if held[1] is _ALONE:
             power = [self._power(kept, off, held[1].spent) for _, _, kept, off in tried]
             which = int(np.argmin(power))
             drop = power[which] < self._power(blob, left, held[1].spent) + _DROP
