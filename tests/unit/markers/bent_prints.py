@@ -66,7 +66,9 @@ def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=
     rho = np.append(rho, min(edge + outside * stretch, 19.6))
     ring, azimuth = np.append(ring, len(radii)), np.append(azimuth, np.radians(15.0))
     swing = np.radians(np.clip(rng.normal(0, turn_deg, len(rho)), -0.5, 0.5))
-    x, y = rho * np.cos(azimuth + swing), rho * np.sin(azimuth + swing)
+    # every dot twice: with its own scatter, and without
+    ring, azimuth, rho = np.tile(ring, 2), np.concatenate([azimuth + swing, azimuth]), np.tile(rho, 2)
+    x, y = rho * np.cos(azimuth), rho * np.sin(azimuth)
     # ellipse of the whole, and each ring's own
     axis, flat = rng.uniform(0, np.pi), rng.uniform(0, 0.08) / 2
     own_axis = axis + rng.normal(0, 0.3, len(radii) + 1)
@@ -80,15 +82,16 @@ def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=
     x, y = x + (far * np.cos(way))[ring], y + (far * np.sin(way))[ring]
     z = np.sqrt(np.maximum(RADIUS**2 - x**2 - y**2, 0.0))
     dots, pose = _photographed(np.stack([x, y, z], axis=-1), rng, scale)
+    dots, smooth = np.split(dots, 2)
     dots = dots + rng.normal(0, jitter_px, dots.shape)
-    places = dots[:-1]
     gone = np.zeros(len(dots), bool)
     lost = missing * len(dots)
     gone[rng.choice(len(dots), int(lost) + (rng.random() < lost % 1), replace=False)] = True
     if not mark:
         gone[-1] = True
     shape = (round(300 * scale), round(400 * scale))
-    dots = dots + np.array(shape[::-1]) / 2 - places.mean(axis=0)
+    middle = np.array(shape[::-1]) / 2 - dots[:-1].mean(axis=0)
+    dots, smooth = dots + middle, smooth + middle
     places = dots[:-1].copy()
     seen = np.flatnonzero(~gone)
     extra = _specks(dots[seen], false, shape, 1.5 * px, rng)
@@ -101,6 +104,7 @@ def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=
         "mark": int(truth[-1]),
         "mark_px": dots[-1],
         "places": places,
+        "smooth": smooth[:-1],
         "shape": shape,
         "law": factor,
         "pose": pose,
