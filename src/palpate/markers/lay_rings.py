@@ -19,9 +19,9 @@ _RIVAL = 2.0
 """Powers of ten by which a print about another middle must be likelier by chance."""
 _STRANGE, _STRANGE_SHARE = 12, 0.1
 """Dots within the print that are of no ring: so many, and so many more for each that is."""
-_MARK_PX, _MARK_SD = 0.2, 0.9
+_MARK_PX, _MARK_SD = 0.2, 0.8
 """Standard deviation of the mark about its place: at least, and over the distance of the dots from their ring."""
-_MARK_STRETCH, _MARK_BENT = 0.025, 0.055
+_MARK_STRETCH, _MARK_BENT = 0.02, 0.06
 """The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
 _BENT = 0.08
 """Departure of a ring's radius from the design's at which a print counts as bent."""
@@ -61,6 +61,8 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     if len(best.rings) > 2 and np.abs(best.twist).max() > TWIST:
         which = int(np.argmax(np.abs(best.twist)))
         return f"ring {which + 2} is turned by {best.twist[which]:.1f} of its steps against the ring inside"
+    if best.crossing:
+        return f"rings {best.crossing - 1} and {best.crossing} cross"
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"

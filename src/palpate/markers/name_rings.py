@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,7 @@ _SEED = 0.3
 """How far a dot of the innermost ring may lie from where three others put it, over the radius."""
 _LEAST_SEED, _POOR_SEED = 0.6, 0.55
 """Share of the dots of the innermost ring and its middle that a seed must have, and if none leads to all rings."""
-_SEEDS = 60
+_SEEDS = 40
 """Seeds that are tried at most, from the middle of the dots outwards."""
 _LEAST_RING = 0.4
 """Share of a ring's dots that must be seen."""
@@ -46,7 +47,11 @@ _GAPS = (0.35, 2.3)
 """Bounds of the distance to the next ring over what the last ring and the design's radii give."""
 _TRIED = 4
 """Radii and shifts of the next ring that are looked at more closely."""
-_SURE = -25.0
+_NESTED = 0.7
+"""Distance of the centres of two neighbouring rings over that of their radii, at which they all but touch."""
+_WHOLE = 0.85
+"""Share of the dots from which on half of the next is enough."""
+_SURE = -80.0
 """Power of ten of the number of prints by chance below which a whole print is believed before others are looked at."""
 _SCORE = 0.22
 """The reach while places are compared, over the distance of neighbours on the ring."""
@@ -54,13 +59,13 @@ _LEAST_RADIUS_PX = 0.25
 """A dot is not believed to lie nearer to its place than this, when chance is counted."""
 _REACH = 0.3
 """How far from its place a dot of a ring may lie while the ring settles, over the least distance of its neighbours."""
-_PRINT_REACH, _LEAST_REACH, _LEAST_REACH_PX = 0.22, 0.1, 0.7
+_PRINT_REACH, _LEAST_REACH, _LEAST_REACH_PX = 0.22, 0.15, 0.7
 """The same once it has settled, at most and at least, and in px."""
 _STRAY = 4.5
 """A dot this many standard deviations from its ring is not of it."""
 _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
-_LAW_REACH = 0.12
+_LAW_REACH = 0.16
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
 _PASSES = 3
 _OUTSIDE, _FAR_PX = 0.35, 20.0
@@ -79,7 +84,7 @@ _FEWEST = 6
 _SMALL, _DROP = 60, 3.0
 """Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely by
 as many powers of ten;"""
-_OFF, _OFF_PITCH, _SPENT = 6.0, 0.1, 8.0
+_OFF, _OFF_PITCH, _SPENT = 6.0, 0.16, 8.0
 """of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the ring
 of the rest, on which so many coordinates are spent."""
 _MORE = 0.5
@@ -131,8 +136,18 @@ class RingsFit:
 
     @property
     def even(self) -> bool:
-        """Whether all rings are, and turned alike."""
-        return all(ring.even for ring in self.rings[1:]) and not (np.abs(self.twist) > TWIST).any()
+        """Whether all rings are, turned alike, and each within the next."""
+        turned_alike = not (np.abs(self.twist) > TWIST).any()
+        return turned_alike and not self.crossing and all(ring.even for ring in self.rings[1:])
+
+    @property
+    def crossing(self) -> int:
+        """Number of the first ring that comes too near to the one inside; 0 where none does."""
+        for number, (ring, outer) in enumerate(pairwise(self.rings[1:]), 2):
+            aside = float(np.linalg.norm(outer.weights[0] - ring.weights[0]))
+            if aside > _NESTED * (outer.radius_px - ring.radius_px):
+                return number
+        return 0
 
     @property
     def residual_px(self) -> float:
@@ -193,7 +208,8 @@ class RingFinder:
             fit = self._grow(weights)
             found.append(fit)
             every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
-            even = every and fit.power < _SURE and fit.even
+            sure_of = _SURE if fit.count < _WHOLE * len(self.pattern) else _SURE / 2.0
+            even = every and fit.power < sure_of and fit.even
             if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
                 sure = fit
         return sure is not None

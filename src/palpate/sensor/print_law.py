@@ -99,8 +99,8 @@ def fit_law(
     """
     layout, skin = design
     which, pixels = seen
-    prior = np.concatenate([start[1], np.zeros(len(_SD) * len(rings))])
-    sd = np.concatenate([_POSE_SD, np.tile(_SD, len(rings))])
+    prior = np.concatenate([start[1], np.zeros(2 + len(_SD) * len(rings))])
+    sd = np.concatenate([_POSE_SD, _SD[1:3], np.tile(_SD, len(rings))])
     first = np.concatenate([start[0], prior[6:]])
     first[2] = start[1][2]
 
@@ -115,14 +115,14 @@ def fit_law(
         found = np.zeros((len(base), len(values)))
         dots = 2 * len(which)
         on_ring = np.repeat(rings.number[which], 2)
-        for k in range(6):
+        for k in range(8):
             found[:, k] = (miss(values + _STEP * sd[k] * np.eye(len(sd))[k]) - base) / (_STEP * sd[k])
         for k in range(len(_SD)):
             step = np.zeros(len(sd))
-            step[6 + k :: len(_SD)] = _STEP * _SD[k]
+            step[8 + k :: len(_SD)] = _STEP * _SD[k]
             change = (miss(values + step) - base) / (_STEP * _SD[k])
             for ring in range(1, len(rings) + 1):
-                column = 6 + len(_SD) * (ring - 1) + k
+                column = 8 + len(_SD) * (ring - 1) + k
                 found[:dots, column] = np.where(on_ring == ring, change[:dots], 0.0)
                 found[dots + column, column] = 1.0 / sd[column]
         return found
@@ -134,7 +134,7 @@ def fit_law(
 
 
 def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms_px: float) -> PrintLaw:
-    growth, x, y, along, across, turn = values.reshape(len(rings), -1).T
+    growth, x, y, along, across, turn = values[2:].reshape(len(rings), -1).T
     flat = np.hypot(along, across)
     return PrintLaw(
         rings=rings,
@@ -150,10 +150,8 @@ def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms
 
 
 def _printed(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray) -> FloatArray:
-    """(m, 3) places of the markers under the numbers of the law (6 k,)."""
-    of_ring = np.vstack([np.zeros(len(_SD)), values.reshape(len(rings), -1)])
-    # the middle lies where the innermost rings say: its own place is no ring's
-    of_ring[0, 1:3] = of_ring[1, 1:3]
+    """(m, 3) places of the markers under the numbers of the law (2 + 6 k,): two of the middle, six a ring."""
+    of_ring = np.vstack([[0.0, *values[:2], 0.0, 0.0, 0.0], values[2:].reshape(len(rings), -1)])
     growth, x, y, along, across, turn = of_ring[rings.number].T
     azimuth = rings.azimuth + turn
     u, v = (rings.rho[rings.number] * (1.0 + growth) * wave(azimuth) for wave in (np.cos, np.sin))
