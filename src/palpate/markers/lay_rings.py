@@ -11,7 +11,7 @@ from palpate.markers.pattern import MarkerPattern
 from palpate.markers.ring_law import continue_rings, learn_law
 from palpate.markers.rings import Rings, waves
 
-_CHANCE = -4.0
+_CHANCE = -7.5
 """Power of ten of the number of prints that dots strewn at random would show, above which a print is not believed."""
 _BEYOND = 0.6
 """Share of the places of one more ring at which the print is another's."""

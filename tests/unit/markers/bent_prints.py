@@ -4,8 +4,17 @@ Nothing of the package's projection or renderer is used here: the camera is a pi
 a cubic term, the image a supersampled drawing. Only for tests and benchmarks.
 """
 
+from dataclasses import replace
+from functools import cache
+from typing import NamedTuple
+
 import cv2
 import numpy as np
+from scipy.spatial import cKDTree
+
+from palpate.camera import CameraSpec
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.markers import build_pattern
 
 DESIGNS = {
     7: (9.0,),
@@ -137,11 +146,10 @@ def _photographed(points, rng, scale):
     return FOCAL * scale * plane, pose
 
 
-def draw(dots, shape, rng, *, diameter=None, over=8):
+def draw(dots, shape, rng, *, scale=1.0, over=8):
     """A grey picture (h, w) uint8 of dots: black or white, blurred, unevenly lit, noisy, some drawn out to touch."""
     h, w = shape
-    spacing = np.median(np.sort(np.linalg.norm(dots[:, None] - dots[None], axis=-1), axis=1)[:, 1])
-    diameter = diameter or np.clip(0.42 * spacing, 4.0, 14.0)
+    diameter = rng.uniform(1.1, 1.7) * FOCAL * scale / (DISTANCE + 12.0)
     dark = rng.random() < 0.5
     ground, ink = (200.0, 60.0) if dark else (50.0, 190.0)
     big = np.full((h * over, w * over), 0, np.uint8)
@@ -157,3 +165,94 @@ def draw(dots, shape, rng, *, diameter=None, over=8):
     way = rng.uniform(0, 2 * np.pi)
     light = 1 - 0.35 * (xx**2 + yy**2) * 2 + 0.2 * (xx * np.cos(way) + yy * np.sin(way))
     return np.clip(np.rint(image * light + rng.normal(0, 2.0, image.shape)), 0, 255).astype(np.uint8)
+
+
+class Design(NamedTuple):
+    """A published design as the package reads it."""
+
+    pattern: object
+    layout: object
+    skin: object
+    camera: object
+
+
+@cache
+def design_of(count, scale=1.0, marked=False):
+    skin = build_skin(DomeSpec(height=20))
+    layout = place_markers(skin, MarkerSpec(count=count))
+    mark = place_orientation_mark(skin, layout) if marked else None
+    pattern = build_pattern(layout.positions, lambda points: nominal(points, scale), mark)
+    camera = CameraSpec(
+        width_px=round(400 * scale), height_px=round(300 * scale), fx_px=FOCAL * scale, fy_px=FOCAL * scale,
+        cx_px=200.0 * scale, cy_px=150.0 * scale, distance=DISTANCE,
+    )  # fmt: skip
+    return Design(pattern, layout, skin, camera)
+
+
+class Verdict(NamedTuple):
+    """What a naming is worth: of all numberings it gives, the one that is right counts where it says ambiguous."""
+
+    verdict: str
+    wrong: int
+    lost: int
+    stand_ins: int
+    naming: object
+
+
+def judge(naming, drawn, dots, design):
+    """whole, ambiguous (the mark in sight), mark hidden (and said so), lost (a dot said to be missing that the detector gave), or wrong.
+
+    A false dot within a dot's radius of a place that is empty stands in for its dot: no image tells them apart.
+    """
+    truth, real, near = drawn["truth"], drawn["dots"], 0.75 * FOCAL * (drawn["shape"][0] / 300.0) / (DISTANCE + 12.0)
+    found = []
+    for each in (naming, *naming.alternatives):
+        have = each.blob >= 0
+        off = np.linalg.norm(dots[each.blob] - np.where(truth[:, None] >= 0, real[truth], drawn["places"]), axis=1)
+        own = off < (1e-9 if dots is real else 0.35 * near)
+        stand_in = have & ~own & (truth < 0) & (off < near)
+        wrong = have & ~own & ~stand_in
+        there = cKDTree(dots).query(drawn["places"])[0] < (1e-9 if dots is real else 0.35 * near)
+        found.append((int(wrong.sum()), int((there & (truth >= 0) & ~have).sum()), int(stand_in.sum()), each))
+    marked = design.pattern.marks_px is not None
+    wrong, lost, stand_ins, each = min(found, key=lambda one: one[:2]) if naming.ambiguous else found[0]
+    if wrong:
+        verdict = "wrong"
+    elif lost:
+        verdict = "lost"
+    elif marked and naming.ambiguous:
+        verdict = "ambiguous" if drawn["mark"] >= 0 else "mark hidden"
+    else:
+        verdict = "whole"
+    return Verdict(verdict, wrong, lost, stand_ins, replace(each, alternatives=()))
+
+
+def controls():
+    """Kinds of pictures that show no print of the design: functions of a generator that give (dots, pattern) pairs."""
+
+    def others(rng):
+        for seen, asked in ((37, 91), (91, 37), (127, 169), (169, 127), (7, 37), (37, 7), (91, 169), (169, 91)):
+            yield bent(seen, rng, mark=False)["dots"], design_of(asked).pattern
+
+    def random(rng):
+        for count in (7, 37, 91, 169):
+            yield rng.uniform(0, 1, (count + 10, 2)) * [250, 250], design_of(count).pattern
+
+    def halves(rng):
+        for count in (7, 37, 91, 169):
+            drawn = bent(count, rng, mark=False, missing=0.0)
+            real = rng.permutation(drawn["truth"])[: count // 2]
+            false = np.setdiff1d(np.arange(len(drawn["dots"])), drawn["truth"])
+            yield drawn["dots"][np.concatenate([real, false])], design_of(count).pattern
+
+    def grids(rng):
+        for count in (7, 37, 91, 169):
+            side, turn = rng.integers(5, 16), rng.uniform(0, np.pi)
+            x, y = np.meshgrid(np.arange(side), np.arange(side))
+            if rng.random() < 0.5:
+                x, y = x + 0.5 * (y % 2), y * np.sqrt(0.75)
+            points = np.stack([x.ravel(), y.ravel()], axis=-1) * 200.0 / side
+            points = points @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+            yield points + rng.normal(0, 0.1, points.shape), design_of(count).pattern
+
+    return {"another design": others, "random dots": random, "half of the dots": halves, "a grid of dots": grids}
