@@ -1,7 +1,7 @@
 """A free layout found among dots by its neighbourhoods: a patch that fits, grown marker by marker.
 
 A few neighbouring markers are laid over every dot, turned and scaled; from where they find most dots, the naming grows
-outwards. Every marker is forecast by a local affine map of the named ones about it, so the print may be bent as a
+outwards. Every marker is forecast by a smooth map of the named ones about it, so the print may be bent as a
 whole as long as it is smooth. What a second place would name as well makes a naming doubtful.
 """
 
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, Delaunay, cKDTree
 from scipy.stats import binom
 
 from palpate.core import FloatArray
@@ -26,7 +26,7 @@ _PATCHES = 3
 _SCALES = (0.8, 0.9, 1.0, 1.1, 1.25)
 _ANGLE_STEP_DEG = 4.0
 _TRIES = 12
-_NEIGHBOURS = 9
+_NEIGHBOURS = 14
 _ROUNDS = 24
 _REACH, _PRINT_REACH = 0.3, 0.22
 """How far from its forecast a dot may lie while the naming grows and at last, over the distance of two neighbours."""
@@ -34,8 +34,10 @@ _STRAY, _LEAST_REACH_PX = 4.5, 0.7
 _NEAR = 2.2
 """Markers this much farther than the nearest ones are forecast, over the distance of two neighbours."""
 _ROUGH = 0.12
+_STRANGE, _STRANGE_SHARE = 5, 0.03
+"""Dots within the print and a spacing beside it that are of no marker: so many, and more for each that is."""
 _CHANCE = 1e-8
-_RIVAL = 0.85
+_RIVAL = 0.94
 _LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
 """Standard deviation of the orientation mark about its place, at least, and at most over the spacing."""
 _FULL = 0.9
@@ -136,7 +138,7 @@ class _Growth:
         return _Grown(blob, places, float(np.sqrt(np.mean(left**2) / 2.0)) if len(left) else np.inf, mirror)
 
     def _forecast(self, blob: NDArray[np.intp], every: bool = False) -> FloatArray:
-        """(m, 2) each marker by the affine map of the named ones about it, itself left out; infinite where far."""
+        """(m, 2) each marker by a smooth map of the named ones about it, itself left out; infinite where far."""
         named = np.flatnonzero(blob >= 0)
         points, pixels = self.template[named], self.blobs[blob[named]]
         count = min(_NEIGHBOURS + 1, len(named))
@@ -145,12 +147,14 @@ class _Growth:
         own &= (blob >= 0)[:, None]
         size = np.maximum(distance[:, min(3, count - 1)], self.pitch)[:, None]
         weight = np.where(own, 0.0, np.exp(-((distance / size) ** 2) / 2.0) + 1e-3)
-        whole = fit_warp(points, pixels, 3, self.template)
+        terms = next(terms for terms, least in ((10, 30), (6, 12), (3, 0)) if len(named) >= least)
+        whole = fit_warp(points, pixels, terms, self.template)
         left = pixels - whole(points)  # what the neighbours have in common beside the map of all
         x = (points[near] - self.template[:, None]) / size[..., None]
-        design = np.concatenate([np.ones((*x.shape[:2], 1)), x], axis=-1)
+        u, v = x[..., 0], x[..., 1]
+        design = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
         weighted = design * weight[..., None]
-        ridge = np.diag([1e-6, 0.05, 0.05])
+        ridge = np.diag([1e-6, 0.01, 0.01, 0.1, 0.1, 0.1])
         solved = np.linalg.solve(
             np.swapaxes(weighted, 1, 2) @ design + ridge, np.swapaxes(weighted, 1, 2) @ left[near]
         )
@@ -185,6 +189,12 @@ def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
         return f"they lie {best.residual:.1f} px off a smooth map"
     if rival > _RIVAL * best.count:
         return f"laid elsewhere, {rival} fit as well"
+    free = np.delete(blobs, best.blob[best.blob >= 0], axis=0)
+    hull = best.places[ConvexHull(best.places).vertices]
+    wide = Delaunay(hull.mean(axis=0) + (1.0 + 2.0 * spacing / np.ptp(hull)) * (hull - hull.mean(axis=0)))
+    strange = int((wide.find_simplex(free) >= 0).sum()) if len(free) else 0
+    if strange > _STRANGE + _STRANGE_SHARE * best.count:
+        return f"{strange} other dots lie between and beside them"
     area = max(float(np.prod(np.ptp(blobs, axis=0))), 1.0)
     one = 1.0 - np.exp(-len(blobs) * np.pi * (_PRINT_REACH * spacing) ** 2 / area)
     chance = float(binom.sf(best.count - 4, len(best.blob) - 3, one)) if best.count > 3 else 1.0

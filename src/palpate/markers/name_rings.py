@@ -73,6 +73,8 @@ _OUTSIDE, _FAR_PX = 0.35, 20.0
 from the middle of the dots, px."""
 TWIST, _TWIST_POWER = 0.25, 20.0
 """Greatest turn of a ring against the one inside, over the step of its dots; and powers of ten that a whole step costs."""
+_TELLING = 4
+"""So many dots do not tell a ring's shape and whether they are its own."""
 _GAPPY = 0.85
 """Share of its dots below which a ring is looked for again."""
 _DOT_PX = 0.3
@@ -80,7 +82,6 @@ _SIZE = 0.15
 """Standard deviation of the innermost ring's size, as a share: print and camera together."""
 _FLAT = 0.1
 """Standard deviation of the ratio of a ring's axes."""
-_FEWEST = 6
 _SMALL, _DROP = 60, 3.0
 """Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely by
 as many powers of ten;"""
@@ -357,7 +358,7 @@ class RingFinder:
 
     def _mend(self, rings: list[RingFit]) -> list[RingFit]:
         """Rings that are still too poor to tell their shape, as the law of the others says they should be."""
-        good = [number for number, ring in enumerate(rings) if ring.even and ring.share > _LEAST_RING]
+        good = [number for number, ring in enumerate(rings) if ring.even and ring.share > _LEAST_RING and ring.count > _TELLING]
         for number in set(range(len(rings))).difference(good) if len(good) > 1 else ():
             taken = self._taken([ring for other, ring in enumerate(rings) if other != number])
             rings[number] = self._by_law(number + 1, [rings[k] for k in good], [k + 1 for k in good], taken)

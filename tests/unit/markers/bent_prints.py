@@ -202,18 +202,24 @@ class Verdict(NamedTuple):
 def judge(naming, drawn, dots, design):
     """whole, ambiguous (the mark in sight), mark hidden (and said so), lost (a dot said to be missing that the detector gave), or wrong.
 
-    A false dot within a dot's radius of a place that is empty stands in for its dot: no image tells them apart.
+    A false dot within 0.16 of the distance of neighbours on a ring from an empty place stands in for its dot: it is
+    taken for a misprinted one.
     """
-    truth, real, near = drawn["truth"], drawn["dots"], 0.75 * FOCAL * (drawn["shape"][0] / 300.0) / (DISTANCE + 12.0)
+    truth, real = drawn["truth"], drawn["dots"]
+    out = np.linalg.norm(drawn["smooth"] - drawn["smooth"][1:].mean(axis=0), axis=1)
+    same = design.pattern.rings.number[:, None] == design.pattern.rings.number[None]
+    near = 0.16 * 2.0 * np.pi * np.array([out[row].mean() for row in same]) / same.sum(axis=1)
+    near[0] = near[1]
+    there = 0.2 * FOCAL * drawn["shape"][0] / 300.0 / (DISTANCE + 12.0)
     found = []
     for each in (naming, *naming.alternatives):
         have = each.blob >= 0
         off = np.linalg.norm(dots[each.blob] - np.where(truth[:, None] >= 0, real[truth], drawn["places"]), axis=1)
-        own = off < (1e-9 if dots is real else 0.35 * near)
+        own = off < (1e-9 if dots is real else there)
         stand_in = have & ~own & (truth < 0) & (off < near)
         wrong = have & ~own & ~stand_in
-        there = cKDTree(dots).query(drawn["places"])[0] < (1e-9 if dots is real else 0.35 * near)
-        found.append((int(wrong.sum()), int((there & (truth >= 0) & ~have).sum()), int(stand_in.sum()), each))
+        given = cKDTree(dots).query(drawn["places"])[0] < (1e-9 if dots is real else there)
+        found.append((int(wrong.sum()), int((given & (truth >= 0) & ~have).sum()), int(stand_in.sum()), each))
     marked = design.pattern.marks_px is not None
     wrong, lost, stand_ins, each = min(found, key=lambda one: one[:2]) if naming.ambiguous else found[0]
     if wrong:
