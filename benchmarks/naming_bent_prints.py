@@ -121,7 +121,11 @@ def main() -> None:
             lines.append(f"| {count} | {draws} | {' | '.join(cells)} | {np.median(ms):.0f} | {ms.max():.0f} |")
         lines.append("")
         if not image:
-            lines += ["## Reprojection at rest, px", "", "| markers | prints | by the law, median | 95 % | design alone, median | refused |"]
+            lines += [
+                "## Reprojection at rest, px",
+                "",
+                "| markers | prints | by the law, median | 95 % | design alone, median | refused |",
+            ]
             lines += ["| --- " * 6 + "|"]
             for count, row in rows.items():
                 law = np.percentile(row.law_px, [50, 95])

@@ -191,7 +191,9 @@ def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
         return f"laid elsewhere, {rival} fit as well"
     free = np.delete(blobs, best.blob[best.blob >= 0], axis=0)
     hull = best.places[ConvexHull(best.places).vertices]
-    wide = Delaunay(hull.mean(axis=0) + (1.0 + 2.0 * spacing / np.ptp(hull)) * (hull - hull.mean(axis=0)))
+    wide = Delaunay(
+        hull.mean(axis=0) + (1.0 + 2.6 * spacing / np.ptp(hull, axis=0).min()) * (hull - hull.mean(axis=0))
+    )
     strange = int((wide.find_simplex(free) >= 0).sum()) if len(free) else 0
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
         return f"{strange} other dots lie between and beside them"

@@ -6,9 +6,9 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.markers.laid import Laid
-from palpate.markers.name_rings import TWIST, RingFinder, RingsFit, mark_turns
+from palpate.markers.name_rings import RingFinder, mark_turns
 from palpate.markers.pattern import MarkerPattern
-from palpate.markers.ring_law import continue_rings, learn_law
+from palpate.markers.ring_law import TWIST, RingsFit, continue_rings, learn_law
 from palpate.markers.rings import Rings, waves
 
 _CHANCE = -7.5
@@ -66,6 +66,8 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"
+    if unsure := finder.unsure(best):
+        return f"ring {unsure} has few dots, and another lies where one of them could be"
     strange = finder.strange(best)
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
         return f"{strange} other dots lie between them"

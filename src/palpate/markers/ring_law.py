@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,10 @@ _ZOOM_SHARE = 0.2
 print's size: 4 % against 8 %."""
 _ZOOM_SD = 0.035
 """Standard deviation of what is then left."""
+_NESTED = 0.7
+"""Distance of the centres of two neighbouring rings over that of their radii, at which they all but touch."""
+TWIST, _TWIST_POWER = 0.25, 20.0
+"""Greatest turn of a ring against the one inside, over the step of its dots; and powers of ten that a whole step costs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +95,51 @@ class RingFit:
     def radius_px(self) -> float:
         """Mean of its half axes."""
         return float(np.linalg.svd(self.weights[1:3], compute_uv=False).mean())
+
+
+@dataclass(frozen=True, eq=False)
+class RingsFit:
+    """The rings that were found from one seed, from the inside; the first is the dot in the middle."""
+
+    rings: tuple[RingFit, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of dots."""
+        return int(sum((ring.blob >= 0).sum() for ring in self.rings))
+
+    @property
+    def power(self) -> float:
+        """Power of ten of the number of such prints among dots strewn at random, about one middle."""
+        return float(sum(ring.power for ring in self.rings)) + _TWIST_POWER * float((self.twist**2).sum())
+
+    @property
+    def twist(self) -> FloatArray:
+        """(k - 1,) how far each ring is turned against the one inside, over the step of its dots."""
+        turns = np.array([ring.turn for ring in self.rings[1:]])
+        steps = np.array([2.0 * np.pi / len(ring.blob) for ring in self.rings[2:]])
+        return np.asarray(((np.diff(turns) + np.pi) % (2.0 * np.pi) - np.pi) / steps)
+
+    @property
+    def even(self) -> bool:
+        """Whether all rings are, turned alike, and each within the next."""
+        turned_alike = not (np.abs(self.twist) > TWIST).any()
+        return turned_alike and not self.crossing and all(ring.even for ring in self.rings[1:])
+
+    @property
+    def crossing(self) -> int:
+        """Number of the first ring that comes too near to the one inside; 0 where none does."""
+        for number, (ring, outer) in enumerate(pairwise(self.rings[1:]), 2):
+            aside = float(np.linalg.norm(outer.weights[0] - ring.weights[0]))
+            if aside > _NESTED * (outer.radius_px - ring.radius_px):
+                return number
+        return 0
+
+    @property
+    def residual_px(self) -> float:
+        """Root of the mean squared distance of the dots from their rings, the middle left out."""
+        off = np.concatenate([ring.off_px[np.isfinite(ring.off_px)] for ring in self.rings[1:]])
+        return float(np.sqrt(np.mean(off**2))) if len(off) else np.inf
 
 
 class Profile:

@@ -202,13 +202,13 @@ class Verdict(NamedTuple):
 def judge(naming, drawn, dots, design):
     """whole, ambiguous (the mark in sight), mark hidden (and said so), lost (a dot said to be missing that the detector gave), or wrong.
 
-    A false dot within 0.16 of the distance of neighbours on a ring from an empty place stands in for its dot: it is
+    A false dot within 0.18 of the distance of neighbours on a ring from an empty place stands in for its dot: it is
     taken for a misprinted one.
     """
     truth, real = drawn["truth"], drawn["dots"]
     out = np.linalg.norm(drawn["smooth"] - drawn["smooth"][1:].mean(axis=0), axis=1)
     same = design.pattern.rings.number[:, None] == design.pattern.rings.number[None]
-    near = 0.16 * 2.0 * np.pi * np.array([out[row].mean() for row in same]) / same.sum(axis=1)
+    near = 0.18 * 2.0 * np.pi * np.array([out[row].mean() for row in same]) / same.sum(axis=1)
     near[0] = near[1]
     there = 0.2 * FOCAL * drawn["shape"][0] / 300.0 / (DISTANCE + 12.0)
     found = []
