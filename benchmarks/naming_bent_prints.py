@@ -1,4 +1,4 @@
-"""Name the dots of drawn prints that are bent as a whole, and refuse what is no print of the design; a page of figures.
+"""Name the dots of drawn prints that are bent as a whole, and refuse what is no print of the design; a page.
 
 python benchmarks/naming_bent_prints.py --out docs/results/sensor/naming_bent_prints.md [--draws 500] [--images 25]
 """

@@ -13,7 +13,7 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.cli.unit import UnitFlags
 from palpate.core import writing
-from palpate.sensor import Inspection, InspectSpec, PrintLaw, draw_inspection, inspect_unit
+from palpate.sensor import Inspection, InspectSpec, draw_inspection, inspect_unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +47,7 @@ def inspect(
     if json:
         law = inspection.law
         shown = {"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows}
-        print_json(shown | ({"rings": _rings(law), "law_rms_px": law.rms_px} if law else {}))
+        print_json(shown | ({"rings": _rings(inspection), "law_rms_px": law.rms_px} if law else {}))
     else:
         _print(str(image), inspection, rows)
     return 0 if inspection.passed else OUTSIDE
@@ -90,12 +90,14 @@ def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> No
         f"greatest {float(distance.max()):.3f} mm; {len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
         f"The image fits to {inspection.registration.rms_px:.3f} px."
     )
-    if inspection.law is not None:
-        _print_law(inspection.law)
+    _print_law(inspection)
 
 
-def _rings(law: PrintLaw) -> list[dict[str, Any]]:
-    """A row for each ring: as designed, as found, and where."""
+def _rings(inspection: Inspection) -> list[dict[str, Any]]:
+    """A row for each ring of a bent print: as designed, as found, and where."""
+    law = inspection.law
+    if law is None:
+        return []
     return [
         {
             "ring": number + 1,
@@ -113,8 +115,10 @@ def _rings(law: PrintLaw) -> list[dict[str, Any]]:
     ]
 
 
-def _print_law(law: PrintLaw) -> None:
-    rows = _rings(law)
+def _print_law(inspection: Inspection) -> None:
+    rows, law = _rings(inspection), inspection.law
+    if law is None:
+        return
     print_table("Rings", list(rows[0]), [[str(cell) for cell in row.values()] for row in rows])
     print(
         f"The print is bent as a whole: its rings are {law.growth.min() - 1.0:+.1%} to {law.growth.max() - 1.0:+.1%} "

@@ -1,7 +1,7 @@
 """A free layout found among dots by its neighbourhoods: a patch that fits, grown marker by marker.
 
-A few neighbouring markers are laid over every dot, turned and scaled; from where they find most dots, the naming grows
-outwards. Every marker is forecast by a smooth map of the named ones about it, so the print may be bent as a
+A few neighbouring markers are laid over every dot, turned and scaled; from where they find most dots, the naming
+grows outwards. Every marker is forecast by a smooth map of the named ones about it, so the print may be bent as a
 whole as long as it is smooth. What a second place would name as well makes a naming doubtful.
 """
 
@@ -50,7 +50,7 @@ class _Grown(NamedTuple):
     mirror: bool
 
     @property
-    def count(self) -> int:
+    def named(self) -> int:
         return int((self.blob >= 0).sum())
 
 
@@ -64,9 +64,9 @@ def lay_free(blobs_px: FloatArray, pattern: MarkerPattern) -> Laid | None:
         growth = _Growth(template, blobs_px, pattern.spacing_px)
         for anchor in _anchors(template):
             grown += [growth.grow(*start, mirror) for start in growth.starts(anchor)]
-    grown.sort(key=lambda each: (-each.count, each.residual))
+    grown.sort(key=lambda each: (-each.named, each.residual))
     best = grown[0]
-    rivals = [each.count for each in grown[1:] if not _same(each, best, pattern)]
+    rivals = [each.named for each in grown[1:] if not _same(each, best, pattern)]
     marks, axes = _marks(best, blobs_px, pattern)
     doubt = _doubt(best, blobs_px, pattern.spacing_px, max(rivals, default=0))
     return Laid(best.blob, best.places, best.residual, best.mirror, marks, axes, doubt)
@@ -120,7 +120,7 @@ class _Growth:
         """Name outwards from a patch until nothing changes."""
         places = np.full(self.template.shape, np.inf)
         places[patch] = laid
-        blob, before = self._nearest(places, np.full(len(places), _REACH * self.pitch)), np.empty(0)
+        blob, before = self._nearest(places, np.full(len(places), _REACH * self.pitch)), np.empty(0, int)
         for _ in range(_ROUNDS):
             if (blob >= 0).sum() < 4 or np.array_equal(blob, before):
                 break
@@ -180,14 +180,14 @@ def _same(one: _Grown, other: _Grown, pattern: MarkerPattern) -> bool:
     if one.mirror != other.mirror:
         return False
     turned = one.blob[pattern.symmetries]
-    return bool(((turned == other.blob) & (other.blob >= 0)).sum(axis=1).max() > 0.5 * max(one.count, 1))
+    return bool(((turned == other.blob) & (other.blob >= 0)).sum(axis=1).max() > 0.5 * max(one.named, 1))
 
 
 def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
     """What speaks against the best naming."""
     if best.residual > _ROUGH * spacing:
         return f"they lie {best.residual:.1f} px off a smooth map"
-    if rival > _RIVAL * best.count:
+    if rival > _RIVAL * best.named:
         return f"laid elsewhere, {rival} fit as well"
     free = np.delete(blobs, best.blob[best.blob >= 0], axis=0)
     hull = best.places[ConvexHull(best.places).vertices]
@@ -195,11 +195,11 @@ def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
         hull.mean(axis=0) + (1.0 + 2.6 * spacing / np.ptp(hull, axis=0).min()) * (hull - hull.mean(axis=0))
     )
     strange = int((wide.find_simplex(free) >= 0).sum()) if len(free) else 0
-    if strange > _STRANGE + _STRANGE_SHARE * best.count:
+    if strange > _STRANGE + _STRANGE_SHARE * best.named:
         return f"{strange} other dots lie between and beside them"
     area = max(float(np.prod(np.ptp(blobs, axis=0))), 1.0)
     one = 1.0 - np.exp(-len(blobs) * np.pi * (_PRINT_REACH * spacing) ** 2 / area)
-    chance = float(binom.sf(best.count - 4, len(best.blob) - 3, one)) if best.count > 3 else 1.0
+    chance = float(binom.sf(best.named - 4, len(best.blob) - 3, one)) if best.named > 3 else 1.0
     return "" if chance < _CHANCE else f"dots strewn at random do as well with a chance of {chance:.0e}"
 
 

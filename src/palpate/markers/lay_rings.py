@@ -1,4 +1,4 @@
-"""Rings found among dots, judged: whether there are as many as the design has, and whether chance could do as much."""
+"""Rings found among dots, judged: are there as many as the design has, and could chance do as much?"""
 
 from __future__ import annotations
 

@@ -134,8 +134,8 @@ def _turn_deg(template: FloatArray, places: FloatArray) -> float:
 def _find_mark(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> tuple[NDArray[np.intp], int]:
     """Numbers of the symmetries that the orientation mark leaves, and its dot: -1 where it does not decide.
 
-    The mark is a dot that belongs to no marker. Under a symmetry, either it lies where the print's law expects it, or it
-    is hidden; other dots lie anywhere. One symmetry is believed where all others together are less likely than
+    The mark is a dot that belongs to no marker. Under a symmetry, either it lies where the print's law expects it, or
+    it is hidden; other dots lie anywhere. One symmetry is believed where all others together are less likely than
     `_CHANCE`.
     """
     every = np.arange(len(pattern.symmetries))

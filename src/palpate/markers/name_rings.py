@@ -1,9 +1,9 @@
 """Rings of dots found by their structure: six about one, then twelve, then eighteen, whatever their radii.
 
-A ring is known by its number of dots at even steps. Three dots that could be neighbours on the innermost ring give all
-of it; each further ring is looked for outside the last one, over a range of radii, centres and growths, and accepted
-where its number of dots closes around it. Nothing but the order of the rings, their numbers and their common azimuth is
-taken from the design, so no law of the radii can mislead. What chance would give is counted.
+A ring is known by its number of dots at even steps. Three dots that could be neighbours on the innermost ring give
+all of it; each further ring is looked for outside the last one, over a range of radii and centres, and accepted where
+its number of dots closes around it. Then every poor ring is looked for again as its neighbours say. Nothing but the
+order of the rings, their numbers and their common azimuth is taken from the design: no law of the radii can mislead.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ _GAPS = (0.35, 2.3)
 _WHOLE = 0.85
 """Share of the dots from which on half of the next is enough."""
 _SURE = -80.0
-"""Power of ten of the number of prints by chance below which a whole print is believed before others are looked at."""
+"""Power of ten of the number of prints by chance below which a print is believed before others are looked at."""
 _BESIDE = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
 _LAW_REACH = 0.16
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
 _PASSES = 3
 _OUTSIDE, _FAR_PX = 0.35, 20.0
-"""Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how far
-from the middle of the dots, px."""
+"""Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how
+far from the middle of the dots, px."""
 _FEW_DOTS, _TEMPTING = 4, 0.6
 """Rings of so few dots are doubted if a false one is as near as this to an empty place, over the step of the ring."""
 _TELLING = 3
@@ -54,8 +54,8 @@ _GAPPY = 0.85
 _SIZE = 0.15
 """Standard deviation of the innermost ring's size, as a share: print and camera together."""
 _MIDDLE_MM, _MIDDLE_SD, _MIDDLE = 0.25, 4.5, 0.45
-"""How far centres of rings scatter as one would say beforehand, mm; how many standard deviations the dot in the middle
-may be off them, and how far at most over the innermost ring's radius."""
+"""How far centres of rings scatter as one would say beforehand, mm; how many standard deviations the dot in the
+middle may be off them, and how far at most over the innermost ring's radius."""
 
 
 class RingFinder:
@@ -84,7 +84,7 @@ class RingFinder:
         """The best fits first; of those about one middle, only the best."""
         found: list[RingsFit] = []
         for least in (_LEAST_SEED, _POOR_SEED) if len(self.rings) > 1 else (_LEAST_SEED,):
-            seeds, number = seed_rings(self.settler, self.angles[1], self.nominal[0], least)
+            seeds, number = seed_rings(self.settler, self.angles[1], np.asarray(self.nominal[0], float), least)
             self.seeds = max(self.seeds, number)
             if self._ask(seeds[:_SEEDS], found):
                 break

@@ -1,7 +1,7 @@
 """The law of a print of rings in the image: how radius and centre change from ring to ring, and what comes next.
 
-A ring of radius ρ on the dome is drawn at the scale g(ρ) = r/ρ of the nominal camera, since the dome is nearer to the
-camera or farther there. A camera beside the axis moves the centre of a ring by as much as its scale says: c = a + b g.
+A ring of radius ρ on the dome is drawn at the scale g(ρ) = r/ρ of the nominal camera, since the dome is nearer to
+the camera or farther there. A camera beside the axis moves a ring's centre by as much as its scale says: c = a + b g.
 A print that is bent as a whole has other radii than the design; they are read off the same profile.
 """
 
@@ -38,7 +38,7 @@ _ZOOM_SD = 0.035
 _NESTED = 0.7
 """Distance of the centres of two neighbouring rings over that of their radii, at which they all but touch."""
 TWIST, _TWIST_POWER = 0.25, 20.0
-"""Greatest turn of a ring against the one inside, over the step of its dots; and powers of ten that a whole step costs."""
+"""Greatest turn of a ring against the one inside, over the step of its dots; powers of ten that a step costs."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ _SCORE = 0.22
 _LEAST_RADIUS_PX = 0.25
 """A dot is not believed to lie nearer to its place than this, when chance is counted."""
 REACH = 0.3
-"""How far from its place a dot of a ring may lie while the ring settles, over the least distance of its neighbours."""
+"""How far from its place a dot may lie while its ring settles, over the distance of neighbours."""
 _PRINT_REACH, LEAST_REACH, LEAST_REACH_PX = 0.22, 0.15, 0.7
 """The same once it has settled, at most and at least, and in px."""
 STRAY = 4.5
@@ -34,11 +34,11 @@ _DOT_PX = 0.3
 _FLAT = 0.1
 """Standard deviation of the ratio of a ring's axes."""
 _SMALL, DROP = 60, 3.0
-"""Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely by
-as many powers of ten;"""
+"""Rings of so many dots are tried without each. Of the innermost, one is dropped unless it makes chance less likely
+by as many powers of ten;"""
 _OFF, _OFF_PITCH, _SPENT = 6.0, 0.16, 8.0
-"""of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the ring
-of the rest, on which so many coordinates are spent."""
+"""of others, if it is so many standard deviations of the rest, and so far over the distance of neighbours, off the
+ring of the rest, on which so many coordinates are spent."""
 _MORE = 0.5
 """Share of the places between those of a ring at which it is another ring of more dots."""
 
@@ -111,9 +111,8 @@ class Settler:
             if again == 5 or have.sum() < 3:
                 break
             weights = self.fitted(terms[have], self.blobs[blob[have]], held, hold)
-        if len(phi) <= _SMALL:
-            if dropped := self._without_worst(terms, (held, hold), blob, left):
-                weights, blob, left = dropped
+        if len(phi) <= _SMALL and (dropped := self._without_worst(terms, (held, hold), blob, left)):
+            weights, blob, left = dropped
         if self._has_more(phi, weights):
             return RingFit(weights, np.full(len(phi), -1), np.full(len(phi), np.nan))
         return RingFit(weights, blob, left, self.power(blob, left, hold.spent) + _flatness(weights))

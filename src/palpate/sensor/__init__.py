@@ -9,7 +9,6 @@ from palpate.sensor.known_press import KnownPress
 from palpate.sensor.reader import check_model, open_model
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
-from palpate.sensor.print_law import PrintLaw
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.report import made_by, table_lines, write_report
 from palpate.sensor.score import PAPER_TABLE_3, Score, score_readings
@@ -28,7 +27,6 @@ __all__ = [
     "InspectSpec",
     "Inspection",
     "KnownPress",
-    "PrintLaw",
     "Reading",
     "Registration",
     "RigSpec",

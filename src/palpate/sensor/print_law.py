@@ -1,8 +1,8 @@
 """The law of a print: by how much each ring of dots is larger, aside, flattened and turned against the design.
 
-Pads stretch and domes sag, so a print may be bent as a whole though it is even. The rings' law and the camera's pose are
-fitted together to the dots at rest. A growth of all rings is hard to tell from a nearer camera, and rings that are all
-aside from a camera that is; the two share it as far as each is known beforehand.
+Pads stretch and domes sag, so a print may be bent as a whole though it is even. The rings' law and the camera's pose
+are fitted together to the dots at rest. A growth of all rings is hard to tell from a nearer camera, and rings that
+are all aside from a camera that is; the two share it as far as each is known beforehand.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from palpate.camera import Camera
@@ -71,7 +72,7 @@ class PrintLaw:
 def fit_law(
     rings: Rings,
     design: tuple[MarkerLayout, Skin],
-    seen: tuple[FloatArray, FloatArray],
+    seen: tuple[NDArray[np.intp], FloatArray],
     posed: Callable[[FloatArray], Camera],
     start: tuple[FloatArray, FloatArray],
 ) -> tuple[FloatArray, PrintLaw]:

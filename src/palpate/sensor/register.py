@@ -34,9 +34,9 @@ FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
 _EVEN = 0.05
 """Greatest residual over the distance of neighbours."""
 _LEAST_BENT_PX, _BETTER = 0.5, 0.5
-"""A print counts as bent where the pose alone leaves so many pixels, and the rings' law no more than this share of it."""
+"""A print counts as bent where the pose alone leaves so many pixels, and the rings' law no more than this share."""
 _MOST_BENT, _MOST_GROWN = 0.2, 0.13
-"""Greatest departure of a ring's radius from the design's, and of the size of all, beyond which it is another design."""
+"""Greatest departure of a ring's radius from the design's, and of the size of all: beyond, it is another design."""
 _FORGIVEN_PX = 1.0
 """Distance beyond which a misprint no longer pulls with its square."""
 

@@ -1,17 +1,17 @@
-"""Prints bent as a whole, drawn by formulas of their own: pads that stretch, domes that sag, cameras that stand aside.
+"""Prints bent as a whole, drawn by formulas of their own: pads stretch, domes sag, cameras stand aside.
 
-Nothing of the package's projection or renderer is used here: the camera is a pinhole written out below, the lens' rest
-a cubic term, the image a supersampled drawing. Only for tests and benchmarks.
+Nothing of the package's projection or renderer draws here: the camera is a pinhole written out below, the rest of the
+lens a cubic term, the image a supersampled drawing. Only for tests and benchmarks.
 """
 
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
+from needs import needs
 from palpate.camera import CameraSpec
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.markers import build_pattern
@@ -136,7 +136,7 @@ def _photographed(points, rng, scale):
     way, far = rng.uniform(0, 2 * np.pi), 6.0 * np.sqrt(rng.random())
     lean, tilt, roll = rng.uniform(0, 2 * np.pi), np.radians(8.0 * np.sqrt(rng.random())), rng.uniform(0, 2 * np.pi)
     axis = np.array([np.cos(lean), np.sin(lean), 0.0])
-    x = points + [far * np.cos(way), far * np.sin(way), DISTANCE]
+    x = points + np.array([far * np.cos(way), far * np.sin(way), DISTANCE])
     x = x * np.cos(tilt) + np.cross(axis, x) * np.sin(tilt) + np.outer(x @ axis, axis) * (1 - np.cos(tilt))
     c, s = np.cos(roll), np.sin(roll)
     plane = (x[:, :2] / x[:, 2:]) @ np.array([[c, s], [-s, c]])
@@ -148,6 +148,7 @@ def _photographed(points, rng, scale):
 
 def draw(dots, shape, rng, *, scale=1.0, over=8):
     """A grey picture (h, w) uint8 of dots: black or white, blurred, unevenly lit, noisy, some drawn out to touch."""
+    cv2 = needs("cv2")
     h, w = shape
     diameter = rng.uniform(1.1, 1.7) * FOCAL * scale / (DISTANCE + 12.0)
     dark = rng.random() < 0.5
@@ -200,7 +201,9 @@ class Verdict(NamedTuple):
 
 
 def judge(naming, drawn, dots, design):
-    """whole, ambiguous (the mark in sight), mark hidden (and said so), lost (a dot said to be missing that the detector gave), or wrong.
+    """Whole, ambiguous (the mark in sight), mark hidden (and said so), lost or wrong.
+
+    Lost is a dot that is said to be missing though it was given.
 
     A false dot within 0.18 of the distance of neighbours on a ring from an empty place stands in for its dot: it is
     taken for a misprinted one.
@@ -234,7 +237,7 @@ def judge(naming, drawn, dots, design):
 
 
 def controls():
-    """Kinds of pictures that show no print of the design: functions of a generator that give (dots, pattern) pairs."""
+    """Kinds of dots that are no print of the design: functions of a generator that give (dots, pattern) pairs."""
 
     def others(rng):
         for seen, asked in ((37, 91), (91, 37), (127, 169), (169, 127), (7, 37), (37, 7), (91, 169), (169, 91)):
