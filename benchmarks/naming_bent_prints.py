@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "unit" / "markers"))
 from bent_prints import DESIGNS, bent, controls, design_of, draw, judge
 
@@ -106,7 +107,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--draws", type=int, default=500)
     parser.add_argument("--images", type=int, default=25)
-    parser.add_argument("--controls", type=int, default=12)
+    parser.add_argument("--controls", type=int, default=6)
     given = parser.parse_args()
     lines = ["# Naming prints that are bent as a whole", "", (__doc__ or "").split("\n\n")[1], ""]
     names = ("whole", "ambiguous", "mark hidden", "lost", "refused", "wrong", "stand-in")

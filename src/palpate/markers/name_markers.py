@@ -1,8 +1,9 @@
-"""Assignment of dots at rest to markers (naming), for a camera whose pose is not known well.
+"""Assignment of dots at rest to markers (naming), for a camera and a print that are not known well.
 
-1. The pattern is laid over the dots for every turn and shift of a coarse grid, scored by how many dots lie near.
-2. From the best of these, nearest neighbours and a smooth map (similarity, then affine, then polynomial) improve each
-   other, as in iterated closest points; the map with the most markers on dots is kept.
+1. Rings are found by their structure: their numbers of dots, their order, their common azimuth
+   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.lay_free`).
+2. What is doubtful is refused: a ring that is not there, one more than there should be, rings turned against each
+   other, or what dots strewn at random would show.
 3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it
    the numbers are given for the smallest turn and marked as ambiguous.
 """
@@ -82,7 +83,7 @@ def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
     Raises
     ------
     PalpateError
-        If fewer than half of the markers find a dot: another design, or an image that is not at rest.
+        If too few markers find a dot, or it is doubtful that they are the design's: another design, or not at rest.
     """
     blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
     rings = pattern.rings

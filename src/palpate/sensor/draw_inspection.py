@@ -60,6 +60,6 @@ def draw_inspection(inspection: Inspection) -> Figure:
     axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
     if inspection.law is not None:
         _draw_rings(axis, inspection.law)
-    axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {enlarged:g} times longer")
+    axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {enlarged:g} : 1")
     axis.legend(loc="upper right", fontsize=8)
     return figure

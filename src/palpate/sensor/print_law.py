@@ -21,7 +21,7 @@ from palpate.markers import Rings
 
 _SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02)
 """Standard deviations beforehand of a ring's growth, centre x and y (mm), two numbers of its ellipse, and turn."""
-_POSE_SD = (4.0, 4.0, 1.5, 5.0, 5.0, 400.0)
+_POSE_SD = (4.0, 4.0, 1.0, 5.0, 5.0, 400.0)
 """Of the camera's offset x and y (mm), distance (mm), tilts and roll (degrees)."""
 _DOT_PX = 0.3
 _FORGIVEN = 5.0
