@@ -45,7 +45,9 @@ def inspect(
     if picture:
         _write_picture(picture, inspection)
     if json:
-        print_json({"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows})
+        law = inspection.law
+        shown = {"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows}
+        print_json(shown | ({"rings": _rings(inspection), "law_rms_px": law.rms_px} if law else {}))
     else:
         _print(str(image), inspection, rows)
     return 0 if inspection.passed else OUTSIDE
@@ -87,6 +89,40 @@ def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> No
         f"{len(distance)} of {len(rows)} dots found; rms {float((distance**2).mean()) ** 0.5:.3f} mm, "
         f"greatest {float(distance.max()):.3f} mm; {len(inspection.outside)} beyond {inspection.tolerance:g} mm. "
         f"The image fits to {inspection.registration.rms_px:.3f} px."
+    )
+    _print_law(inspection)
+
+
+def _rings(inspection: Inspection) -> list[dict[str, Any]]:
+    """A row for each ring of a bent print: as designed, as found, and where."""
+    law = inspection.law
+    if law is None:
+        return []
+    return [
+        {
+            "ring": number + 1,
+            "dots": len(law.rings.members(number + 1)),
+            "designed_mm": round(float(law.rings.rho[number + 1]), 3),
+            "found_mm": round(float(law.radius[number]), 3),
+            "growth": round(float(law.growth[number]), 4),
+            "centre_x_mm": round(float(law.centre[number, 0]), 3),
+            "centre_y_mm": round(float(law.centre[number, 1]), 3),
+            "flatness": round(float(law.flatness[number]), 4),
+            "flat_deg": round(float(law.flat_deg[number]), 1),
+            "turn_deg": round(float(law.turn_deg[number]), 2),
+        }
+        for number in range(len(law.rings))
+    ]
+
+
+def _print_law(inspection: Inspection) -> None:
+    rows, law = _rings(inspection), inspection.law
+    if law is None:
+        return
+    print_table("Rings", list(rows[0]), [[str(cell) for cell in row.values()] for row in rows])
+    print(
+        f"The print is bent as a whole: its rings are {law.growth.min() - 1.0:+.1%} to {law.growth.max() - 1.0:+.1%} "
+        f"of the design's radius. With this law the image fits to {law.rms_px:.2f} px."
     )
 
 

@@ -6,6 +6,7 @@ from palpate.markers.motion import Motion, learn_motion
 from palpate.markers.name_by_press import PressFit, name_by_press
 from palpate.markers.name_markers import Naming, name_markers
 from palpate.markers.pattern import MarkerPattern, build_pattern
+from palpate.markers.rings import Rings, find_rings
 from palpate.markers.spec import DetectSpec
 from palpate.markers.tracker import Tracker, find_markers
 from palpate.markers.tracks import Sighting, Tracks
@@ -18,11 +19,13 @@ __all__ = [
     "Motion",
     "Naming",
     "PressFit",
+    "Rings",
     "Sighting",
     "Tracker",
     "Tracks",
     "build_pattern",
     "find_markers",
+    "find_rings",
     "learn_motion",
     "name_by_press",
     "name_markers",

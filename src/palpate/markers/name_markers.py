@@ -1,8 +1,9 @@
-"""Assignment of dots at rest to markers (naming), for a camera whose pose is not known well.
+"""Assignment of dots at rest to markers (naming), for a camera and a print that are not known well.
 
-1. The pattern is laid over the dots for every turn and shift of a coarse grid, scored by how many dots lie near.
-2. From the best of these, nearest neighbours and a smooth map (similarity, then affine, then polynomial) improve each
-   other, as in iterated closest points; the map with the most markers on dots is kept.
+1. Rings are found by their structure: their numbers of dots, their order, their common azimuth
+   (`palpate.markers.name_rings`); free layouts by their neighbourhoods (`palpate.markers.lay_free`).
+2. What is doubtful is refused: a ring that is not there, one more than there should be, rings turned against each
+   other, or what dots strewn at random would show.
 3. A layout of rings looks the same turned by 60° and in a mirror. The orientation mark tells these apart; without it
    the numbers are given for the smallest turn and marked as ambiguous.
 """
@@ -13,27 +14,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
-from scipy.optimize import linear_sum_assignment
-from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, PalpateError
+from palpate.markers.laid import Laid
+from palpate.markers.lay_free import lay_free
+from palpate.markers.lay_rings import lay_rings
 from palpate.markers.pattern import MarkerPattern
-from palpate.markers.warp import Warp, fit_warp
 
-_REACH = 0.45
-"""How near a dot is, over the spacing of the markers."""
-_PRINT_REACH = 0.15
-"""The same once the map has settled: no dot is printed farther from its place, and what lies farther is false."""
-_MARK_REACH = 4.0
-"""How far the orientation mark may lie from its place, over the standard deviation of a dot about the map there."""
-_LEAST_MARK_REACH_PX = 0.6
-"""The mark lies beyond the others: where all of the print is 0.2 mm off, the map misses it by up to 0.5 px."""
-_CHANCE = 1e-3
-"""Chance of a false dot in the mark's place, with the mark itself hidden, above which the mark is not believed."""
-_SHIFTS_PX, _SHIFT_STEP_PX, _ANGLE_STEP_DEG = 15.0, 3.0, 2.0
-_TRIES = 8
-_LEAST_SHARE = 0.5
+_CHANCE = 5e-3
+"""Chance that another symmetry is the right one, above which the mark is not believed."""
+_MARK_REACH = 3.0
+"""A dot is not the mark this many standard deviations from its place."""
+_SEEN = 20.0
+"""Prints of one dot, one of them hidden, that are known beforehand."""
+_MIRROR = 0.05
+"""Share of the cameras that mirror the image."""
+_LEAST_SHARE = 0.55
 """Share of the markers that must be found for a naming to be believed."""
 
 
@@ -87,104 +83,29 @@ def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
     Raises
     ------
     PalpateError
-        If fewer than half of the markers find a dot: another design, or an image that is not at rest.
+        If too few markers find a dot, or it is doubtful that they are the design's: another design, or not at rest.
     """
     blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
-    best: tuple[int, float, Warp, NDArray[np.intp], bool] | None = None
-    if len(blobs_px) >= 3:
-        tree = cKDTree(blobs_px)
-        for mirror in (False,) if pattern.mirrored.any() else (False, True):
-            template = pattern.expected_px * [1.0, -1.0 if mirror else 1.0]
-            for start in _coarse(blobs_px, template, pattern.spacing_px):
-                warp, blob, residual = _fit(template, start, blobs_px, tree, pattern.spacing_px)
-                count = int((blob >= 0).sum())
-                if best is None or (count, -residual) > (best[0], -best[1]):
-                    best = count, residual, warp, blob, mirror
-    count = best[0] if best else 0
-    if best is None or count < max(3, _LEAST_SHARE * len(pattern)):
+    rings = pattern.rings
+    laid = lay_rings(blobs_px, pattern, rings) if rings is not None else lay_free(blobs_px, pattern)
+    count = laid.count if laid else 0
+    if laid is None or laid.doubt or count < max(3, _LEAST_SHARE * len(pattern)):
+        why = f": {laid.doubt}" if laid and laid.doubt else ""
         raise PalpateError(
-            f"{count} of {len(pattern)} markers were found among {len(blobs_px)} dots.",
+            f"{count} of {len(pattern)} markers were found among {len(blobs_px)} dots{why}.",
             "Check that design and camera are those of the image, and that the dome is at rest.",
         )
-    return _resolve(blobs_px, pattern, best[2], best[3], (best[4], best[1]))
+    return _resolve(blobs_px, pattern, laid)
 
 
-def _coarse(blobs: FloatArray, template: FloatArray, spacing: float) -> list[FloatArray]:
-    """The template laid over the dots by the best turns and shifts, best first."""
-    margin = 4 * int(np.ceil(np.ptp(template, axis=0).max() / 4)) + 40
-    origin = np.floor(blobs.min(axis=0)) - margin
-    grid = np.ones(np.ceil(np.ptp(blobs, axis=0)).astype(int)[::-1] + 2 * margin + 2, bool)
-    cells = np.rint(blobs - origin).astype(int)
-    grid[cells[:, 1], cells[:, 0]] = False
-    near = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (_REACH * spacing)) ** 2).astype(np.float32)
-    middle, centre = template.mean(axis=0), np.median(blobs, axis=0) / 2.0 + blobs.mean(axis=0) / 2.0
-    shifts = np.arange(-_SHIFTS_PX, _SHIFTS_PX + 1e-9, _SHIFT_STEP_PX)
-    offsets = np.stack(np.meshgrid(shifts, shifts), axis=-1).reshape(-1, 2)
-    laid, scores = [], []
-    for angle in np.radians(np.arange(0.0, 360.0, _ANGLE_STEP_DEG)):
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        turned = (template - middle) @ turn.T + centre
-        cell = np.rint(turned[None] + offsets[:, None] - origin).astype(int)
-        cell = np.clip(cell, 0, np.array(near.shape)[::-1] - 1)
-        score = near[cell[..., 1], cell[..., 0]].sum(axis=1)
-        top = np.argsort(-score)[:2]
-        laid += [turned + offsets[k] for k in top]
-        scores += [float(score[k]) for k in top]
-    return [laid[k] for k in np.argsort(-np.array(scores), kind="stable")[:_TRIES]]
-
-
-def _fit(
-    template: FloatArray, laid: FloatArray, blobs: FloatArray, tree: cKDTree, spacing: float
-) -> tuple[Warp, NDArray[np.intp], float]:
-    """Neighbours and map in turn; the map gains freedom as it settles."""
-    freedom = [3, 3, 3, 6, 6, 6] + ([10, 10] if len(template) > 60 else [6])
-    warp = fit_warp(template, laid, 3, template)
-    blob = np.full(len(template), -1)
-    for number, terms in enumerate(freedom):
-        blob = _neighbours(laid, blobs, tree, spacing * (_REACH if number < 4 else 0.33))
-        have = blob >= 0
-        if have.sum() < 2 * terms:
-            break
-        warp = fit_warp(template[have], blobs[blob[have]], terms, template)
-        laid = warp(template)
-    blob = _assign(laid, blobs, tree, _PRINT_REACH * spacing)
-    have = blob >= 0
-    miss = blobs[blob[have]] - laid[have]
-    return warp, blob, float(np.sqrt(np.mean(miss**2))) if have.any() else np.inf
-
-
-def _neighbours(laid: FloatArray, blobs: FloatArray, tree: cKDTree, reach: float) -> NDArray[np.intp]:
-    """Nearest dot of each marker, where the marker is also the nearest of the dot."""
-    distance, blob = tree.query(laid, distance_upper_bound=reach)
-    back = cKDTree(laid).query(blobs)[1]
-    blob = np.where(np.isfinite(distance), blob, -1)
-    mutual = (blob >= 0) & (back[blob] == np.arange(len(laid)))
-    return np.where(mutual, blob, -1)
-
-
-def _assign(laid: FloatArray, blobs: FloatArray, tree: cKDTree, reach: float) -> NDArray[np.intp]:
-    """The assignment of least total squared distance, none longer than `reach`."""
-    cost = np.full((len(laid), len(blobs)), reach**2)
-    for marker, near in enumerate(tree.query_ball_point(laid, reach)):
-        cost[marker, near] = ((blobs[near] - laid[marker]) ** 2).sum(axis=1)
-    marker, blob = linear_sum_assignment(cost)
-    result = np.full(len(laid), -1)
-    result[marker] = np.where(cost[marker, blob] < reach**2, blob, -1)
-    return result
-
-
-def _resolve(
-    blobs: FloatArray, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], seen: tuple[bool, float]
-) -> Naming:
+def _resolve(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> Naming:
     """Choose among the turns and mirrors that fit as well: by the mark, else the smallest turn, and say so."""
-    flip = np.array([1.0, -1.0 if seen[0] else 1.0])
-    middle = pattern.expected_px.mean(axis=0)
-    tip = warp(np.stack([middle, middle + np.array([1.0, 0.0])]) * flip)
-    turn = float(np.degrees(np.arctan2(*(tip[1] - tip[0])[::-1])))
-    choices, mark = _find_mark(blobs, pattern, warp, blob, flip)
+    blob = laid.blob
+    expected = np.where(blob[:, None] >= 0, blobs[blob], laid.places_px)
+    turn = _turn_deg(pattern.expected_px * [1.0, -1.0 if laid.mirrored else 1.0], laid.places_px)
+    choices, mark = _find_mark(blobs, pattern, laid)
     # the pattern moved by a symmetry fits as well: the whole then is turned by as much less
     turns = (turn + pattern.turns_deg[choices] + 180.0) % 360.0 - 180.0
-    expected = np.where(blob[:, None] >= 0, blobs[blob], warp(pattern.expected_px * flip))
     namings = []
     for rank in np.lexsort([np.abs(turns), pattern.mirrored[choices]]):
         # the dot at the place of marker i is marker order[i]
@@ -195,37 +116,44 @@ def _resolve(
                 positions_px=expected[order],
                 found=blob[order] >= 0,
                 turn_deg=float(turns[rank]),
-                mirrored=bool(pattern.mirrored[choices[rank]] != seen[0]),
+                mirrored=bool(pattern.mirrored[choices[rank]] != laid.mirrored),
                 alternatives=(),
                 mark=mark,
-                residual_px=seen[1],
+                residual_px=laid.residual_px,
             )
         )
     return replace(namings[0], alternatives=tuple(namings[1:]))
 
 
-def _find_mark(
-    blobs: FloatArray, pattern: MarkerPattern, warp: Warp, blob: NDArray[np.intp], flip: FloatArray
-) -> tuple[NDArray[np.intp], int]:
+def _turn_deg(template: FloatArray, places: FloatArray) -> float:
+    """Angle of the turn that brings the template (m, 2) nearest to the places (m, 2)."""
+    a, b = template - template.mean(axis=0), places - places.mean(axis=0)
+    across = (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()
+    return float(np.degrees(np.arctan2(across, (a * b).sum())))
+
+
+def _find_mark(blobs: FloatArray, pattern: MarkerPattern, laid: Laid) -> tuple[NDArray[np.intp], int]:
     """Numbers of the symmetries that the orientation mark leaves, and its dot: -1 where it does not decide.
 
-    The mark is a dot that belongs to no marker and lies where the map expects it, as surely as the map knows. It is
-    not believed where so many false dots lie about that one of them could as well be there while the mark is hidden.
+    The mark is a dot that belongs to no marker. Under a symmetry, either it lies where the print's law expects it, or
+    it is hidden; other dots lie anywhere. One symmetry is believed where all others together are less likely than
+    `_CHANCE`.
     """
     every = np.arange(len(pattern.symmetries))
-    free = np.setdiff1d(np.arange(len(blobs)), blob[blob >= 0])
-    if pattern.marks_px is None or not len(free):
+    free = np.setdiff1d(np.arange(len(blobs)), laid.blob[laid.blob >= 0])
+    if laid.marks_px is None or laid.mark_axes_px is None or not len(free):
         return every, -1
-    places = pattern.marks_px * flip
-    reach = np.maximum(_MARK_REACH * warp.deviation_px(places), _LEAST_MARK_REACH_PX)
-    reach = np.minimum(reach, _PRINT_REACH * pattern.spacing_px)
-    distance = np.linalg.norm(blobs[free][None] - warp(places)[:, None], axis=-1)
-    near = np.argwhere(distance < reach[:, None])
-    choices = np.unique(near[:, 0])
-    if len(choices) != 1:
-        return (choices if len(choices) else every), -1
-    hidden = (1.0 + (blob < 0).sum()) / (2.0 + len(blob))
-    crowd = (len(free) - 1) / float(np.prod(np.ptp(blobs, axis=0)))
-    if hidden * crowd * np.pi * float((reach**2).sum()) > _CHANCE:
-        return every, -1
-    return choices, int(free[near[np.argmin(distance[near[:, 0], near[:, 1]]), 1]])
+    away = (blobs[free][None] - laid.marks_px[:, None]) @ np.linalg.inv(laid.mark_axes_px)
+    square = (away**2).sum(axis=-1)
+    hidden = (1.0 + (laid.blob < 0).sum()) / (_SEEN + len(laid.blob))
+    crowd = (len(free) + 1) / float(np.prod(np.ptp(blobs, axis=0)))
+    area = 2.0 * np.pi * np.abs(np.linalg.det(laid.mark_axes_px))
+    near = np.where(square < _MARK_REACH**2, np.exp(-square / 2.0), 0.0)
+    odds = hidden + (1.0 - hidden) * near / (crowd * area)[:, None]
+    odds *= np.where(pattern.mirrored != laid.mirrored, _MIRROR, 1.0)[:, None]
+    best, dot = np.unravel_index(np.argmax(odds), odds.shape)
+    likely = odds.max(axis=1)
+    likely /= likely.sum()
+    if 1.0 - likely[best] < _CHANCE and near[best, dot] > 0.0:
+        return np.array([best]), int(free[dot])
+    return every, -1

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
+from palpate.markers.rings import Rings, find_rings
 
 _SAME = 1e-6
 """Distance over the layout's size at which two markers are at one place."""
@@ -30,6 +31,10 @@ class MarkerPattern:
         (g,) angle of the turn, and whether the layout was mirrored in its x-z plane before.
     marks_px
         (g, 2) where the orientation mark is then expected; `None` without a mark.
+    rings
+        The rings of a layout that turns and mirrors about each of their dots leave as it is; `None` for others.
+    mark
+        (3,) the orientation mark, mm; `None` without a mark.
     """
 
     expected_px: FloatArray
@@ -37,6 +42,8 @@ class MarkerPattern:
     turns_deg: FloatArray
     mirrored: BoolArray
     marks_px: FloatArray | None
+    rings: Rings | None = None
+    mark: FloatArray | None = None
 
     def __len__(self) -> int:
         return len(self.expected_px)
@@ -64,12 +71,17 @@ def build_pattern(
     motions = [(turn, mirror) for mirror in (False, True) for turn in _candidate_turns(positions, mirror)]
     found = [(motion, order) for motion in motions if (order := _order(positions, *motion)) is not None]
     marks = None if mark is None else project(np.stack([_move(mark, *motion) for motion, _ in found]))
+    rings = find_rings(positions)
+    if rings is not None and len(found) != 2 * len(rings.members(1)):
+        rings = None
     return MarkerPattern(
         expected_px=project(positions),
         symmetries=np.stack([order for _, order in found]),
         turns_deg=np.degrees([motion[0] for motion, _ in found]),
         mirrored=np.array([motion[1] for motion, _ in found]),
         marks_px=marks,
+        rings=rings,
+        mark=mark,
     )
 
 

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.sensor.inspect_unit import Inspection
+from palpate.sensor.print_law import PrintLaw
 
 ENLARGED = 20.0
-"""Arrows are drawn this many times longer than the errors."""
+"""Arrows are drawn this many times longer than the errors,"""
+LONGEST_MM = 4.0
+"""or so that the longest has this length."""
+
+
+def _draw_rings(axis: Axes, law: PrintLaw) -> None:
+    """The rings as they were printed."""
+    for number in range(1, len(law.rings) + 1):
+        members = law.rings.members(number)
+        ring = law.positions[np.append(members, members[0]), :2]
+        label = "rings as printed" if number == 1 else None
+        axis.plot(*ring.T, "-", color="#2b8a3e", lw=0.8, label=label)
 
 
 def draw_inspection(inspection: Inspection) -> Figure:
@@ -27,6 +40,8 @@ def draw_inspection(inspection: Inspection) -> Figure:
     out, around = inspection.error.T
     u = out * np.cos(azimuth) - around * np.sin(azimuth)
     v = out * np.sin(azimuth) + around * np.cos(azimuth)
+    longest = float(np.nanmax(inspection.distance, initial=1e-9))
+    enlarged = min(ENLARGED, float(f"{max(LONGEST_MM / longest, 1.0):.1g}"))
     missing, outside = inspection.missing, inspection.outside
     kept = np.setdiff1d(np.arange(len(x)), np.concatenate([missing, outside]))
     for chosen, marker, colour, words in (
@@ -37,12 +52,14 @@ def draw_inspection(inspection: Inspection) -> Figure:
         if len(chosen):
             axis.plot(x[chosen], y[chosen], marker, color=colour, ms=4, label=f"{words}: {len(chosen)}")
             axis.quiver(
-                *(x[chosen], y[chosen], ENLARGED * u[chosen], ENLARGED * v[chosen]),
+                *(x[chosen], y[chosen], enlarged * u[chosen], enlarged * v[chosen]),
                 angles="xy", scale_units="xy", scale=1.0, width=0.003, color=colour,
             )  # fmt: skip
     radius = inspection.unit.skin.base_radius
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
-    axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {ENLARGED:g} times longer")
+    if inspection.law is not None:
+        _draw_rings(axis, inspection.law)
+    axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {enlarged:g} : 1")
     axis.legend(loc="upper right", fontsize=8)
     return figure

@@ -2,7 +2,8 @@
 
 Each dot, its ellipse's bias taken off, is carried along its ray to the inner surface of the nominal dome and compared
 with its marker there. The camera's pose is fitted to the same dots: a shift, a turn or a tilt of the whole print is
-taken for the camera's, and most of a growth for its distance. What is left is how the dots lie to each other.
+taken for the camera's, and most of a growth for its distance. What is left is how the dots lie to each other. Where
+the whole print is bent, the law of its rings is fitted with the pose (`palpate.sensor.print_law`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from palpate.camera import Camera, centre_bias, dot_edges
 from palpate.core import FloatArray, Spec, parameter
 from palpate.design import PRINT_TOLERANCE, Skin
 from palpate.markers import DetectSpec
+from palpate.sensor.print_law import PrintLaw
 from palpate.sensor.register import Registration
 from palpate.sensor.sensor import read_rest
 from palpate.sensor.unit import Unit
@@ -53,6 +55,11 @@ class Inspection:
     error: FloatArray
     mm_per_px: FloatArray
     tolerance: float
+
+    @property
+    def law(self) -> PrintLaw | None:
+        """How the print is bent as a whole; `None` where the dots lie as designed, but for each one's own error."""
+        return self.registration.law
 
     @property
     def distance(self) -> FloatArray:

@@ -24,12 +24,19 @@ from scipy.spatial import cKDTree
 from palpate.camera import LENSES, Camera, CameraSpec, build_camera, centre_bias, dot_edges
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin
-from palpate.markers import Naming
+from palpate.markers import Naming, find_rings
+from palpate.sensor.print_law import PrintLaw, fit_law
 
 _POSE = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
 _LEAST_MARKERS = 6
 FOCAL_SD, CENTRE_SD_PX = 0.02, 5.0
 """What refining holds focal length (as a share) and centre to: how far the lens of another copy may be off."""
+_EVEN = 0.05
+"""Greatest residual over the distance of neighbours."""
+_LEAST_BENT_PX, _BETTER = 0.5, 0.5
+"""A print counts as bent where the pose alone leaves so many pixels, and the rings' law no more than this share."""
+_MOST_BENT, _MOST_GROWN = 0.2, 0.13
+"""Greatest departure of a ring's radius from the design's, and of the size of all: beyond, it is another design."""
 _FORGIVEN_PX = 1.0
 """Distance beyond which a misprint no longer pulls with its square."""
 
@@ -53,6 +60,8 @@ class Registration:
     lens_sd
         (3 + k,) standard deviation of the focal length (share), of the centre (px) and of the lens' k refinable
         coefficients; NaN where they were held.
+    law
+        How the print is bent as a whole, where the pose alone does not explain the dots; else `None`.
     """
 
     camera: Camera
@@ -61,6 +70,7 @@ class Registration:
     sd: FloatArray
     held_rms_px: float
     lens_sd: FloatArray
+    law: PrintLaw | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +129,21 @@ def register_dome(
     if refine_lens:
         fit = _fit(nominal, np.concatenate([_pose_of(held.camera), start[6:]]), where, held.rms_px / np.sqrt(2.0))
     spacing = float(np.median(cKDTree(seen).query(seen, 2)[0][:, 1]))
-    if fit.rms_px > 0.05 * spacing:
+    law = None
+    if fit.rms_px > _LEAST_BENT_PX:
+        bent, law = _bend(fit, naming, (layout, skin), nominal, start)
+        if law and (fit.rms_px > _EVEN * spacing or law.rms_px < _BETTER * fit.rms_px):
+            fit = held = bent
+        else:
+            law = None
+    if law and (law.rms_px > _EVEN * spacing or law.greatest > _MOST_BENT):
+        raise PalpateError(
+            f"The markers fit the design to {law.rms_px:.1f} px only, and that with rings {law.greatest:.0%} off.",
+            "Check height, base radius and marker count, and the camera's focal length.",
+        )
+    if not law:
+        _check_size(seen, build_camera(nominal).project(points))
+    if not law and fit.rms_px > _EVEN * spacing:
         raise PalpateError(
             f"The markers fit the design to {fit.rms_px:.1f} px only.",
             "Check height, base radius and marker count, and the camera's focal length.",
@@ -127,7 +151,42 @@ def register_dome(
     errors = np.full((len(layout), 2), np.nan)
     errors[naming.found] = -fit.left
     lens_sd = fit.sd[6:] if refine_lens else np.full(len(start) - 6, np.nan)
-    return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd)
+    return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd, law)
+
+
+def _check_size(seen: FloatArray, expected: FloatArray) -> None:
+    """Refuse dots that are together so much larger or smaller than expected that the design is another one."""
+    spread = [np.sqrt(((pixels - pixels.mean(axis=0)) ** 2).sum(axis=1).mean()) for pixels in (seen, expected)]
+    scale = float(spread[0] / spread[1]) - 1.0
+    if abs(scale) > _MOST_GROWN:
+        raise PalpateError(
+            f"The markers fit the design only if all of it is drawn {abs(scale):.0%} "
+            f"too {'large' if scale > 0 else 'small'}.",
+            "Check height, base radius and marker count, and the camera's focal length and distance.",
+        )
+
+
+def _bend(
+    fit: _Fit, naming: Naming, design: tuple[MarkerLayout, Skin], nominal: CameraSpec, start: FloatArray
+) -> tuple[_Fit, PrintLaw | None]:
+    """The pose of a print that is bent as a whole, and its law; what a layout without rings keeps."""
+    layout, skin = design
+    rings = find_rings(layout.positions)
+    if rings is None:
+        return fit, None
+    lens = start[6:]
+
+    def posed(pose: FloatArray) -> Camera:
+        return _posed(nominal, np.concatenate([pose, lens]))
+
+    points = layout.positions[naming.found]
+    bias = centre_bias(fit.camera, points, dot_edges(points, skin.normal(points), layout.diameter))
+    which = np.flatnonzero(naming.found)
+    seen = naming.positions_px[which] - bias
+    pose, law = fit_law(rings, design, (which, seen), posed, (_pose_of(fit.camera), start[:6]))
+    camera = posed(pose)
+    left = camera.project(points) - seen
+    return _Fit(camera, left, fit.sd), law
 
 
 def _fit(

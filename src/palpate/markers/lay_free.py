@@ -1,0 +1,217 @@
+"""A free layout found among dots by its neighbourhoods: a patch that fits, grown marker by marker.
+
+A few neighbouring markers are laid over every dot, turned and scaled; from where they find most dots, the naming
+grows outwards. Every marker is forecast by a smooth map of the named ones about it, so the print may be bent as a
+whole as long as it is smooth. What a second place would name as well makes a naming doubtful.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import ConvexHull, Delaunay, cKDTree
+from scipy.stats import binom
+
+from palpate.core import FloatArray
+from palpate.markers.laid import Laid
+from palpate.markers.pattern import MarkerPattern
+from palpate.markers.warp import fit_warp
+
+_PATCH = 11
+"""Markers of a patch."""
+_PATCHES = 3
+_SCALES = (0.8, 0.9, 1.0, 1.1, 1.25)
+_ANGLE_STEP_DEG = 4.0
+_TRIES = 12
+_NEIGHBOURS = 14
+_ROUNDS = 24
+_REACH, _PRINT_REACH = 0.3, 0.22
+"""How far from its forecast a dot may lie while the naming grows and at last, over the distance of two neighbours."""
+_STRAY, _LEAST_REACH_PX = 4.5, 0.7
+_NEAR = 2.2
+"""Markers this much farther than the nearest ones are forecast, over the distance of two neighbours."""
+_ROUGH = 0.12
+_STRANGE, _STRANGE_SHARE = 5, 0.03
+"""Dots within the print and a spacing beside it that are of no marker: so many, and more for each that is."""
+_CHANCE = 1e-8
+_RIVAL = 0.94
+_LEAST_MARK_PX, _MOST_MARK = 0.2, 0.05
+"""Standard deviation of the orientation mark about its place, at least, and at most over the spacing."""
+_FULL = 0.9
+
+
+class _Grown(NamedTuple):
+    blob: NDArray[np.intp]
+    places: FloatArray
+    residual: float
+    mirror: bool
+
+    @property
+    def named(self) -> int:
+        return int((self.blob >= 0).sum())
+
+
+def lay_free(blobs_px: FloatArray, pattern: MarkerPattern) -> Laid | None:
+    """The pattern among dots (n, 2); `None` where there are too few."""
+    if len(blobs_px) < 3 or len(pattern) < 3 or len(np.unique(blobs_px, axis=0)) < 3:
+        return None
+    grown: list[_Grown] = []
+    for mirror in (False,) if pattern.mirrored.any() else (False, True):
+        template = pattern.expected_px * [1.0, -1.0 if mirror else 1.0]
+        growth = _Growth(template, blobs_px, pattern.spacing_px)
+        for anchor in _anchors(template):
+            grown += [growth.grow(*start, mirror) for start in growth.starts(anchor)]
+    grown.sort(key=lambda each: (-each.named, each.residual))
+    best = grown[0]
+    rivals = [each.named for each in grown[1:] if not _same(each, best, pattern)]
+    marks, axes = _marks(best, blobs_px, pattern)
+    doubt = _doubt(best, blobs_px, pattern.spacing_px, max(rivals, default=0))
+    return Laid(best.blob, best.places, best.residual, best.mirror, marks, axes, doubt)
+
+
+def _anchors(template: FloatArray) -> list[int]:
+    """Markers in whose surroundings a naming may begin: the middle, and others far from each other."""
+    far = np.linalg.norm(template - template.mean(axis=0), axis=1)
+    chosen = [int(np.argmin(far))]
+    inner = far <= 0.75 * far.max()
+    while len(chosen) < min(_PATCHES, int(inner.sum())):
+        apart = np.linalg.norm(template[:, None] - template[chosen][None], axis=-1).min(axis=1)
+        chosen.append(int(np.argmax(np.where(inner, apart, -1.0))))
+    return chosen
+
+
+class _Growth:
+    """Namings of one template among one set of dots."""
+
+    def __init__(self, template: FloatArray, blobs: FloatArray, spacing: float) -> None:
+        self.template, self.blobs, self.spacing = template, blobs, spacing
+        self.tree, self.own = cKDTree(blobs), cKDTree(template)
+        self.room = self.own.query(template, 2)[0][:, 1]
+        self.pitch = float(np.median(self.room))
+        margin = int(np.ceil(4 * self.pitch)) + 4
+        self.origin = np.floor(blobs.min(axis=0)) - margin
+        grid = np.ones(np.ceil(np.ptp(blobs, axis=0)).astype(int)[::-1] + 2 * margin + 2, bool)
+        cells = np.rint(blobs - self.origin).astype(int)
+        grid[cells[:, 1], cells[:, 0]] = False
+        self.near = np.maximum(0.0, 1.0 - (distance_transform_edt(grid) / (_REACH * self.pitch)) ** 2)
+
+    def starts(self, anchor: int) -> list[tuple[NDArray[np.intp], FloatArray]]:
+        """Patches about a marker laid where they find most dots: their markers, and their places."""
+        patch = self.own.query(self.template[anchor], min(_PATCH, len(self.template)))[1]
+        shape = self.template[patch] - self.template[anchor]
+        angle = np.radians(np.arange(0.0, 360.0, _ANGLE_STEP_DEG))
+        turn = np.stack(
+            [np.stack([np.cos(angle), np.sin(angle)], -1), np.stack([-np.sin(angle), np.cos(angle)], -1)], 1
+        )
+        laid = (np.array(_SCALES)[:, None, None, None] * (shape @ turn)[None]).reshape(-1, len(patch), 2)
+        score = np.empty((len(laid), len(self.blobs)))
+        limit = np.array(self.near.shape)[::-1] - 1
+        for number, blob in enumerate(self.blobs):
+            cell = np.clip(np.rint(laid + (blob - self.origin)).astype(int), 0, limit)
+            score[:, number] = self.near[cell[..., 1], cell[..., 0]].sum(axis=1)
+        best = score.argmax(axis=0)
+        first = np.argsort(-score.max(axis=0), kind="stable")[:_TRIES]
+        return [(patch, laid[best[number]] + self.blobs[number]) for number in first]
+
+    def grow(self, patch: NDArray[np.intp], laid: FloatArray, mirror: bool) -> _Grown:
+        """Name outwards from a patch until nothing changes."""
+        places = np.full(self.template.shape, np.inf)
+        places[patch] = laid
+        blob, before = self._nearest(places, np.full(len(places), _REACH * self.pitch)), np.empty(0, int)
+        for _ in range(_ROUNDS):
+            if (blob >= 0).sum() < 4 or np.array_equal(blob, before):
+                break
+            before = blob
+            places = self._forecast(blob)
+            blob = self._nearest(places, _REACH * np.minimum(self.room, self.pitch))
+        if (blob >= 0).sum() < 4:
+            return _Grown(blob, np.where(np.isfinite(places), places, 0.0), np.inf, mirror)
+        left = np.linalg.norm(self.blobs[blob] - places, axis=1)
+        spread = 1.4826 / 1.1774 * float(np.median(left[blob >= 0]))
+        most = _PRINT_REACH * np.minimum(self.room, self.pitch)
+        places = np.where(np.isfinite(places), places, self._forecast(blob, every=True))
+        blob = self._nearest(places, np.minimum(max(_STRAY * spread, _LEAST_REACH_PX), most))
+        left = np.linalg.norm(self.blobs[blob] - places, axis=1)[blob >= 0]
+        return _Grown(blob, places, float(np.sqrt(np.mean(left**2) / 2.0)) if len(left) else np.inf, mirror)
+
+    def _forecast(self, blob: NDArray[np.intp], every: bool = False) -> FloatArray:
+        """(m, 2) each marker by a smooth map of the named ones about it, itself left out; infinite where far."""
+        named = np.flatnonzero(blob >= 0)
+        points, pixels = self.template[named], self.blobs[blob[named]]
+        count = min(_NEIGHBOURS + 1, len(named))
+        distance, near = cKDTree(points).query(self.template, count)
+        own = near == np.searchsorted(named, np.arange(len(blob)))[:, None]
+        own &= (blob >= 0)[:, None]
+        size = np.maximum(distance[:, min(3, count - 1)], self.pitch)[:, None]
+        weight = np.where(own, 0.0, np.exp(-((distance / size) ** 2) / 2.0) + 1e-3)
+        terms = next(terms for terms, least in ((10, 30), (6, 12), (3, 0)) if len(named) >= least)
+        whole = fit_warp(points, pixels, terms, self.template)
+        left = pixels - whole(points)  # what the neighbours have in common beside the map of all
+        x = (points[near] - self.template[:, None]) / size[..., None]
+        u, v = x[..., 0], x[..., 1]
+        design = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
+        weighted = design * weight[..., None]
+        ridge = np.diag([1e-6, 0.01, 0.01, 0.1, 0.1, 0.1])
+        solved = np.linalg.solve(
+            np.swapaxes(weighted, 1, 2) @ design + ridge, np.swapaxes(weighted, 1, 2) @ left[near]
+        )
+        places = whole(self.template) + solved[:, 0]
+        second = distance[:, min(2, count - 1)]
+        return places if every else np.where((second < _NEAR * self.pitch)[:, None], places, np.inf)
+
+    def _nearest(self, places: FloatArray, reach: FloatArray) -> NDArray[np.intp]:
+        """(m,) nearest dot of each place within reach, where the place is also the nearest of the dot."""
+        known = np.isfinite(places).all(axis=1)
+        blob = np.full(len(places), -1)
+        if not known.any():
+            return blob
+        distance, dot = self.tree.query(places[known])
+        back = np.flatnonzero(known)[cKDTree(places[known]).query(self.blobs)[1]]
+        good = (distance < reach[known]) & (back[dot] == np.flatnonzero(known))
+        blob[known] = np.where(good, dot, -1)
+        return blob
+
+
+def _same(one: _Grown, other: _Grown, pattern: MarkerPattern) -> bool:
+    """Whether two namings are one, but for a symmetry of the layout."""
+    if one.mirror != other.mirror:
+        return False
+    turned = one.blob[pattern.symmetries]
+    return bool(((turned == other.blob) & (other.blob >= 0)).sum(axis=1).max() > 0.5 * max(one.named, 1))
+
+
+def _doubt(best: _Grown, blobs: FloatArray, spacing: float, rival: int) -> str:
+    """What speaks against the best naming."""
+    if best.residual > _ROUGH * spacing:
+        return f"they lie {best.residual:.1f} px off a smooth map"
+    if rival > _RIVAL * best.named:
+        return f"laid elsewhere, {rival} fit as well"
+    free = np.delete(blobs, best.blob[best.blob >= 0], axis=0)
+    hull = best.places[ConvexHull(best.places).vertices]
+    wide = Delaunay(
+        hull.mean(axis=0) + (1.0 + 2.6 * spacing / np.ptp(hull, axis=0).min()) * (hull - hull.mean(axis=0))
+    )
+    strange = int((wide.find_simplex(free) >= 0).sum()) if len(free) else 0
+    if strange > _STRANGE + _STRANGE_SHARE * best.named:
+        return f"{strange} other dots lie between and beside them"
+    area = max(float(np.prod(np.ptp(blobs, axis=0))), 1.0)
+    one = 1.0 - np.exp(-len(blobs) * np.pi * (_PRINT_REACH * spacing) ** 2 / area)
+    chance = float(binom.sf(best.named - 4, len(best.blob) - 3, one)) if best.named > 3 else 1.0
+    return "" if chance < _CHANCE else f"dots strewn at random do as well with a chance of {chance:.0e}"
+
+
+def _marks(best: _Grown, blobs: FloatArray, pattern: MarkerPattern) -> tuple[FloatArray | None, FloatArray | None]:
+    """Where the orientation mark would be under each symmetry, and the axes of its standard deviations."""
+    have = best.blob >= 0
+    terms = next((terms for terms in (10, 6, 3) if have.sum() >= 2 * terms), 0)
+    if pattern.marks_px is None or not terms:
+        return None, None
+    flip = np.array([1.0, -1.0 if best.mirror else 1.0])
+    warp = fit_warp(pattern.expected_px[have] * flip, blobs[best.blob[have]], terms, pattern.expected_px * flip)
+    marks = warp(pattern.marks_px * flip)
+    sd = np.maximum(warp.deviation_px(pattern.marks_px * flip), _LEAST_MARK_PX)
+    sd = np.minimum(sd, _MOST_MARK * pattern.spacing_px)
+    return marks, sd[:, None, None] * np.eye(2)

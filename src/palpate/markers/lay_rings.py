@@ -1,0 +1,97 @@
+"""Rings found among dots, judged: are there as many as the design has, and could chance do as much?"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.core import FloatArray
+from palpate.markers.laid import Laid
+from palpate.markers.name_rings import RingFinder, mark_turns
+from palpate.markers.pattern import MarkerPattern
+from palpate.markers.ring_law import TWIST, RingsFit, continue_rings, learn_law
+from palpate.markers.rings import Rings, waves
+
+_CHANCE = -7.5
+"""Power of ten of the number of prints that dots strewn at random would show, above which a print is not believed."""
+_BEYOND = 0.6
+"""Share of the places of one more ring at which the print is another's."""
+_RIVAL = 2.0
+"""Powers of ten by which a print about another middle must be likelier by chance."""
+_STRANGE, _STRANGE_SHARE = 12, 0.1
+"""Dots within the print that are of no ring: so many, and so many more for each that is."""
+_MARK_PX, _MARK_SD = 0.2, 0.8
+"""Standard deviation of the mark about its place: at least, and over the distance of the dots from their ring."""
+_MARK_STRETCH, _MARK_BENT = 0.02, 0.06
+"""The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
+_BENT = 0.08
+"""Departure of a ring's radius from the design's at which a print counts as bent."""
+
+
+def lay_rings(blobs_px: FloatArray, pattern: MarkerPattern, rings: Rings) -> Laid | None:
+    """The rings of the pattern among dots (n, 2); `None` where there is no innermost ring."""
+    if len(np.unique(blobs_px, axis=0)) < 4:
+        return None
+    finder = RingFinder(blobs_px, pattern, rings)
+    found = finder.find()
+    if not found:
+        return None
+    best = found[0]
+    blob = np.full(len(pattern), -1)
+    places = np.full((len(pattern), 2), np.nan)
+    for number, ring in enumerate(best.rings):
+        members = rings.members(number)
+        blob[members] = ring.blob
+        places[members] = waves(rings.azimuth[members], 7) @ ring.weights
+    marks, axes = _marks(best, pattern, finder)
+    doubt = _doubt(finder, found)
+    return Laid(blob, places, best.residual_px, False, marks, axes, doubt)
+
+
+def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
+    """What speaks against the best fit."""
+    best, rings = found[0], finder.rings
+    if len(best.rings) <= len(rings):
+        return f"ring {len(best.rings)} of {len(rings)} was not found"
+    chance = best.power + float(np.log10(max(finder.seeds, 1)))
+    if chance > _CHANCE:
+        return f"dots strewn at random would do as well in 1 of {10.0 ** -min(chance, 0.0):.0f} images"
+    uneven = [number for number, ring in enumerate(best.rings) if number and not ring.even and ring.count]
+    if uneven:
+        return f"ring {uneven[0]} is not even: its dots lie {best.rings[uneven[0]].residual_px:.1f} px off"
+    if len(best.rings) > 2 and np.abs(best.twist).max() > TWIST:
+        which = int(np.argmax(np.abs(best.twist)))
+        return f"ring {which + 2} is turned by {best.twist[which]:.1f} of its steps against the ring inside"
+    if best.crossing:
+        return f"rings {best.crossing - 1} and {best.crossing} cross"
+    more, there = finder.beyond(best)
+    if there > _BEYOND * more:
+        return f"one more ring of {more} has {there} dots"
+    if unsure := finder.unsure(best):
+        return f"ring {unsure} has few dots, and another lies where one of them could be"
+    strange = finder.strange(best)
+    if strange > _STRANGE + _STRANGE_SHARE * best.count:
+        return f"{strange} other dots lie between them"
+    if len(found) > 1 and found[1].power < best.power + _RIVAL:
+        return f"about another middle {found[1].count} fit as well"
+    return ""
+
+
+def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[FloatArray | None, FloatArray | None]:
+    """Where the orientation mark would be under each symmetry, and the axes of its standard deviations."""
+    if pattern.marks_px is None or pattern.mark is None or len(fit.rings) <= len(finder.rings):
+        return None, None
+    outer, turns = fit.rings[-1], mark_turns(pattern)
+    law = learn_law(fit.rings[1:], finder.profile, finder.nominal_px[1:], finder.rings.rho[1:])
+    weights, doubt, aside = continue_rings(law, outer, (finder.rings.rho[-1], float(np.hypot(*pattern.mark[:2]))))
+    places = waves(turns, 7) @ weights
+    out = places - weights[0]
+    length = np.linalg.norm(out, axis=1, keepdims=True)
+    out /= length
+    factor = law.rho / finder.rings.rho[1:]
+    bent = min(float(np.abs(factor - 1.0).max()) / _BENT, 1.0) if len(factor) > 1 else 1.0
+    outside = float(length.mean()) - outer.radius_px
+    along = np.hypot(max(_MARK_PX, _MARK_SD * outer.residual_px), aside)
+    stretch = (_MARK_STRETCH + bent * _MARK_BENT) * outside
+    far = float(np.sqrt(along**2 + stretch**2 + (bent * doubt) ** 2))
+    axes = np.stack([far * out, along * np.stack([-out[:, 1], out[:, 0]], axis=-1)], axis=1)
+    return places, axes

@@ -1,0 +1,37 @@
+"""Prints bent as a whole are named by their structure; what is no print of the design is refused in a sentence."""
+
+from itertools import islice
+
+import pytest
+from bent_prints import bent, controls, design_of, draw, judge
+
+from palpate.core import PalpateError, generator
+from palpate.markers import name_markers, prepare_detector
+
+
+@pytest.mark.parametrize("count", [7, 37, 91, 169])
+def test_a_bent_print_is_named_wholly_or_says_what_it_does_not_know(count):
+    for number in range(8):
+        scale, marked = (1.0, 1.6)[number % 2], number % 4 < 2
+        drawn = bent(count, generator(8, "bent", count, number), scale=scale, mark=marked)
+        design = design_of(count, scale, marked)
+        naming = name_markers(drawn["dots"], design.pattern)
+        assert judge(naming, drawn, drawn["dots"], design).verdict in ("whole", "ambiguous", "mark hidden")
+        assert marked or naming.ambiguous
+
+
+@pytest.mark.parametrize("count", [37, 169])
+def test_an_image_of_a_bent_print_is_named_through_the_detector(count):
+    rng = generator(8, "picture", count)
+    drawn = bent(count, rng, scale=1.6, mark=False)
+    picture = draw(drawn["dots"], drawn["shape"], rng, scale=1.6)
+    dots = prepare_detector(picture).find(picture).positions_px
+    design = design_of(count, 1.6)
+    assert judge(name_markers(dots, design.pattern), drawn, dots, design).verdict == "whole"
+
+
+@pytest.mark.parametrize("kind", ["another design", "random dots", "half of the dots", "a grid of dots"])
+def test_what_is_no_print_of_the_design_is_refused_with_numbers(kind):
+    for dots, pattern in islice(controls()[kind](generator(8, "controls", kind)), 3):
+        with pytest.raises(PalpateError, match=r"\d+ of \d+ markers were found among \d+ dots"):
+            name_markers(dots, pattern)
