@@ -45,8 +45,9 @@ _PASSES = 3
 _OUTSIDE, _FAR_PX = 0.35, 20.0
 """Steps of centre and turn in which the outermost ring is looked for, over the distance of its neighbours, and how
 far from the middle of the dots, px."""
-_FEW_DOTS, _TEMPTING = 4, 0.6
-"""Rings of so few dots are doubted if a false one is as near as this to an empty place, over the step of the ring."""
+_FEW_DOTS, _TEMPTING, _AGREED = 4, 0.6, 0.05
+"""Rings of so few dots are doubted if a false one is as near as this to an empty place, over the step of the ring,
+and if the centre is not as near as this to that of the next ring."""
 _TELLING = 3
 """So many dots do not tell a ring's shape and whether they are its own."""
 _GAPPY = 0.85
@@ -268,10 +269,15 @@ class RingFinder:
     def unsure(self, fit: RingsFit) -> int:
         """Number of the first ring that has so few dots that a false one could bend it, and such a dot near; or 0."""
         free = self.blobs[~self._taken(fit.rings)]
-        for number, ring in enumerate(fit.rings[1:] if len(free) else (), 1):
+        rings = fit.rings[1:] if len(free) else ()
+        for number, ring in enumerate(rings, 1):
+            beside = rings[number if number < len(rings) else number - 2]
+            aside = float(np.linalg.norm(ring.weights[0] - beside.weights[0]))
+            if ring.count > _FEW_DOTS or aside < _AGREED * 2.0 * np.pi * ring.radius_px / len(ring.blob):
+                continue
             places = waves(self.angles[number], 7)[ring.blob < 0] @ ring.weights
             pitch = 2.0 * np.pi * ring.radius_px / len(ring.blob)
-            if 0 < ring.count <= _FEW_DOTS and cKDTree(free).query(places)[0].min() < _TEMPTING * pitch:
+            if ring.count and cKDTree(free).query(places)[0].min() < _TEMPTING * pitch:
                 return number
         return 0
 
