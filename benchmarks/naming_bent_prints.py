@@ -26,17 +26,17 @@ COUNTS = (7, 37, 91, 169)
 SCALES = (1.0, 1.6)
 
 
-LEGEND = """Rings off by any law within 15 % that keeps their order, an ellipse up to 8 %, each ring up to 2
-px off centre,
-every dot turned by up to 0.5°; any roll, a camera up to 6 mm aside and 8° tilted, barrel left over; 5 % of the
-dots missing (the mark among them), 10 false ones a dot's diameter from the others; images blurred, noisy and
-unevenly lit, dots that touch. Half of the draws have an orientation mark.
+LEGEND = """\
+Rings off by any law within 15 % that keeps their order, an ellipse up to 8 %, each ring up to 2 px off
+centre, every dot turned by up to 0.5°; any roll, a camera up to 6 mm aside and 8° tilted, barrel left
+over; 5 % of the dots missing (the mark among them), 10 false ones a dot's diameter from the others;
+images blurred, noisy and unevenly lit, dots that touch. Half of the draws have an orientation mark.
 
 Whole: every number right, or right up to a symmetry and said to be ambiguous where no mark was printed.
-Ambiguous: the same though the mark was there. Mark hidden: the same where it was not. Lost: a dot that was
-there is said to be missing. Refused: with a reason. Stand-in, counted besides: a false dot within 0.18 of the
-spacing of an empty place is taken for its dot. Reprojection: against the print without each dot's own scatter,
-root mean square distance."""
+Ambiguous: the same though the mark was there. Mark hidden: the same where it was not. Lost: a dot that
+was there is said to be missing. Refused: with a reason. Stand-in, counted besides: a false dot within
+0.18 of the spacing of an empty place is taken for its dot. Reprojection: against the print without each
+dot's own scatter, root mean square distance."""
 
 
 @dataclass

@@ -142,7 +142,7 @@ def register_dome(
             "Check height, base radius and marker count, and the camera's focal length.",
         )
     if not law:
-        _check_size(seen, build_camera(nominal).project(points))
+        _check_size(seen, build_camera(nominal).project(points), fit.rms_px)
     if not law and fit.rms_px > _EVEN * spacing:
         raise PalpateError(
             f"The markers fit the design to {fit.rms_px:.1f} px only.",
@@ -154,13 +154,13 @@ def register_dome(
     return Registration(fit.camera, fit.rms_px, errors, fit.sd[:6], held.rms_px, lens_sd, law)
 
 
-def _check_size(seen: FloatArray, expected: FloatArray) -> None:
+def _check_size(seen: FloatArray, expected: FloatArray, rms_px: float) -> None:
     """Refuse dots that are together so much larger or smaller than expected that the design is another one."""
     spread = [np.sqrt(((pixels - pixels.mean(axis=0)) ** 2).sum(axis=1).mean()) for pixels in (seen, expected)]
     scale = float(spread[0] / spread[1]) - 1.0
     if abs(scale) > _MOST_GROWN:
         raise PalpateError(
-            f"The markers fit the design only if all of it is drawn {abs(scale):.0%} "
+            f"The markers fit the design to {rms_px:.1f} px only where all of it is drawn {abs(scale):.0%} "
             f"too {'large' if scale > 0 else 'small'}.",
             "Check height, base radius and marker count, and the camera's focal length and distance.",
         )
