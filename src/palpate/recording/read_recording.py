@@ -176,8 +176,8 @@ def _split_rest(table: RecordingTable, by: str, column: str) -> tuple[IntArray, 
     if by and not table.is_numeric(by):
         at_rest |= np.char.lower(table.columns[by].astype(str)) == REST
     if column and not table.is_numeric(column):
-        stems = np.array([Path(str(text)).stem.lower() for text in table.columns[column].tolist()])
-        at_rest |= stems == REST
+        stems = (Path(str(text)).stem.lower() for text in table.columns[column])
+        at_rest |= np.fromiter((stem == REST for stem in stems), bool, len(table))
     return np.flatnonzero(~at_rest), np.flatnonzero(at_rest)
 
 

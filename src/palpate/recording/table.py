@@ -165,7 +165,7 @@ def _join(parts: list[Column | None], all_parts: list[dict[str, Column]]) -> Col
         np.full(length, "" if text else np.nan) if part is None else part
         for part, length in zip(parts, lengths, strict=True)
     ]
-    return np.concatenate([part.astype(str) if text else part for part in whole])
+    return np.concatenate([part.astype(str, copy=False) if text else part for part in whole])
 
 
 def _number(text: str) -> float:
