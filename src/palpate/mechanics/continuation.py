@@ -49,12 +49,17 @@ _SHRINK = 0.8
 """Factor on the next increment after one of more iterations."""
 _JUMPS = 4
 """Most jumps of a path."""
-_RELAXATIONS, _FADED = 40, 1e-3
+_RELAXATIONS, _FADED = 120, 1e-3
 """Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
+_VISCOSITY = ((2, 1 / 30), (4, 1 / 4), (8, 1 / 2), (12, 1.0))
+"""Factor on the viscosity after a pseudo-time step of at most so many iterations."""
+_THICKEN, _FAILED = 1.5, 4.0
+"""Factor after one of more iterations, and after one that found no equilibrium."""
 _FIRST_VISCOSITY = 10.0
 """First viscosity over mu/area."""
-_SLACK = 1e3
-"""Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
+_SLACK, _JUMP_SLACK = 1e3, 30.0
+"""Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps: a skin that is about to
+jump is out of balance by little more."""
 _PASSES = 4
 """Most passes in which friction limits are corrected."""
 
@@ -240,7 +245,7 @@ class Continuation:
         rough = (self.loading.remembers and not sliding) or damping is not None
         while True:
             terms = self.loading.terms(depth, history) + (() if damping is None else (damping,))
-            slack = _SLACK if rough else 1.0
+            slack = _JUMP_SLACK if damping is not None else _SLACK if rough else 1.0
             found = self.problem.solve(start, terms, self.spec.iterations, slack, descend=damping is not None)
             self.iterations += found.iterations
             self._history, passes = history, passes + 1
@@ -393,7 +398,7 @@ class Continuation:
                     if found.converged:
                         return found
                     coefficient *= 100.0
-                coefficient /= 30.0 if found.iterations <= 2 else 4.0 if found.iterations <= 8 else 2.0
+                coefficient *= next((factor for most, factor in _VISCOSITY if found.iterations <= most), _THICKEN)
             else:
-                coefficient *= 3.0
+                coefficient *= _FAILED
         return found
