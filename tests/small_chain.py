@@ -10,7 +10,9 @@ from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.learn import fit_ridge, write_estimator
 from palpate.material import get_material
+from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import TWIN_DERIVATIVES, build_twin, write_twin
 
 DOME = DomeSpec()
 MARKERS = MarkerSpec(count=37)
@@ -32,6 +34,18 @@ def small_dataset(**spec):
 
 def write_small_model(path):
     write_estimator(path, fit_ridge(small_dataset()))
+    return path
+
+
+def write_small_twin(path):
+    contacts, solver = ("no-slip", 1.4, 0.8, 0.4), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    walls = [
+        WallSpec(tilt_deg=tilt, depth=5.0, image_step=0.5, contact=contact)
+        for contact in contacts
+        for tilt in (0.0, 3.0, 6.0, 9.0)
+    ]
+    mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
+    write_twin(path, build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls]))
     return path
 
 

@@ -13,9 +13,8 @@ Every press and every played unit is an artefact of a store: a bench that was st
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -25,10 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.bench.photograph import Scene, set_scene
+from palpate.bench.played import COLUMNS, TOLD, Played, ToldNumber, list_learnt, read_played, write_played
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import KNOWN_TILTS, KNOWN_TURN_DEG, Deviation, RobotSpec
 from palpate.camera import CameraSpec
-from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, generator, provenance
+from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance
 from palpate.deck import CalculixSpec
 from palpate.design import (
     TILT_DEPTH,
@@ -47,7 +47,6 @@ from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import (
     Sensor,
-    TouchZero,
     Unit,
     check_model,
     find_zero,
@@ -57,7 +56,7 @@ from palpate.sensor import (
 )
 from palpate.twin import Twin
 
-BENCH_VERSION = "3"
+BENCH_VERSION = "4"
 """Version of the code that decides what a played unit says; part of its key."""
 _FINER = 9.0 / 8.0
 
@@ -137,43 +136,6 @@ class Bench:
             ) from error
 
 
-@dataclass(frozen=True, eq=False)
-class Played:
-    """What one unit's images gave.
-
-    Attributes
-    ----------
-    deviation
-        What was not as designed.
-    truth, estimates
-        (n, 3) rx, ry (degrees) and depth (mm) in the robot's frame; NaN where the sensor gave no pose. The depth's
-        zero is taken out of neither.
-    press
-        (n,) number of the press.
-    flagged
-        (n,) whether the reading had a flag.
-    latency_ms
-        (n,) from image to pose.
-    zero
-        The depth's zero by the first press; `None` where it was not asked for.
-    failure
-        Why the unit could not be played; empty where it was.
-    """
-
-    deviation: Deviation
-    truth: FloatArray
-    estimates: FloatArray
-    press: IntArray
-    flagged: BoolArray
-    latency_ms: FloatArray
-    zero: TouchZero | None
-    failure: str = ""
-
-    def corrected(self) -> FloatArray:
-        """Estimates with their depth on the robot's scale, if the zero was found."""
-        return self.estimates + np.array([0.0, 0.0, self.zero.offset if self.zero else 0.0])
-
-
 def play_unit(bench: Bench, deviation: Deviation) -> Played:
     """Press, photograph and read one unit, or find in the store what it gave before.
 
@@ -186,9 +148,8 @@ def play_unit(bench: Bench, deviation: Deviation) -> Played:
     found = bench.store.find(recipe, ".json")
     if found is None:
         played = _play(bench, deviation)
-        text = json.dumps(_plain(played))
-        found = bench.store.write(recipe, lambda path: _write(path, text), ".json")
-    return _from_plain(json.loads(found.read_text()), deviation)
+        found = bench.store.write(recipe, lambda path: write_played(path, played), ".json")
+    return read_played(found, deviation)
 
 
 def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
@@ -219,30 +180,20 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
     try:
         sensor = open_sensor([scene.at_rest()], unit, bench.reads_with)
         rng = generator(bench.spec.seed, "directions", deviation.unit)
-        zero = None
+        zero, learnt = None, tuple[ToldNumber, ...]()
         if bench.spec.known:
-            identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
+            known = identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
+            learnt = tuple(list_learnt(known, deviation, _slip(bench, deviation), bench.spec.tolerance))
         elif bench.spec.zero:
             first = _read(bench, scene, sensor, _turned(presses[0], float(rng.uniform(0, 360))), deviation)
-            zero = find_zero(first[:, 5], first[:, 2], bench.spec.least_depth)
-        rows = [
-            np.insert(
-                _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation), 0, number, 1
-            )
+            zero = find_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.least_depth)
+        tables = [
+            _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation, number).images
             for number, press in enumerate(item for item in presses for _ in range(bench.spec.azimuths))
         ]
     except PalpateError as error:
-        return _failed(deviation, str(error))
-    table = np.concatenate(rows)
-    return Played(
-        deviation=deviation,
-        truth=table[:, 1:4],
-        estimates=table[:, 4:7],
-        press=table[:, 0].astype(int),
-        flagged=table[:, 7] > 0,
-        latency_ms=table[:, 8],
-        zero=zero,
-    )
+        return Played(deviation, np.empty((0, len(COLUMNS))), failure=str(error))
+    return Played(deviation, np.concatenate(tables), zero, learnt)
 
 
 def _known(
@@ -262,14 +213,14 @@ def _known(
         deep = press.depth >= bench.spec.least_depth - 1e-9
         cell = np.full(int(deep.sum()), np.nan)
         if not number:
-            cell[-1] = _weigh(press)
+            cell[-1] = _weigh(press)[-1]
         found.append((poses[deep], list(compress(scene.through(press), deep)), cell))
     return found
 
 
-def _weigh(press: Press) -> float:
-    """What a load cell under the wall says at the deepest image of a press, N along its normal."""
-    return float(press.force[-1] @ wall_normal(np.radians(press.wall.radial), 0.0))  # as it was solved, not turned
+def _weigh(press: Press) -> FloatArray:
+    """What a load cell under the wall says at each image of a press (n,), N along its normal."""
+    return press.force @ wall_normal(np.radians(press.wall.radial), 0.0)  # as it was solved, not turned
 
 
 def _robot(bench: Bench) -> RobotSpec:
@@ -286,16 +237,30 @@ def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float
     return float(rx), float(ry), float(depth + late)
 
 
-def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation) -> FloatArray:
-    """(n, 8) truth, estimate, flags and latency of the images of a press that count."""
+def _read(bench: Bench, scene: Scene, sensor: Sensor, press: Press, deviation: Deviation, number: int = 0) -> Played:
+    """Truth and readings of the images of a press that count."""
     rows = []
-    for depth, image in zip(press.depth, scene.through(press), strict=True):
+    slip = _slip(bench, deviation)
+    for depth, force, image in zip(press.depth, _weigh(press), scene.through(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.least_depth - 1e-9:
-            rows.append(
-                (*_robot_pose(press, deviation, float(depth)), *reading.pose, len(reading.flags), reading.latency_ms)
-            )
-    return np.array(rows).reshape(-1, 8)
+            told, half = list(reading.pose), list(reading.half_width)
+            if reading.fit is not None:
+                pressing = reading.fit.force.pressing
+                told += [pressing.value, reading.fit.slip]
+                half += [pressing.half_width, reading.fit.half_width[3]]
+            nothing = [np.nan] * (len(TOLD) - len(told))
+            truth = (*_robot_pose(press, deviation, float(depth)), force, slip)
+            rows.append((number, len(reading.flags), reading.latency_ms, *truth, *told, *nothing, *half, *nothing))
+    return Played(deviation, np.array(rows).reshape(-1, len(COLUMNS)))
+
+
+def _slip(bench: Bench, deviation: Deviation) -> float:
+    """1/µ of a unit's wall; NaN where it is frictionless."""
+    contact = deviation.friction or bench.spec.contact
+    if isinstance(contact, str):
+        return 0.0 if contact == "no-slip" else np.nan
+    return 1.0 / contact
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
@@ -354,40 +319,3 @@ def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
     }
     inputs = tuple(_press_recipe(bench, deviation, tilt).key for tilt in unit_tilts(bench.spec, deviation.unit))
     return Recipe(kind="unit", spec=spec, inputs=inputs, version=BENCH_VERSION)
-
-
-def _failed(deviation: Deviation, failure: str) -> Played:
-    nothing = np.empty((0, 3))
-    empty = np.empty(0)
-    return Played(deviation, nothing, nothing, empty.astype(int), empty.astype(bool), empty, None, failure)
-
-
-def _plain(played: Played) -> dict[str, Any]:
-    """Played unit as JSON data; what is not a number becomes `None`."""
-    estimates = [[None if np.isnan(value) else value for value in row] for row in played.estimates.tolist()]
-    return {
-        "truth": played.truth.tolist(),
-        "estimates": estimates,
-        "press": played.press.tolist(),
-        "flagged": played.flagged.tolist(),
-        "latency_ms": played.latency_ms.tolist(),
-        "zero": asdict(played.zero) if played.zero else None,
-        "failure": played.failure,
-    }
-
-
-def _from_plain(data: dict[str, Any], deviation: Deviation) -> Played:
-    return Played(
-        deviation=deviation,
-        truth=np.array(data["truth"], float).reshape(-1, 3),
-        estimates=np.array(data["estimates"], float).reshape(-1, 3),
-        press=np.array(data["press"], np.int64),
-        flagged=np.array(data["flagged"], bool),
-        latency_ms=np.array(data["latency_ms"], float),
-        zero=TouchZero(**data["zero"]) if data["zero"] else None,
-        failure=data["failure"],
-    )
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import Bench, Played, play_unit
+from palpate.bench.bench import Bench, play_unit
+from palpate.bench.played import Played
 from palpate.built import IMPERFECTIONS, Deviation, Imperfection, ToleranceSpec, single_deviation
 from palpate.camera import RenderSpec
 from palpate.core import FloatArray, PalpateError, parameters
@@ -72,8 +73,7 @@ def run_budget(bench: Bench) -> Iterator[BudgetLine]:
     for played in (nominal, clean):
         if played.failure:
             raise PalpateError(f"The nominal unit cannot be played: {played.failure}")
-    truth = replace(clean, estimates=clean.truth, zero=None)
-    yield _line("model", "the model itself, nominal unit, clean images", "", truth, [clean])
+    yield _line("model", "the model itself, nominal unit, clean images", "", clean.perfect(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:
         if getattr(bench.spec.tolerance, item.name):

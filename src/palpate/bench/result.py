@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import Bench, Played, play_unit
+from palpate.bench.bench import Bench, play_unit
+from palpate.bench.played import POSE, TOLD, Played, ToldNumber, cover, gather
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import Deviation, ToleranceSpec, draw_deviation
 from palpate.core import parameters
@@ -146,6 +148,8 @@ def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
         f"{sum(result.as_good for result in sampled)} of {len(sampled)} sampled units have RMSE ≤ {WANTED_RMSE_DEG}° "
         f"and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
         "",
+        *_learnt_lines(sampled),
+        *_single_lines(sampled, known=bool(spec.known)),
         "## Every unit",
         "",
         *table_lines(COLUMNS, [row for result in results for row in unit_rows(result)]),
@@ -182,6 +186,44 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
         yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
 
 
+def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
+    """What known presses told of the units, against what they are."""
+    told: dict[str, list[ToldNumber]] = {}
+    for learnt in (each for result in sampled for each in result.played.learnt):
+        told.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
+    if not told:
+        return []
+    rows = []
+    for name, each in told.items():
+        table = np.array([one[1:] for one in each])
+        error, sd = table[:, 1] - table[:, 0], table[:, 2]
+        figures = (np.sqrt((error**2).mean()), np.abs(error).max(), sd.mean(), table[:, 3].mean())
+        share = cover(error, NormalDist().inv_cdf(0.95) * sd)
+        rows.append([name, str(len(each)), *(f"{value:.4f}" for value in figures), f"{share:.0%}"])
+    head = ("number", "of", "rms error", "max", "said (sd)", "before (sd)", "in the 90 % interval")
+    return ["## What known presses told", "", "In mm, degrees, px, shares and 1/µ.", "", *table_lines(head, rows), ""]
+
+
+def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
+    """How well single images tell force and friction, and how often intervals hold."""
+    played = [result.played for result in sampled if result.scores]
+    if not played or not np.isfinite(gather(played, "force_n")[1]).any():
+        return []
+    rows = []
+    for name in TOLD:
+        truth, error, half = gather(played, name)
+        if name in POSE and not known:
+            continue  # those of a unit whose seating is not known are of its own frame
+        share = np.abs(error) / np.maximum(np.abs(truth), 1e-9)
+        small = f"{((share <= 0.02) | (np.abs(error) <= 0.01)).mean():.0%}" if name == "force_n" else ""
+        figures = (np.sqrt((error**2).mean()), np.abs(error).max())
+        shares = (np.sqrt((share**2).mean()), share.max()) if name == "force_n" else ()
+        cells = [*(f"{value:.3f}" for value in figures), *(f"{value:.2%}" for value in shares)]
+        rows.append([name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{cover(error, half):.0%}"])
+    head = ("", "images", "rms", "max", "rms share", "max share", "≤ 2 % or 0.01 N", "in the 90 % interval")
+    return ["## What single images tell", "", *table_lines(head, rows), ""]
+
+
 def _beforehand(spec: VirtualBenchSpec) -> str:
     """What is done with each unit before the presses that count, and how its robot moves."""
     told = "The depth's zero is " + ("found by one press beforehand." if spec.zero else "not corrected.")
@@ -208,6 +250,7 @@ def _describe_unit(result: UnitResult) -> dict[str, Any]:
         "depth_bias_without_zero_mm": float(np.nanmean(played.estimates[:, 2] - played.truth[:, 2]))
         if result.scores
         else None,
+        "learnt": [each._asdict() for each in played.learnt],
         "without_pose": result.without_pose,
         "flagged": int(played.flagged.sum()),
         "latency_ms": np.quantile(played.latency_ms, [0.5, 0.99]).tolist() if len(played.latency_ms) else [],

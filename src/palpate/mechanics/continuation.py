@@ -49,17 +49,12 @@ _SHRINK = 0.8
 """Factor on the next increment after one of more iterations."""
 _JUMPS = 4
 """Most jumps of a path."""
-_RELAXATIONS, _FADED = 120, 1e-3
-"""Most pseudo-time steps of a jump, and the viscosity over mu/area at which it has faded."""
-_VISCOSITY = ((2, 1 / 30), (4, 1 / 4), (8, 1 / 2), (12, 1.0))
-"""Factor on the viscosity after a pseudo-time step of at most so many iterations."""
-_THICKEN, _FAILED = 1.5, 4.0
-"""Factor after one of more iterations, and after one that found no equilibrium."""
-_FIRST_VISCOSITY = 10.0
-"""First viscosity over mu/area."""
+_RELAXATIONS, _FIRST_VISCOSITY, _FADED = 120, 10.0, 1e-3
+"""Most pseudo-time steps of a jump, the first viscosity over mu/area, and that at which it has faded."""
+_VISCOSITY, _THICKEN, _FAILED = ((2, 1 / 30), (4, 1 / 4), (8, 1 / 2), (12, 1.0)), 1.5, 4.0
+"""Factor on the viscosity after a pseudo-time step of at most so many iterations, of more, and after a failed one."""
 _SLACK, _JUMP_SLACK = 1e3, 30.0
-"""Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps: a skin that is about to
-jump is out of balance by little more."""
+"""Slack on the tolerance of friction passes that are not the last, and of pseudo-time steps."""
 _PASSES = 4
 """Most passes in which friction limits are corrected."""
 

@@ -12,10 +12,11 @@ from needs import needs_program
 from palpate.bench import Deviation, ToleranceSpec, play_unit, run_bench, run_budget, write_bench, write_budget
 from palpate.bench.bench import presses_of, unit_tilts
 from palpate.bench.budget import BudgetLine, recommend, total
+from palpate.bench.played import cover, gather
 from palpate.bench.result import score_unit
 from palpate.camera import RenderSpec
 from palpate.core import PalpateError
-from small_chain import rms, small_bench, write_small_model
+from small_chain import rms, small_bench, write_small_model, write_small_twin
 
 
 @pytest.fixture(scope="module")
@@ -103,6 +104,29 @@ def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
     page = (tmp_path / "bench.md").read_text()
     assert "the paper's sensor | roll deg | 0.58 | 0.49 | 1.62 | 0.54" in page
     assert "place of each printed dot" in page
+
+
+def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
+    tolerance = ToleranceSpec(thickness=0.1, friction=0.6, friction_most=0.9)
+    bench = small_bench(tmp_path, write_small_twin(tmp_path / "twin.h5"), known=4, azimuths=1, tolerance=tolerance)
+    results = list(run_bench(bench))
+    unit = results[1].played
+    assert not unit.failure
+    learnt = {each.name: each for each in unit.learnt}
+    assert learnt["thickness"].truth == unit.deviation.thickness != 0
+    assert learnt["thickness"].before == pytest.approx(0.1 / np.sqrt(3))
+    slips = [each for each in unit.learnt if each.name.startswith("1/friction")]
+    assert [each.truth for each in slips] == 4 * [1 / unit.deviation.friction]
+    assert rms(np.array([each.mean - each.truth for each in slips])) < 0.3  # a coarse mesh of the same cells
+    force, off, half = gather([unit], "force_n")
+    assert (force > 0.02).all()
+    assert rms(off / force) < 0.1
+    assert 0.3 < cover(off, half) <= 1.0
+    write_bench(tmp_path / "out", bench, results)
+    page = (tmp_path / "out" / "bench.md").read_text()
+    assert "| thickness | 1 |" in page
+    assert "| force_n | 8 |" in page
+    assert json.loads((tmp_path / "out" / "bench.json").read_text())["units"][1]["learnt"][0]["name"] == "offset_x"
 
 
 def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):
