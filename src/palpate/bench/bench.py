@@ -201,10 +201,11 @@ def _known(
 ) -> list[tuple[FloatArray, list[NDArray[np.uint8]], FloatArray]]:
     """Known presses of a unit, of two tilts and directions two fifths of a turn apart; the robot is a little off.
 
-    Its load cell is read once, at the deepest image of the first.
+    They are on a flat wall. Its load cell is read once, at the deepest image of the first.
     """
     tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in KNOWN_TILTS[: bench.spec.known]]
-    solved, first, found = [_press(bench, deviation, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
+    level = replace(deviation, bend=0.0)
+    solved, first, found = [_press(bench, level, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
     for number in range(bench.spec.known):
         press = _turned(solved[number % len(solved)], (first + KNOWN_TURN_DEG * number) % 360.0)
         poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
@@ -291,8 +292,15 @@ def _wall(bench: Bench, deviation: Deviation, tilt_deg: float) -> WallSpec:
         depth=bench.spec.depth,
         image_step=bench.spec.image_step,
         contact=deviation.friction or bench.spec.contact,
+        bend=_bend(bench, deviation, tilt_deg),
         **dict(zip(WallSpec.DRIFTS, (most * shares).round(6).tolist(), strict=True)),
     )
+
+
+def _bend(bench: Bench, deviation: Deviation, tilt_deg: float) -> float:
+    """Curvature of the wall of a press, 1/m, either way."""
+    share = generator(bench.spec.seed, "bend", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0)
+    return round(deviation.bend * float(share), 4)
 
 
 def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float) -> Recipe:

@@ -235,6 +235,8 @@ def _beforehand(spec: VirtualBenchSpec) -> str:
             f" Robots drift by up to {tolerance.lateral:g} mm in both directions and {tolerance.twist_deg:g}° in a "
             "press."
         )
+    if tolerance.bend:
+        told += f" Walls have curvatures of up to {tolerance.bend:g} /m, known presses are on a flat one."
     if tolerance.friction_most:
         told += f" Friction is {tolerance.friction:g} to {tolerance.friction_most:g}, even in 1/µ."
     return told

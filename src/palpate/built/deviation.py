@@ -42,6 +42,8 @@ class Deviation:
         Depth that the robot takes for first touch, mm.
     lateral, twist_deg
         Greatest sideways travel (mm) and turn (degrees) of the robot in a press.
+    bend
+        Greatest curvature of a wall that it is pressed on, 1/m.
     seed
         Seed of which dots are off and missing.
     unit
@@ -72,6 +74,7 @@ class Deviation:
     touch: float = 0.0
     lateral: float = 0.0
     twist_deg: float = 0.0
+    bend: float = 0.0
     seed: int = 0
     unit: int = 0
 
@@ -142,6 +145,7 @@ IMPERFECTIONS = (
     Imperfection("touch", "touch zero", ("touch",)),
     Imperfection("lateral", "sideways travel", ("lateral",), signed=False, solved=True),
     Imperfection("twist_deg", "twist", ("twist_deg",), signed=False, solved=True),
+    Imperfection("bend", "curvature of the wall", ("bend",), signed=False, solved=True),
 )
 
 

@@ -28,13 +28,15 @@ TILT_SD_DEG = 20.0
 _DEPTH_SD = 1e3
 """The same of a depth, mm: next to nothing is known of it."""
 _STEPS = 12
-TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "drift_x", "drift_y", "twist_deg")
-"""What is fitted beside the unit: pose, 1/µ, and how far the wall travelled (mm) and turned on its way."""
-_SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 5e-3, 5e-3, 0.02])
+TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
+"""What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
+_BEND, _DRIFT = 4, 5
+"""Numbers of the curvature and of the first drift in it."""
+_SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02])
 """Change of a touch below which a fit is done."""
-_TRUST = np.array([4.0, 4.0, 1.5, 1.5, 0.5, 0.5, 2.0])
+_TRUST = np.array([4.0, 4.0, 1.5, 1.5, 5.0, 0.5, 0.5, 2.0])
 """Longest step."""
-_NEAR = np.array([0.4, 0.4, 0.2, 0.3, 0.3, 0.3, 1.0])
+_NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit's numbers as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
@@ -58,6 +60,8 @@ class PoseFit:
         1/µ.
     covariance
         (4, 4) of pose and slip, what is unknown of the unit included.
+    bend, bend_sd
+        Curvature of the wall, 1/m, and its standard deviation; 0 where it was not asked.
     drift
         (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
     force
@@ -69,7 +73,7 @@ class PoseFit:
     steps
         Gauss–Newton steps taken.
     theta
-        (7,) `TOUCH`, in the dome's frame.
+        (8,) `TOUCH`, in the dome's frame.
     cost
         Half the weighted squares of what is left, and of what was fitted against its prior.
     unit
@@ -79,6 +83,8 @@ class PoseFit:
     pose: FloatArray
     slip: float
     covariance: FloatArray
+    bend: float
+    bend_sd: float
     drift: FloatArray
     force: Force
     residual_px: float
@@ -117,10 +123,11 @@ class PoseFitter:
 
     def __post_init__(self) -> None:
         self._sd = touch_sd(self.model.tolerance)
-        self._mean = np.array([0.0, 0.0, 0.0, self.model.tolerance.slip[0], 0.0, 0.0, 0.0])
+        self._mean = np.zeros(len(TOUCH))
+        self._mean[3] = self.model.tolerance.slip[0]
         slips = len(self.model.dots.twin.slips) > 1
         self._free = np.flatnonzero((self._sd > 0) & (slips | (np.arange(len(TOUCH)) != TOUCH.index("slip"))))
-        self._drifts = bool((self._sd[4:] > 0).any())
+        self._drifts = bool((self._sd[_DRIFT:] > 0).any())
         self.scale = self.scale or expect_scale(self.model.tolerance)
         self._tables()
         self._last: FloatArray | None = None
@@ -174,7 +181,8 @@ class PoseFitter:
         """What is seen at a pose and 1/µ, and how it depends on the unit: as nearby, or asked for `again`."""
         known = self._by_unit
         unit = known is None or (again and bool((np.abs(theta - known[0]) > _NEAR).any()))
-        looked = self.model.look(theta[:3], float(theta[3]), theta[4:] if self._drifts else None, unit=unit)
+        drift = theta[_DRIFT:] if self._drifts else None
+        looked = self.model.look(theta[:3], float(theta[3]), drift, float(theta[_BEND]), unit=unit)
         if looked.by_unit is not None:
             known = self._by_unit = theta.copy(), looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
         assert known is not None
@@ -213,7 +221,9 @@ class PoseFitter:
             pose=pose,
             slip=float(theta[3]),
             covariance=covariance,
-            drift=theta[4:],
+            bend=float(theta[_BEND]),
+            bend_sd=float(np.sqrt(np.diag(whole)[:known][free == _BEND].sum())),
+            drift=theta[_DRIFT:],
             force=self._force(looked, theta, whole),
             residual_px=float(np.sqrt(np.mean(left**2))),
             misfit=float(np.mean(left**2) / variance * len(left) / max(len(left) - len(normal), 1)),
@@ -257,5 +267,5 @@ class PoseFitter:
 
 
 def touch_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (7,) of `TOUCH` before an image is seen; 0 for what does not happen."""
-    return np.array([TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD, tolerance.slip[1], *tolerance.drift_sd])
+    """Standard deviations (8,) of `TOUCH` before an image is seen; 0 for what does not happen."""
+    return np.array([TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD, tolerance.slip[1], tolerance.bend_sd, *tolerance.drift_sd])

@@ -189,7 +189,7 @@ def pose_gain(
     """How an image of a pose is read by a fit that does not know all of its unit."""
     sd, slips = touch_sd(model.tolerance), len(model.dots.twin.slips) > 1
     which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
-    looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 3 else None), model.seen
+    looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 4 else None), model.seen
     assert looked.by_unit is not None
     free = len(which)
     by_pose = looked.by_pose[seen][..., which].reshape(-1, free)

@@ -313,7 +313,7 @@ class _Fit:
                 jacobian[:, unit : self.shared] = -by_robot @ mounting.by_mounting(at)
                 jacobian[:, self.shared] = by_touch[:, 3] * self.slip
                 jacobian[:, self.shared + 1 : self.shared + 4] = by_robot
-                jacobian[:, self.shared + 4 :] = share * by_touch[:, 4:]
+                jacobian[:, self.shared + 4 :] = share * by_touch[:, 5:]
                 weight = weigh_dots(left, self.variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian

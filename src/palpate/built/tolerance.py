@@ -72,6 +72,10 @@ class ToleranceSpec(Spec):
         0.0, unit="deg", meaning="turn of the robot about the wall's normal in a press", ge=0, le=10
     )
 
+    bend: float = parameter(
+        0.0, unit="1/m", meaning="curvature of the walls that are pressed, either way; 0: they are flat", ge=0, le=20
+    )
+
     def draw_friction(self, share: float) -> float:
         """Coefficient of friction at a share (0 to 1) of what is met: even in µ, with both ends given in 1/µ."""
         if not self.friction_most:
@@ -95,6 +99,11 @@ class ToleranceSpec(Spec):
             return _SLIP_MEAN, _SLIP_SD
         least, most = 1.0 / self.friction_most, 1.0 / self.friction
         return 0.5 * (least + most), max(_SLIP_SD, (most - least) / math.sqrt(12.0))
+
+    @property
+    def bend_sd(self) -> float:
+        """Standard deviation of a wall's curvature, 1/m."""
+        return self.bend / math.sqrt(3.0)
 
     @property
     def drift_sd(self) -> tuple[float, float, float]:

@@ -156,12 +156,12 @@ class Look(NamedTuple):
     pixels
         (m, 2) px; NaN for a dot that was not seen at rest.
     by_pose
-        (m, 2, 4 or 7): px over a degree of rx, of ry, mm of depth, 1/µ, and where drift is given, over a mm of it
-        in x and in y, and a degree of twist.
+        (m, 2, 5 or 8): px over a degree of rx, of ry, mm of depth, 1/µ, and 1/m of the wall's bend; where drift is
+        given, over a mm of it in x and in y, and a degree of twist.
     by_unit
         (m, 2, 11) px over `UNKNOWN`; `None` where it was not asked for.
     force, force_by
-        (3,) N on the wall, and (3, 4 or 7) by the same.
+        (3,) N on the wall, and (3, 5 or 8) by the same.
     force_thicker
         (3,) N over a mm of thickness.
     """
@@ -246,29 +246,37 @@ class UnitModel:
         """The model of the same unit, of which something else is known."""
         return model_unit(self.dots.twin, self.layout, belief, self.tolerance)
 
-    def look(self, pose: FloatArray, slip: float, drift: FloatArray | None = None, *, unit: bool = True) -> Look:
+    def look(
+        self,
+        pose: FloatArray,
+        slip: float,
+        drift: FloatArray | None = None,
+        bend: float = 0.0,
+        *,
+        unit: bool = True,
+    ) -> Look:
         """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
 
-        `drift` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way. With `unit`,
-        also the derivatives by what is not known of the unit.
+        `drift` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and `bend` its
+        curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit.
         """
-        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift)
+        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift, bend)
         pixels, slopes = _project(self.camera, moved.positions)
         by_pose = slopes @ moved.by
         by_unit = None
         if unit:
             by_unit = np.empty((len(pixels), 2, len(UNKNOWN)))
             by_unit[..., -1] = by_pose[..., 4]
-            by_unit[..., :-1] = slopes @ self._carried(pose, slip)
+            by_unit[..., :-1] = slopes @ self._carried(pose, slip, bend)
             by_unit[..., :-1] += self.shifted.slopes(moved.positions)
         pixels = np.where(self.seen[:, None], pixels + self.bias_px, np.nan)
         touch = [k for k in range(by_pose.shape[-1]) if k != 4]
         return Look(pixels, by_pose[..., touch], by_unit, moved.force, moved.force_by[:, touch], moved.force_by[:, 4])
 
-    def _carried(self, pose: FloatArray, slip: float) -> FloatArray:
+    def _carried(self, pose: FloatArray, slip: float, bend: float) -> FloatArray:
         """How pressed dots (m, 3, 10) mm move as their places do."""
         rates = self.place_by.copy()
-        amplitude = self.dots.amplitudes(pose, slip, float(self.belief.mean[-1]))
+        amplitude = self.dots.amplitudes(pose, slip, float(self.belief.mean[-1]), bend)
         for waves, tangent in self.waves_beside:
             along = np.einsum("mi,mik->mk", tangent, self.place_by)
             rates += (waves @ amplitude).reshape(-1, 3)[:, :, None] * along[:, None, :]

@@ -51,6 +51,8 @@ def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -
     """The obstacle over a mesh; `elements` are already numbered."""
     if getattr(wall, "drifts", False):
         raise PalpateError("A deck has no wall that drifts.", "Leave the drift out.")
+    if getattr(wall, "bend", 0.0):
+        raise PalpateError("A deck has no wall that is nearly flat.", "Leave the bend out, or press with a ball.")
     obstacle, touched = wall.at_touch(mesh)
     half = 2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness)
     points, facets = obstacle.patch(touched, half)

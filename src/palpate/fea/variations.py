@@ -12,6 +12,7 @@ name                  parameter                                            unit
 ``drift``             travel along the wall's slope over depth             mm/mm
 ``drift_across``      the same across it                                   mm/mm
 ``twist_rate_deg``    turn of the wall about its normal over depth         deg/mm
+``bend``              curvature of the wall, bulging towards the skin      1/m
 ``friction``          coefficient of friction                              1
 ``thickness``, …      any number of the skin: ``height``, ``base_radius``  mm
 ``C10``, …            any constant of the material                         MPa
@@ -37,10 +38,13 @@ from palpate.material import Material, material_from_data
 from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
 from palpate.mesh import Mesh, reshape_mesh
 
-WALL_NAMES = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg", *WallSpec.DRIFTS, "friction")
+_POSE = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg")
+WALL_NAMES = (*_POSE, *WallSpec.DRIFTS, "bend", "friction")
 """What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
 _STEP = 1e-7
 """Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
+_BEND_STEP = 3e-6
+"""The same of a curvature, 1/m: some 1e-7 mm at the edge of a patch."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,8 @@ def _vary(made: Made, name: str) -> Variation:
         return _vary_wall(made, name)
     if name in WallSpec.DRIFTS:
         return _vary_drift(made, name)
+    if name == "bend":
+        return _vary_bend(made)
     half = not made.mesh.spec.whole
     if name == "twist_deg":
         high, low = (
@@ -142,6 +148,23 @@ def _vary_drift(made: Made, name: str) -> Variation:
     return Variation(name, _STEP, high, low, across=half and name != "drift", sideways=True)
 
 
+def _vary_bend(made: Made) -> Variation:
+    """The wall more, or less, curved."""
+    touched = made.loading.obstacle(0.0)
+    assert isinstance(touched, Plane)
+    high, low = (
+        replace(made.loading, obstacle=partial(_bent, made.loading.obstacle, 1e-3 * by))
+        for by in (_BEND_STEP, -_BEND_STEP)
+    )
+    return Variation("bend", _BEND_STEP, high, low)
+
+
+def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obstacle:
+    plane = obstacle(depth)
+    assert isinstance(plane, Plane)
+    return replace(plane, bend=plane.bend + by)
+
+
 def _vary_wall(made: Made, name: str) -> Variation:
     """The wall under another tilt, from first touch on."""
     assert isinstance(made.wall, WallSpec)
@@ -152,7 +175,7 @@ def _vary_wall(made: Made, name: str) -> Variation:
     sides = []
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
-        touched = Plane(normal, made.mesh.skin.touch(normal))
+        touched = Plane(normal, made.mesh.skin.touch(normal), bend=1e-3 * made.wall.bend)
         sides.append(replace(made.loading, obstacle=partial(descended, touched)))
     return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
 

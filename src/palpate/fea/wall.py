@@ -1,13 +1,14 @@
 """The flat wall: a rigid plane turned by (rx, ry) that moves along the skin's axis from first touch.
 
 A robot's wall drifts a little as it comes down: sideways in its own plane, and turning about its normal. Both are
-proportional to the depth, and change nothing but what sticks.
+proportional to the depth, and change nothing but what sticks. Nor is a wall quite flat: it may be the top of a large
+ball, or the bottom of a large bowl, whose plane at the place of first touch is the wall's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Self, final
 
@@ -42,11 +43,15 @@ class WallSpec(ObstacleSpec):
         0.0, unit="deg/mm", meaning="turn about the wall's normal over depth", ge=-5, le=5
     )
 
+    bend: float = parameter(
+        0.0, unit="1/m", meaning="curvature in all directions; positive: bulging towards the dome", ge=-20, le=100
+    )
+
     @model_serializer(mode="wrap")
-    def _leave_out_drift(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A wall that does not drift is written as before there was drift, so that artefacts keep their keys."""
+    def _leave_out_nothing(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A flat wall that does not drift is written as before there were others: artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
-        return {name: value for name, value in content.items() if name not in self.DRIFTS or value}
+        return {name: value for name, value in content.items() if name not in (*self.DRIFTS, "bend") or value}
 
     @property
     def drifts(self) -> bool:
@@ -55,7 +60,8 @@ class WallSpec(ObstacleSpec):
 
     @property
     def words(self) -> str:
-        return f"tilt {self.tilt_deg:g}°" + (" that drifts" if self.drifts else "")
+        bent = f" of curvature {self.bend:g}/m" if self.bend else ""
+        return f"tilt {self.tilt_deg:g}°" + bent + (" that drifts" if self.drifts else "")
 
     @property
     def pose_space(self) -> PoseSpace:
@@ -72,7 +78,7 @@ class WallSpec(ObstacleSpec):
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         normal = self.normal(mesh)
         touched = mesh.skin.touch(normal)
-        return Plane(normal, touched), touched
+        return Plane(normal, touched, bend=1e-3 * self.bend), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         touched, _ = self.at_touch(mesh)
@@ -114,43 +120,54 @@ class WallSpec(ObstacleSpec):
 @final
 @dataclass(frozen=True)
 class Plane(Obstacle):
-    """A rigid half space: ``delta = n·(x - p)``.
+    """A rigid half space: ``delta = n·(x - p)``; or, bent by b, a ball of radius 1/b that it touches in p.
 
     Attributes
     ----------
     normal
-        (3,) unit normal, away from the body and into the half space.
+        (3,) unit normal at `point`, away from the body and into the half space.
     point
         (3,) mm, a point that moves with the plane.
     axes
         (3, 3) its own axes as columns, once it has turned about its normal.
+    bend
+        1/mm, its curvature; negative: hollow.
     """
 
     normal: FloatArray
     point: FloatArray
     axes: FloatArray | None = None
+    bend: float = 0.0
 
     def moved(self, by: FloatArray) -> Self:
-        return type(self)(self.normal, self.point + by, self.axes)
+        return replace(self, point=self.point + by)
 
     def twisted(self, angle: float) -> Self:
         """The plane turned about its normal by an angle in rad: it stays where it is, what sticks to it turns."""
         axes = np.eye(3) if self.axes is None else self.axes
-        return type(self)(self.normal, self.point, Rotation.from_rotvec(angle * self.normal).as_matrix() @ axes)
+        return replace(self, axes=Rotation.from_rotvec(angle * self.normal).as_matrix() @ axes)
 
     def gap(self, points: FloatArray) -> Gap:
+        if self.bend:
+            return _bent_gap(points - self.point, self.normal, self.bend)
         return Gap(_height(points, self.point, self.normal), np.tile(self.normal, (len(points), 1)), None)
 
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
         along, across = tangents(self.normal)
+        if self.bend:
+            raise PalpateError("A bent wall has no flat facets.", "Press with a ball of its radius instead.")
         sides = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
         return np.array([at + half * (a * along + b * across) for a, b in sides]), np.array([[0, 1, 2, 3]])
 
     def reach(self, points: FloatArray) -> FloatArray:
+        if self.bend:
+            return super().reach(points)
         reach: FloatArray = (points - self.point) @ self.normal
         return reach
 
     def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self.bend:
+            return super().foot(points)
         reach = self.reach(points)
         place = points - self.point - reach[:, None] * self.normal
         return reach, place if self.axes is None else place @ self.axes
@@ -167,6 +184,18 @@ def drifting(wall: Callable[[float], Obstacle], way: FloatArray, twist: float, d
     plane = wall(depth)
     assert isinstance(plane, Plane)
     return plane.moved(depth * way).twisted(depth * twist)
+
+
+def _bent_gap(arm: FloatArray, normal: FloatArray, bend: float) -> Gap:
+    """Gap of a ball of radius ``1/bend`` mm from the vectors (n, 3) mm to points from where a plane touches it.
+
+    Written so that it becomes the plane's as `bend` goes to 0.
+    """
+    height, square = arm @ normal, (arm**2).sum(axis=1)
+    far = np.sqrt(1.0 - 2.0 * bend * height + bend**2 * square)  # distance from the centre over the radius
+    way = (normal - bend * arm) / far[:, None]
+    hessian = (way[:, :, None] * way[:, None, :] - np.eye(3)) * (bend / far)[:, None, None]
+    return Gap((2.0 * height - bend * square) / (1.0 + far), way, hessian)
 
 
 @kernel

@@ -15,12 +15,14 @@ from palpate.twin.tilt_runs import SAME_DEPTH_MM
 from palpate.twin.twin import FORCES, Twin
 
 THICKNESS = "thickness"
-TWIN_DERIVATIVES = (THICKNESS, *WallSpec.DRIFTS)
-"""Derivatives that the presses of a twin have: of the wall of silicone, and of how the other wall drifts."""
-_ACROSS = np.array([False, False, False, True, True])
-"""Whether displacement, thickness, and drift along, across and in twist break the mirror symmetry of a press."""
-_WEIGHTS = np.array([1.0, 0.3, 0.3, 0.3, 0.5])
-"""Change of thickness (mm), drift (mm) and twist (degrees) for which the modes are made."""
+TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.DRIFTS)
+"""Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""
+_ACROSS = np.array([False, False, False, False, True, True])
+"""Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
+_DRIFT = 3
+"""Number of the first of these that is a drift."""
+_WEIGHTS = np.array([1.0, 0.3, 5.0, 0.3, 0.3, 0.5])
+"""Change of thickness (mm), bend (1/m), drift (mm) and twist (degrees) for which the modes are made."""
 _LOST_MM = 1.2e-3
 """Root mean square over all presses, mm, of what all modes that are left out may carry."""
 _FEWEST = 4
@@ -63,13 +65,13 @@ def build_twin(presses: Sequence[Press]) -> Twin:
     order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1))
     blocks = np.concatenate([amplitudes, pushes], axis=-1)
     # a tilt of -t is the tilt t seen from the other side, from where a wall drifts the other way, but twists alike
-    parity = np.outer([1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
+    parity = np.outer([1.0, 1.0, 1.0, -1.0, -1.0, 1.0], np.concatenate([(-1.0) ** order, [-1.0, 1.0, -1.0]]))
     both = np.concatenate([parity[:, None] * blocks[:, :0:-1], blocks], axis=1)
     everything = np.moveaxis(both, 2, 3)
     axes = (slips if len(slips) > 1 else np.zeros(1), np.concatenate([-tilts[:0:-1], tilts]), depths)
     pressed, drifts = (
         fit_spline(axes, part.reshape(*part.shape[:3], -1))
-        for part in (everything[..., :2, :], everything[..., 2:, :])
+        for part in (everything[..., :_DRIFT, :], everything[..., _DRIFT:, :])
     )
     reach = np.array([_reach(press) for press in table]).reshape(shape[:2])
     return Twin(
@@ -163,31 +165,30 @@ def _along_tilt(press: Press, force: FloatArray) -> FloatArray:
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
-    """Derivatives by drift (mm/mm) among the parts (5, n, …) of a press as those by the travel so far (mm)."""
+    """Derivatives by drift (mm/mm) among the parts (6, n, …) of a press as those by the travel so far (mm)."""
     found = parts.copy()
     depth = press.depth.reshape(-1, *[1] * (parts.ndim - 2))
-    found[2:, 1:] = parts[2:, 1:] / depth[1:]
-    found[2:, 0] = 2.0 * found[2:, 1] - found[2:, 2]
+    found[_DRIFT:, 1:] = parts[_DRIFT:, 1:] / depth[1:]
+    found[_DRIFT:, 0] = 2.0 * found[_DRIFT:, 1] - found[_DRIFT:, 2]
     return found
 
 
 def _straighten(values: FloatArray, forces: FloatArray) -> None:
-    """Take out what the mesh adds at tilt 0, in values (slip, tilt, 5, depth, order, …) and forces (…, 3).
+    """Take out what the mesh adds at tilt 0, in values (slip, tilt, 6, depth, order, …) and forces (…, 3).
 
-    Under a straight wall nothing depends on the direction: only order 0 is pressed and twisted, and a drift is one
-    field of order 1, whatever its direction. What else there is comes of the mesh, centred where it touches.
+    Under a straight wall nothing depends on the direction: only order 0 is pressed, bent and twisted, and a drift is
+    one field of order 1, whatever its direction. What else there is comes of the mesh, centred where it touches.
     """
     straight, push = values[:, :1].copy(), forces[:, :1].copy()
-    for part, order in enumerate((0, 0, 1, 1, 0)):
+    for part, order in enumerate((0, 0, 0, 1, 1, 0)):
         straight[:, :, part, :, order] = 0.0
-    along, across = (
-        values[:, :1, 2, :, 1],
-        values[:, :1, 3, :, 1],
-    )  # a quarter turn makes the one the other's negative
-    straight[:, :, 2, :, 1] = straight[:, :, 3, :, 1] = 0.5 * (along + across)
-    push[:, :, :2, :, 1] = 0.0
-    along, across = forces[:, :1, 2, :, 0], forces[:, :1, 3, :, 2]
-    push[:, :, 2, :, 0], push[:, :, 3, :, 2] = 0.5 * (along - across), 0.5 * (across - along)
+    up, aside = _DRIFT, _DRIFT + 1  # a quarter turn makes the one the other's negative
+    straight[:, :, up, :, 1] = straight[:, :, aside, :, 1] = 0.5 * (
+        values[:, :1, up, :, 1] + values[:, :1, aside, :, 1]
+    )
+    push[:, :, :_DRIFT, :, 1] = 0.0
+    along, across = forces[:, :1, up, :, 0], forces[:, :1, aside, :, 2]
+    push[:, :, up, :, 0], push[:, :, aside, :, 2] = 0.5 * (along - across), 0.5 * (across - along)
     values -= straight
     forces -= push
 
@@ -201,7 +202,7 @@ def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
 
 
 def _reduce(values: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Modes of series (slip, tilt, 5, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
+    """Modes of series (slip, tilt, 6, depth, order, 3 circles): order (r,), shapes (r, 3, c), amplitudes (…, r)."""
     weighted = values * _WEIGHTS[:, None, None, None]
     pressed = weighted.reshape(-1, ORDERS, 3 * CIRCLES)
     found = [np.linalg.svd(pressed[:, k], full_matrices=False)[1:] for k in range(ORDERS)]

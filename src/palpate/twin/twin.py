@@ -4,8 +4,8 @@ Presses at tilts from 0 on, at depths from first touch on, under frictions from 
 series on circles (`surface_series`), reduced to the modes in which they differ (a singular value decomposition of
 each order), and the amplitudes of these modes are splines over 1/µ, tilt and depth. A tilt of −t is the tilt t turned
 by half a turn, which gives the spline no end at the straight press. The derivative of every press by the
-thickness of its wall is carried in the same modes, and so are those by how far the obstacle has travelled sideways
-and turned on its way down.
+thickness of its wall is carried in the same modes, and so are those by the obstacle's curvature, and by how far it
+has travelled sideways and turned on its way down.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Twin:
     reach_mm
         (n slips, n tilts) depth that each press reached on the flat branch.
     amplitudes
-        Splines over (slip, tilt, depth): first those of the press, then their derivative by the thickness.
+        Splines over (slip, tilt, depth): those of the press, then their derivatives by thickness (mm) and bend (1/m).
     drifts
         Splines likewise of the derivatives by drift up the slope (mm), along the tilt's axis (mm), and by twist (°).
     """
@@ -114,12 +114,12 @@ class MovedDots(NamedTuple):
     positions
         (m, 3) mm.
     by
-        (m, 3, 5 or 8): mm over a degree of rx, of ry, mm of depth, 1/µ, and mm of thickness; where drift is given,
-        also over a mm of it in x and in y, and over a degree of twist.
+        (m, 3, 6 or 9): mm over a degree of rx, of ry, mm of depth, 1/µ, mm of thickness, and 1/m of bend; where drift
+        is given, also over a mm of it in x and in y, and over a degree of twist.
     force
         (3,) N on the wall, dome's frame.
     force_by
-        (3, 5 or 8) the same.
+        (3, 6 or 9) the same.
     """
 
     positions: FloatArray
@@ -151,7 +151,12 @@ class PrintedTwin:
     waves: FloatArray
 
     def move(
-        self, pose: FloatArray, slip: float, thickness: float = 0.0, drift: FloatArray | None = None
+        self,
+        pose: FloatArray,
+        slip: float,
+        thickness: float = 0.0,
+        drift: FloatArray | None = None,
+        bend: float = 0.0,
     ) -> MovedDots:
         """Dots under a wall.
 
@@ -166,9 +171,11 @@ class PrintedTwin:
         drift
             (3,) how far the obstacle has travelled on the way down in its own plane, in x and y (mm, axes turned
             with the wall), and its twist about its normal (degrees). Without it, there is none.
+        bend
+            Its curvature, 1/m; positive where it bulges towards the dome.
         """
         tilt, azimuth = max(float(np.hypot(pose[0], pose[1])), STRAIGHT_DEG), float(np.arctan2(pose[1], pose[0]))
-        even, odd = self._parts(np.array([slip, tilt, float(pose[2])]), thickness, azimuth, drift)
+        even, odd = self._parts(np.array([slip, tilt, float(pose[2])]), (thickness, bend), azimuth, drift)
         order, modes, count = self.twin.order[:, None], len(self.twin.order), even.shape[1] - 1
         cos, sin = np.cos(order * azimuth), np.sin(order * azimuth)
         rows = np.empty((2 * modes, count + 1))
@@ -190,19 +197,21 @@ class PrintedTwin:
         return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by)
 
     def _parts(
-        self, place: FloatArray, thickness: float, azimuth: float, drift: FloatArray | None
+        self, place: FloatArray, made: tuple[float, float], azimuth: float, drift: FloatArray | None
     ) -> tuple[FloatArray, FloatArray | None]:
         """Amplitudes of modes and force (r + 3, n) that keep and that break the mirror symmetry of the tilt.
 
-        Their columns: value; over tilt, depth, slip, thickness and, with drift, x, y and twist; over the azimuth of
+        At a place (slip, tilt, depth) of a dome so much thicker and a wall so much bent as they are `made`. Their
+        columns: value; over tilt, depth, slip, thickness, bend and, with drift, x, y and twist; over the azimuth of
         the wall while the drift stays.
         """
         twin = self.twin
         found = twin.amplitudes.evaluate(place)
-        half = found.shape[1] // 2
-        even = np.zeros((half, 6 if drift is None else 9))
-        even[:, [0, 3, 1, 2]] = (found[:, :half] + thickness * found[:, half:]).T
-        even[:, 4] = found[0, half:]
+        half = found.shape[1] // 3
+        pressed, thicker, bent = found[:, :half], found[:, half : 2 * half], found[:, 2 * half :]
+        even = np.zeros((half, 7 if drift is None else 10))
+        even[:, [0, 3, 1, 2]] = (pressed + made[0] * thicker + made[1] * bent).T
+        even[:, 4], even[:, 5] = thicker[0], bent[0]
         if drift is None:
             return even, None
         odd, (c, s) = np.zeros_like(even), (np.cos(azimuth), np.sin(azimuth))
@@ -210,8 +219,8 @@ class PrintedTwin:
         along, aside = drift[1] * c - drift[0] * s, drift[0] * c + drift[1] * s
         even[:, [0, 3, 1, 2]] += along * up
         odd[:, [0, 3, 1, 2]] = aside * across + drift[2] * twist
-        even[:, 5], even[:, 6], even[:, 8] = -s * up[:, 0], c * up[:, 0], -aside * up[:, 0]
-        odd[:, 5], odd[:, 6], odd[:, 7], odd[:, 8] = (
+        even[:, 6], even[:, 7], even[:, 9] = -s * up[:, 0], c * up[:, 0], -aside * up[:, 0]
+        odd[:, 6], odd[:, 7], odd[:, 8], odd[:, 9] = (
             c * across[:, 0],
             s * across[:, 0],
             twist[:, 0],
@@ -219,10 +228,11 @@ class PrintedTwin:
         )
         return even, odd
 
-    def amplitudes(self, pose: FloatArray, slip: float, thickness: float) -> FloatArray:
+    def amplitudes(self, pose: FloatArray, slip: float, thickness: float, bend: float = 0.0) -> FloatArray:
         """Amplitudes (2 r,) of the waves at a pose, without drift."""
         order, tilt, azimuth = self.twin.order, float(np.hypot(pose[0], pose[1])), float(np.arctan2(pose[1], pose[0]))
-        value = self._parts(np.array([slip, tilt, float(pose[2])]), thickness, azimuth, None)[0][: len(order), 0]
+        place = np.array([slip, tilt, float(pose[2])])
+        value = self._parts(place, (thickness, bend), azimuth, None)[0][: len(order), 0]
         return np.concatenate([value * np.cos(order * azimuth), value * np.sin(order * azimuth)])
 
 

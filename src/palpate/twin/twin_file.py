@@ -13,7 +13,7 @@ from palpate.design import Skin, build_skin, skin_from_data
 from palpate.twin.tensor_spline import TensorSpline
 from palpate.twin.twin import Twin
 
-TWIN_VERSION = "2"
+TWIN_VERSION = "3"
 """Version of the code that decides what a twin says; part of its file and of an artefact's key."""
 _KIND = "palpate twin"
 _AGAIN = "Make it again with `palpate twin`."

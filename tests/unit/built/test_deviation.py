@@ -13,7 +13,7 @@ from palpate.material import get_material
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
-TOLERANCE = ToleranceSpec(lateral=0.5, twist_deg=1.0)
+TOLERANCE = ToleranceSpec(lateral=0.5, twist_deg=1.0, bend=5.0)
 PARTS = {part: item for item in IMPERFECTIONS for part in item.parts}
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Press, WallSpec, read_press, solve_press, write_press
+from palpate.fea import BallSpec, Press, WallSpec, read_press, solve_press, write_press
 from palpate.material import get_material, material_from_data
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, centre_mesh, locate_inner, mesh_skin, reshape_mesh
@@ -16,7 +16,15 @@ MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
 WALL = WallSpec(tilt_deg=5, depth=1.6, contact="frictionless")
 SOLVER = SolverSpec(tolerance=1e-8)
-STEPS = {"tilt_deg": 0.02, "depth": 0.01, "thickness": 0.005, "height": 0.02, "base_radius": 0.02, "C10": 1e-4}
+STEPS = {
+    "tilt_deg": 0.02,
+    "depth": 0.01,
+    "thickness": 0.005,
+    "height": 0.02,
+    "base_radius": 0.02,
+    "C10": 1e-4,
+    "bend": 0.2,
+}
 NAMES = (*STEPS, "across_deg", "shift", "shift_across", "twist_deg")
 
 
@@ -39,7 +47,7 @@ def stuck() -> Press:
 def beside(name: str, by: float) -> Press:
     """The whole press again, with a parameter that differs."""
     mesh, material, wall = mesh_of(), MATERIAL, WALL
-    if name in ("tilt_deg", "depth"):
+    if name in ("tilt_deg", "depth", "bend"):
         wall = wall.model_copy(update={name: getattr(wall, name) + by})
     elif name == "C10":
         data = material.key_data()
@@ -112,6 +120,25 @@ def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> Non
 def test_a_frictionless_wall_may_drift() -> None:
     rate = solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("drift",))).derivative("drift")
     assert np.abs(rate.displacement).max() < 1e-6
+
+
+@pytest.mark.parametrize("radius", [100.0, 1000.0])
+def test_a_wall_of_one_curvature_is_a_large_ball(radius: float) -> None:
+    """Bent walls and balls share no code but what asks them for their gap."""
+    mesh, contact = mesh_of(WallSpec()), {"depth": 1.6, "contact": 0.8}
+    bent = solve_press(mesh, MATERIAL, WallSpec(bend=1000 / radius, **contact))
+    ball = solve_press(mesh, MATERIAL, BallSpec(radius=radius, **contact))
+    flat = solve_press(mesh, MATERIAL, WallSpec(**contact))
+    moved = np.linalg.norm(ball.displacement[-1] - flat.displacement[-1])
+    assert np.linalg.norm(bent.displacement[-1] - ball.displacement[-1]) < 1e-3 * moved
+    assert bent.force[-1, 2] == pytest.approx(ball.force[-1, 2], rel=1e-5)
+
+
+def test_a_hollow_wall_touches_more_of_the_dome() -> None:
+    forces = [
+        solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"bend": by})).force[-1, 2] for by in (-5, 0, 5)
+    ]
+    assert forces[0] > 1.05 * forces[1] > 1.1 * forces[2]
 
 
 def test_half_a_model_cannot_drift_across_its_plane() -> None:

@@ -82,20 +82,32 @@ def test_a_turned_wall_turns_everything(twin: Twin, azimuth_deg: float) -> None:
 def test_derivatives_are_those_of_the_values(twin: Twin) -> None:
     dots, pose, step = twin.print_dots(LAYOUT.positions), at(6.5, 200.0, 2.3), 1e-5
     drift = np.array([0.2, -0.3, 0.8])
-    motion = dots.move(pose, 0.7, 0.02, drift)
-    for k in range(8):
-        changes = np.eye(8)[k] * step
+    motion = dots.move(pose, 0.7, 0.02, drift, 3.0)
+    for k in range(9):
+        changes = np.eye(9)[k] * step
         high, low = (
             dots.move(
                 pose + side * changes[:3],
                 0.7 + side * changes[3],
                 0.02 + side * changes[4],
-                drift + side * changes[5:],
+                drift + side * changes[6:],
+                3.0 + side * changes[5],
             )
             for side in (1, -1)
         )
         assert motion.by[..., k] == pytest.approx((high.positions - low.positions) / (2 * step), abs=1e-6)
         assert motion.force_by[:, k] == pytest.approx((high.force - low.force) / (2 * step), abs=1e-7)
+
+
+def test_a_wall_that_is_not_flat_is_foreseen(twin: Twin) -> None:
+    """Against whole presses under a ball of radius 250 mm, and under a bowl of the same."""
+    dots, pose = twin.print_dots(LAYOUT.positions), at(6.0, 0.0, 3.2)
+    for bend in (4.0, -4.0):
+        wall = WallSpec(tilt_deg=6.0, contact=0.9, depth=3.2, image_step=1.6, bend=bend)
+        seen = solve_press(mesh_skin(build_skin(SKIN), MeshSpec(cells=9)), ECOFLEX, wall)
+        told, blind = (dots.move(pose, 1 / 0.9, bend=each) for each in (bend, 0.0))
+        assert pixels_apart(told.positions, seen, -1) < 0.03
+        assert pixels_apart(blind.positions, seen, -1) > 0.1
 
 
 def test_at_the_straight_press_the_directions_are_alike(twin: Twin) -> None:
