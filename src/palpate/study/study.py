@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -167,6 +168,22 @@ class Study(Spec):
                 for name, spec in (("dataset", self.dataset), ("learning", self.learning))
             }
         )
+
+
+def study_of(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
+    """The study of one design, named by its skin, and by its material where that is another than usual."""
+    shape = dict(skin.build().spec_data)
+    sizes = {name: shape.pop(name) for name in SkinSpec.model_fields}
+    designs = DesignsSpec(
+        skin=shape,
+        heights=(sizes["height"],),
+        thicknesses=(sizes["thickness"],),
+        base_radius=sizes["base_radius"],
+        markers=(markers,),
+    )
+    words = material.model_dump(exclude_none=True).values() if material != MaterialSpec() else ()
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", "_".join([skin.build().name, *map(str, words)]))
+    return Study(name=name, designs=designs, material=material)
 
 
 def _each_in_bounds(spec: type[BaseModel], name: str, values: tuple[float, ...]) -> tuple[float, ...]:

@@ -13,6 +13,7 @@ from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
 from palpate.twin.tilt_runs import SAME_DEPTH_MM
 from palpate.twin.twin import FORCES, Twin
+from palpate.twin.twin_file import material_text
 
 THICKNESS = "thickness"
 TWIN_DERIVATIVES = (THICKNESS, *WallSpec.DRIFTS)
@@ -82,6 +83,7 @@ def build_twin(presses: Sequence[Press]) -> Twin:
         reach_mm=reach,
         amplitudes=pressed,
         drifts=drifts,
+        material=material_text(presses[0].material),
     )
 
 
