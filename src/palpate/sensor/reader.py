@@ -17,12 +17,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from palpate.built import PoseFit, PoseFitter, learn_rest, model_unit
+from palpate.built import Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
-from palpate.learn import Predictor, open_predictor
+from palpate.learn import Prediction, Predictor, open_predictor
 from palpate.markers import Naming, Sighting
 from palpate.recording import is_recorded_model
 from palpate.sensor.reading import Flag
@@ -39,12 +40,13 @@ Model = Predictor | Twin
 
 
 class Estimate(NamedTuple):
-    """What a reader says about one image: pose and half-widths, root mean square motion (px), flags, and its fit."""
+    """What a reader says about one image: pose, half-widths, root mean square motion (px), flags, force and fit."""
 
     pose: FloatArray
     half_width: FloatArray
     moved_px: float
     flags: tuple[Flag, ...]
+    force: Force | None = None
     fit: PoseFit | None = None
 
 
@@ -84,7 +86,15 @@ class NetworkReader(Reader):
             moved = self._carry(rays, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
-        return Estimate(prediction.poses[0], prediction.half_width[0], float(np.sqrt(np.mean(moved**2))), flags)
+        moved_px = float(np.sqrt(np.mean(moved**2)))
+        return Estimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, self._force(prediction))
+
+    def _force(self, prediction: Prediction) -> Force | None:
+        """Force on the wall, of a unit that is as stiff as designed within its tolerance."""
+        if prediction.forces is None or prediction.forces_half_width is None:
+            return None
+        turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
+        return expect_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
     def _carry(self, rays: FloatArray, pose: FloatArray | None = None) -> FloatArray:
         """Dots on rays of the real camera as the nominal camera would show them, for a wall of about this pose."""
@@ -123,7 +133,7 @@ class TwinReader(Reader):
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit)
+        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit)
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from palpate.built import PoseFit
+from palpate.built import Force, PoseFit
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Sighting
 
@@ -48,8 +48,10 @@ class Reading:
         Where the markers were seen that the pose comes from; `None` without one.
     space
         What the numbers of the pose are: those that the model was trained for.
+    force
+        On the wall; `None` where what reads tells none.
     fit
-        Covariance, friction and force, where the unit's twin was fitted.
+        Covariance and friction, where the unit's twin was fitted.
     """
 
     image: int
@@ -62,6 +64,7 @@ class Reading:
     reason: str = ""
     sighting: Sighting | None = field(default=None, compare=False, repr=False)
     space: PoseSpace = TILT_DEPTH
+    force: Force | None = field(default=None, compare=False, repr=False)
     fit: PoseFit | None = field(default=None, compare=False, repr=False)
 
     def __getitem__(self, name: str) -> float:

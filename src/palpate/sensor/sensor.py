@@ -85,6 +85,7 @@ class Sensor:
             latency_ms=(time.perf_counter() - start) * 1e3,
             sighting=sighting,
             space=self.reader.space,
+            force=estimate.force,
             fit=estimate.fit,
         )
 

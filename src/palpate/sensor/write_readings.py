@@ -24,7 +24,7 @@ _FORCE = (
     "tangential_force_half_width_n",
     "friction",
 )
-"""Empty where no twin was fitted."""
+"""Empty where what reads does not tell it."""
 _STATE = ("touching", "found", "flags", "latency_ms", "reason")
 
 
@@ -52,11 +52,10 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
 
 def _forces(reading: Reading) -> tuple[float, ...]:
     """Values by `_FORCE`, NaN where they are not known; the half-widths cover nine tenths."""
-    fit = reading.fit
-    if fit is None or not reading.touching:
+    if reading.force is None or not reading.touching:
         return (math.nan,) * len(_FORCE)
-    normal, tangential = fit.force.pressing, fit.force.tangential
-    friction = 1.0 / fit.slip if fit.slip > 0 else math.nan
+    normal, tangential = reading.force.pressing, reading.force.tangential
+    friction = 1.0 / reading.fit.slip if reading.fit is not None and reading.fit.slip > 0 else math.nan
     return normal.value, normal.half_width, tangential.value, tangential.half_width, friction
 
 

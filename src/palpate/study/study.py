@@ -136,6 +136,11 @@ class Study(Spec):
     camera: CameraSpec = CameraSpec()
     dataset: DatasetSpec = DatasetSpec()
     learning: SearchSpec = SearchSpec()
+    forces: bool = parameter(
+        False,
+        unit="",
+        meaning="whether trained networks tell the force on the wall as well, by presses of the design",
+    )
     built: BuiltSpec | None = None
     """Whether built units are foreseen as well; takes some minutes a skin."""
 
