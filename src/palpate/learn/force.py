@@ -89,8 +89,8 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     -------
     ForceHead
         `judged` has ``normal_rmse_n`` and ``tangential_rmse_n`` (each of the two components), the same with
-        ``clean_`` before them for images without jitter, ``normal_rms_n`` (the forces themselves), ``coverage`` (share
-        of all components inside their intervals) and ``presses``.
+        ``clean_`` before them for images without jitter, ``normal_rms_n`` (the forces), ``coverage`` (share of
+        all components inside their intervals) and ``presses``.
 
     Raises
     ------

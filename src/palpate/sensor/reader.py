@@ -28,6 +28,7 @@ from palpate.markers import Naming, Sighting
 from palpate.recording import is_recorded_model
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
+from palpate.sensor.rest_drift import RestMotion, RestWatch
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 from palpate.twin import Twin, read_twin, twin_path
@@ -35,12 +36,15 @@ from palpate.twin import Twin, read_twin, twin_path
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
 
+_NEAR = np.array([2.0, 2.0, 0.5])
+"""Change of rx, ry (degrees) and depth (mm) within which a drift of the camera shows alike."""
+
 Model = Predictor | Twin
 """What a sensor reads with."""
 
 
 class Estimate(NamedTuple):
-    """What a reader says about one image: pose, half-widths, root mean square motion (px), flags, force and fit."""
+    """What a reader says about one image: pose, half-widths, motion (px rms), flags, force, fit and rest."""
 
     pose: FloatArray
     half_width: FloatArray
@@ -48,6 +52,7 @@ class Estimate(NamedTuple):
     flags: tuple[Flag, ...]
     force: Force | None = None
     fit: PoseFit | None = None
+    rest: RestMotion | None = None
 
 
 class Reader(ABC):
@@ -60,6 +65,11 @@ class Reader(ABC):
     """
 
     space: PoseSpace
+
+    @property
+    def rest(self) -> RestMotion | None:
+        """How far the untouched dots have drifted; `None` where nothing looks."""
+        return None
 
     @abstractmethod
     def read(self, sighting: Sighting) -> Estimate:
@@ -122,18 +132,36 @@ class TwinReader(Reader):
             _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
         model = model_unit(twin, unit.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
+        self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
+        self._theta: FloatArray | None = None
+
+    @property
+    def rest(self) -> RestMotion | None:
+        return self.watch.motion
 
     def read(self, sighting: Sighting) -> Estimate:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
-        fit, twin = self.fitter.fit(seen), self.fitter.model.dots.twin
-        flags = []
+        self.watch.watch(seen)
+        seen, fit = self._fit(seen)
+        twin = self.fitter.model.dots.twin
+        self._theta = fit.theta if fit.misfit <= self._most else None
+        flags = [Flag.MOVED] if self.watch.displaced else []
         if not twin.covers(fit.theta[:3]):
             flags.append(Flag.OUTSIDE)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit)
+        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, self.rest)
+
+    def _fit(self, seen: FloatArray) -> tuple[FloatArray, PoseFit]:
+        """Dots as they were without drift, and their fit; again where the touch is far from the last image's."""
+        still, last = self.watch.as_at_first(seen, self._theta), self._theta
+        fit = self.fitter.fit(still)
+        if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > _NEAR).any()):
+            still = self.watch.as_at_first(seen, fit.theta)
+            fit = self.fitter.fit(still)
+        return still, fit
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:

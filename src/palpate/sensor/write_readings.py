@@ -25,7 +25,7 @@ _FORCE = (
     "friction",
 )
 """Empty where what reads does not tell it."""
-_STATE = ("touching", "found", "flags", "latency_ms", "reason")
+_STATE = ("touching", "found", "flags", "rest_moved_px", "latency_ms", "reason")
 
 
 def reading_columns(space: PoseSpace) -> tuple[str, ...]:
@@ -43,6 +43,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         reading.touching,
         reading.found,
         "; ".join(reading.flags),
+        reading.rest.rms_px if reading.rest is not None else math.nan,
         reading.latency_ms,
         reading.reason,
     )
