@@ -2,7 +2,7 @@
 
 from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw_deviation, single_deviation
 from palpate.built.fit_pose import PoseFit, PoseFitter
-from palpate.built.force import Force, ForceScale, expect_scale, learn_scale
+from palpate.built.force import Force, ForceScale, expect_force, expect_scale, learn_scale
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.built.foresee_budget import foresee_budget
 from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, Identified, RobotPress, RobotSpec, identify
@@ -37,6 +37,7 @@ __all__ = [
     "ToleranceSpec",
     "UnitModel",
     "draw_deviation",
+    "expect_force",
     "expect_scale",
     "foresee",
     "foresee_budget",

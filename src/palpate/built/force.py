@@ -86,6 +86,22 @@ def scale_force(vector: FloatArray, covariance: FloatArray, scale: ForceScale) -
     return scale.mean * vector, scale.mean**2 * covariance + share * np.outer(vector, vector)
 
 
+def expect_force(parts: FloatArray, half_width: FloatArray, turn: FloatArray, tolerance: ToleranceSpec) -> Force:
+    """Force of a unit that no load cell has seen, from what its design would bear.
+
+    Parameters
+    ----------
+    parts, half_width
+        (3,) N in the wall's axes, the last its normal, and half-widths of their intervals of nine tenths.
+    turn
+        (3, 3) those axes as columns in the dome's frame.
+    tolerance
+        How far the unit may be from its design.
+    """
+    spread = turn * (half_width / LEVEL_90)
+    return Force(*scale_force(turn @ parts, spread @ spread.T, expect_scale(tolerance)), turn[:, 2])
+
+
 def learn_scale(
     before: ForceScale, expected: Sequence[Estimated], measured: Sequence[float], cell_sd: float
 ) -> ForceScale:

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from palpate.camera import read_image
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
-from palpate.cli.unit import UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
 from palpate.recording import RecordedModel, is_recorded_model, read_model
@@ -30,10 +30,18 @@ OUTSIDE = 1
 """Exit code where a figure is outside its tolerance, as in `palpate verify`."""
 
 _TRUTH = "CSV of the truth: image, press, rx_deg, ry_deg, depth_mm; images lie beside it, press 'rest' is untouched."
-_MODEL = "Twin (.h5), trained network (.onnx) or model of a recording (model.h5); then the images are read."
-_READINGS = "What `palpate live --out` wrote about these images, instead of a model."
+_READINGS = "What `palpate live --out` wrote about these images; then none is read."
 _OUT = "Folder for the report: accept.pdf, accept.md, accept.json."
 _NAME = "Name of the unit in the report."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class JudgedFlags:
+    """What read the images, or reads them now."""
+
+    reads: ModelFlags = ModelFlags()
+    readings: Annotated[Path | None, Parameter(help=_READINGS)] = None
 
 
 @Parameter(name="*")
@@ -49,8 +57,7 @@ class ReportFlags:
 def accept(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
-    model: Annotated[Path | None, Parameter(help=_MODEL)] = None,
-    readings: Annotated[Path | None, Parameter(help=_READINGS)] = None,
+    judged: JudgedFlags = JudgedFlags(),
     built: UnitFlags = UnitFlags(),
     wanted: Annotated[AcceptSpec, flags_of(AcceptSpec, group="Tolerances")] = AcceptSpec(),
     report: ReportFlags = ReportFlags(),
@@ -58,14 +65,14 @@ def accept(
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
     from palpate.sensor import accept_unit, open_model, read_readings, read_truth, write_acceptance
 
-    if (model is None) == (readings is None):
-        raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, one of them.")
+    if judged.reads.model is not None and judged.readings is not None:
+        raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, or neither.")
     check_folder(report.out)
     known = read_truth(truth)
-    if readings is not None:
-        estimates, flagged = read_readings(readings, known)
+    if judged.readings is not None:
+        estimates, flagged = read_readings(judged.readings, known)
     else:
-        assert model is not None
+        model = judged.reads.find(built)
         if is_recorded_model(model):
             estimates, flagged = _read_recorded(truth.parent, known, read_model(model))
         else:

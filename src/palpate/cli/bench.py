@@ -15,17 +15,15 @@ from palpate.built import ForeseeSpec, foresee_budget
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
-from palpate.cli.output import check_folder, print_json, print_table
-from palpate.cli.press import MaterialFlags
-from palpate.cli.unit import DesignFlags
+from palpate.cli.output import RESULTS, check_folder, print_json, print_table
+from palpate.cli.progress import Lines
+from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import ArtefactStore, PalpateError, written_whole
-from palpate.study import MaterialSpec
-from palpate.twin import Twin
+from palpate.twin import Twin, twin_path
 
 if TYPE_CHECKING:
     from palpate.bench import Bench
 
-_MODEL = "Model of this design: its twin (.h5), or a network (.onnx) trained for the nominal camera."
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
 _BUDGET = "Measure every imperfection alone instead of sampled units; calculated where a twin reads."
@@ -38,7 +36,7 @@ class BenchFlags:
     """The design, how its units are built, pressed and seen."""
 
     design: DesignFlags = DesignFlags()
-    material: MaterialFlags = MaterialSpec()
+    reads: ModelFlags = ModelFlags()
     spec: Annotated[VirtualBenchSpec, flags_of(VirtualBenchSpec, without="tolerance render", group="Bench")] = (
         VirtualBenchSpec()
     )
@@ -54,7 +52,6 @@ class BenchFlags:
 
 def bench(
     *,
-    model: Annotated[Path, Parameter(help=_MODEL)],
     out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
     flags: BenchFlags = BenchFlags(),
     budget: Annotated[bool, Parameter(negative="", help=_BUDGET)] = False,
@@ -64,7 +61,8 @@ def bench(
     from palpate.bench import Bench
 
     check_folder(out)
-    chosen, design, material = flags.chosen(), flags.design, flags.material.material()
+    chosen, design, material = flags.chosen(), flags.design, flags.reads.material.material()
+    model = _model(flags)
     store = ArtefactStore(out / "store")
     played = Bench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
@@ -73,6 +71,23 @@ def bench(
         _foreseen(played, played.reads_with, out, json)
     else:
         (_budget if budget else _units)(played, out, json)
+
+
+def _model(flags: BenchFlags) -> Path:
+    """What reads, as `palpate live` finds it; a bench presses anyway, so a twin that is not there is made first."""
+    from palpate.study import keep_twins, run_twins, study_of
+
+    try:
+        return flags.reads.find(flags.design)
+    except PalpateError as error:
+        _say(f"{error.what} It is made first, in some 3 minutes of one core, and kept.")
+    skin = flags.design.skin_spec()
+    study = study_of(skin, flags.design.markers, flags.reads.material)
+    made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
+    if made.twin is None:
+        raise PalpateError(f"There is no twin of {skin.build().name}: {made.problem}", "Give a network by --model.")
+    keep_twins(RESULTS / study.name, [(made.skin, made.twin)])
+    return twin_path(RESULTS / study.name, skin.build())
 
 
 def _units(played: Bench, out: Path, json: bool) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from palpate.camera import read_image
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_file, check_folder, print_json, print_table
-from palpate.cli.unit import UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import FloatArray, PalpateError
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ _TRUTH = (
     "CSV of the known poses: image, press, rx_deg, ry_deg, depth_mm, and force_n where a load cell told it; images "
     "lie beside it, press 'rest' is untouched."
 )
-_MODEL = "Twin of the design (.h5), from `palpate twin`."
 _OUT = "Unit file (.json) for `palpate live` and `palpate accept`."
 _REPORT = "Folder for a report with pictures: what was learnt, and which press would teach most."
 _TILT = "Standard deviation of the robot's tilts, degrees."
@@ -68,7 +67,7 @@ class RobotFlags:
 def identify(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
-    model: Annotated[Path, Parameter(help=_MODEL)],
+    reads: ModelFlags = ModelFlags(),
     files: IdentifiedFlags = IdentifiedFlags(),
     built: UnitFlags = UnitFlags(),
     robot: RobotFlags = RobotFlags(),
@@ -86,7 +85,8 @@ def identify(
         raise PalpateError(
             "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
         )
-    sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, open_model(model, unit.skin))
+    model = open_model(reads.find(built), unit.skin)
+    sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
     presses = list(_presses(truth.parent, known))
     found = identify_unit(sensor, presses, robot.spec())
     if files.out is not None:

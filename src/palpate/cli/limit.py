@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
-from palpate.cli.run import RESULTS
 from palpate.core import PalpateError
 
 if TYPE_CHECKING:

@@ -14,6 +14,8 @@ from rich.table import Table
 
 from palpate.core import PalpateError
 
+RESULTS = Path("results")
+"""Folder of the result folders, where --out does not choose one."""
 PIPE_WIDTH = 160
 """Columns of text where no terminal says how many there are."""
 

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
-from palpate.cli.unit import DomeFlags, SkinFlag
+from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
 from palpate.core import FloatArray, PalpateError, flag_of
 from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
 from palpate.fea import (
@@ -41,7 +41,6 @@ _EXPORT = "New folder for the images as .vtu files with a .pvd series, and force
 
 
 WallFlags = Annotated[WallSpec, flags_of(WallSpec, group="Wall")]
-MaterialFlags = Annotated[MaterialSpec, flags_of(MaterialSpec, group="Material")]
 MeshFlags = Annotated[MeshSpec, flags_of(MeshSpec, group="Mesh")]
 SolverFlags = Annotated[SolverSpec, flags_of(SolverSpec, group="Advanced")]
 

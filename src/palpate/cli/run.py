@@ -14,14 +14,11 @@ from palpate.cli.border import INTERRUPTED
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
 from palpate.cli.grid import print_grid
-from palpate.cli.output import print_json
+from palpate.cli.output import RESULTS, print_json
 from palpate.cli.progress import Bars, Lines, make_progress
 from palpate.core import PalpateError
 from palpate.grid import evaluate_grid, write_grid
 from palpate.study import Study, StudyResult, available_cores, check_place, read_study, run_study
-
-RESULTS = Path("results")
-"""Folder of the result folders, where --out does not choose one."""
 
 MOST_WORKERS = 1024
 

@@ -16,7 +16,7 @@ from palpate.camera import Source, list_images, open_source, read_image
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, check_folder, print_json, print_table
-from palpate.cli.unit import UnitFlags
+from palpate.cli.unit import ModelFlags, UnitFlags
 from palpate.core import PalpateError
 from palpate.design import PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
@@ -26,6 +26,7 @@ from palpate.sensor import RigSpec
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from palpate.material import Material
     from palpate.sensor import KnownPress, Sensor, Unit
 
 _FOLDER = "Folder of images."
@@ -33,7 +34,6 @@ _SOURCE = (
     "Number of a camera, a video, an .aedat4 recording, a folder of images in order, or 'synthetic'; the first "
     "images show the untouched dome."
 )
-_MODEL = "Its twin (.h5), a trained network (.onnx), or what `palpate learn` made of a recording (model.h5)."
 _OUT = "File for the readings, .csv, .jsonl, or a new folder .rosbag2."
 _PRESS_IMAGE = "Image of a press with a known pose, which tells the markers' numbers where there is no mark."
 _PRESS_POSE = "Its rx and ry in degrees and depth in mm, which may be 1 mm off: --press-pose 6 1.5 4."
@@ -80,8 +80,8 @@ class LiveFlags:
 
 def live(
     *,
-    model: Annotated[Path, Parameter(help=_MODEL)],
     source: Annotated[str, Parameter(help=_SOURCE)],
+    reads: ModelFlags = ModelFlags(),
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,
     flags: LiveFlags = LiveFlags(),
     json: JsonFlag = False,
@@ -95,13 +95,16 @@ def live(
         check_folder(out)
     else:
         check_file(out, ".csv", ".jsonl", ".rosbag2")
+    model = reads.find(flags.built)
     if is_recorded_model(model):
         return _live_recorded(read_model(model), source, out, flags, json)
-    unit, many = flags.built.unit(), flags.rig.rest_images
+    unit, many, material = flags.built.unit(), flags.rig.rest_images, reads.material.material()
     reads_with = open_model(model, unit.skin)
-    with _open(source, unit) as opened:
+    with _open(source, unit, material) as opened:
         images = opened.images()
-        sensor = open_sensor(_at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit))
+        sensor = open_sensor(
+            _at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit, material)
+        )
         print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:
@@ -110,6 +113,8 @@ def live(
         written = write_readings(out, readings, sensor.reader.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
         _print_json(rows) if json else _print_lines(rows, sensor.reader.space)
+        if sensor.reader.rest is not None:
+            print(sensor.reader.rest.sentence(), file=sys.stderr)
     return 0
 
 
@@ -127,14 +132,13 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
     return 0
 
 
-def _open(source: str, unit: Unit) -> Source:
+def _open(source: str, unit: Unit, material: Material) -> Source:
     if source != "synthetic":
         return open_source(source)
     from palpate.bench import simulate_sensor
-    from palpate.study import MaterialSpec
 
     announce_compilation()
-    return simulate_sensor(unit, MaterialSpec().material())
+    return simulate_sensor(unit, material)
 
 
 def _describe_rest(sensor: Sensor) -> str:
@@ -149,17 +153,16 @@ def _describe_rest(sensor: Sensor) -> str:
     )
 
 
-def _known_press(flags: LiveFlags, unit: Unit) -> KnownPress | None:
+def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> KnownPress | None:
     if flags.press_image is None and flags.press_pose is None:
         return None
     if flags.press_image is None or flags.press_pose is None:
         raise PalpateError("A known press is an image and its pose.", "Give --press-image and --press-pose.")
     from palpate.sensor import KnownPress
-    from palpate.study import MaterialSpec
 
     image = read_image(flags.press_image)
     announce_compilation()
-    return KnownPress.simulate(image, flags.press_pose, unit, MaterialSpec().material())
+    return KnownPress.simulate(image, flags.press_pose, unit, material)
 
 
 def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[NDArray[Any]]:

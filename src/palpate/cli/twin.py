@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,47 +12,71 @@ from cyclopts import Parameter
 
 from palpate.cli.bench import read_tolerance
 from palpate.cli.flag import JsonFlag
-from palpate.cli.output import print_json, print_table
+from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
-from palpate.cli.run import RESULTS, WorkerFlags
+from palpate.cli.run import WorkerFlags
+from palpate.cli.unit import DesignFlags, MaterialFlags
 from palpate.core import PalpateError, written_whole
+from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
-    from palpate.study import BuiltDesign
+    from palpate.study import BuiltDesign, Study
 
-_SOURCE = "YAML file of a study, or a preset: first, paper, best."
-_OUT = "Result folder; without it, results/NAME. Twins go to its folder twins."
+_SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
+_OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
 _KNOWN = "Known presses of each unit in the second half of the table; without it, as the study says, or 5."
 _TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate bench`."
 _COLUMNS = ("height_mm", "thickness_mm", "markers", "known", "rmse_deg", "worst_deg", "depth_rmse_mm", "noise_deg")
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class TwinFlags:
+    """One design instead of a study's, and its units."""
+
+    design: DesignFlags = DesignFlags()
+    material: MaterialFlags = MaterialSpec()
+    tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = ()
+    known: Annotated[int | None, Parameter(help=_KNOWN)] = None
+
+    def study(self, source: str | None) -> Study:
+        """The study that is named, or that of these flags, with what is asked of built units."""
+        from palpate.study import BuiltSpec, read_study, study_of
+
+        if source is None:
+            study = study_of(self.design.skin_spec(), self.design.markers, self.material)
+        elif TwinFlags(self.design, self.material) == TwinFlags():
+            study = read_study(source)
+        else:
+            raise PalpateError(f"The study {source} has its own designs.", "Give a study, or flags of a design.")
+        asked = study.built or BuiltSpec()
+        tolerance = read_tolerance(self.tolerance) if self.tolerance else asked.tolerance
+        built = asked.model_copy(update={"known": self.known or asked.known, "tolerance": tolerance})
+        return study.model_copy(update={"built": built})
+
+
 def twin(
-    source: Annotated[str, Parameter(help=_SOURCE)],
+    source: Annotated[str | None, Parameter(help=_SOURCE)] = None,
     *,
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     hands: WorkerFlags = WorkerFlags(),
-    tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = (),
-    known: Annotated[int | None, Parameter(help=_KNOWN)] = None,
+    flags: TwinFlags = TwinFlags(),
     json: JsonFlag = False,
 ) -> int:
-    """Make the twin of every skin of a study, and foresee the errors of built units of every design.
+    """Make the twin of a design, or of every skin of a study, and foresee the errors of built units.
 
-    Each skin is pressed at every tilt of the study under seven frictions; nothing is trained. What an earlier run
+    Each skin is pressed at every tilt under seven frictions; nothing is trained. What an earlier run
     left in the result folder is used.
     """
-    from palpate.study import BuiltSpec, read_study, run_twins
+    from palpate.study import run_twins
 
-    if known is not None and not 1 <= known <= 100:
-        raise PalpateError(f"--known is {known}.", "Give 1 to 100 known presses.")
+    if flags.known is not None and not 1 <= flags.known <= 100:
+        raise PalpateError(f"--known is {flags.known}.", "Give 1 to 100 known presses.")
     hands.check()
     if hands.cluster is not None:
         raise PalpateError("Twins are made on this machine.", "Give --workers instead of --cluster.")
-    study = read_study(source)
+    study = flags.study(source)
     folder = out or RESULTS / study.name
-    asked = study.built or BuiltSpec()
-    chosen = {"known": known or asked.known, "tolerance": read_tolerance(tolerance) if tolerance else asked.tolerance}
-    study = study.model_copy(update={"built": asked.model_copy(update=chosen)})
     found = run_twins(study, folder, hands.workers, Lines())
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)

@@ -1,7 +1,9 @@
-"""Flags of a design and of a built unit."""
+"""Flags of a design, of a built unit, and of what reads it."""
 
 from __future__ import annotations
 
+import shlex
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,7 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from palpate.cli.flag import flags_of
+from palpate.cli.output import RESULTS
+from palpate.core import PalpateError, Spec, flag_of
 from palpate.design import DomeSpec, MarkerSpec, SkinSpec, build_skin, place_markers, read_skin
+from palpate.study import MaterialSpec
+from palpate.twin import find_twin
 
 if TYPE_CHECKING:
     from palpate.sensor import Unit
@@ -21,6 +27,11 @@ _SKIN = "Shape of the skin as KIND:NAME=VALUE, for instance ellipsoid:aspect=0.8
 SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
 DomeFlags = Annotated[DomeSpec, flags_of(DomeSpec, group="Dome")]
 MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]
+MaterialFlags = Annotated[MaterialSpec, flags_of(MaterialSpec, group="Material")]
+_MODEL = (
+    "What reads: the design's twin (.h5), a trained network (.onnx), or what `palpate learn` made of a recording "
+    "(model.h5); without it, the newest twin of this design and material in results/*/twins."
+)
 
 
 @Parameter(name="*")
@@ -35,6 +46,11 @@ class DesignFlags:
     def skin_spec(self) -> SkinSpec:
         """The skin of these flags."""
         return read_skin(self.skin, self.dome)
+
+    def words(self) -> str:
+        """These flags as they are typed."""
+        skin = "" if self.skin == "dome" else f"--skin {shlex.quote(self.skin)} "
+        return skin + _words(self.dome, "height thickness") + _words(self.markers, "count")
 
 
 @Parameter(name="*")
@@ -57,3 +73,50 @@ class UnitFlags(DesignFlags):
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
         known = read_unit(self.unit_file) if self.unit_file else None
         return Unit(skin, layout, marked=self.mark, lens=lens, known=known)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ModelFlags:
+    """What a sensor is read with: a file, or the twin of its design."""
+
+    model: Annotated[Path | None, Parameter(help=_MODEL)] = None
+    material: MaterialFlags = MaterialSpec()
+
+    def find(self, design: DesignFlags) -> Path:
+        """The file that was named, or the twin of a design and this material.
+
+        Raises
+        ------
+        PalpateError
+            If none was named and no twin of the design was made.
+        """
+        if self.model is not None:
+            return self.model
+        skin = build_skin(design.skin_spec())
+        found = find_twin(RESULTS, skin, self.material.material())
+        if found is None:
+            material = "" if self.material == MaterialSpec() else f" of {self.material.name}"
+            raise PalpateError(
+                f"There is no twin of {skin.name}{material} in {RESULTS}/*/twins.",
+                f"Make it once, in some 3 minutes of one core, or give --model: palpate twin {self.words(design)}",
+            )
+        print(f"Reads by the twin {found}.", file=sys.stderr)
+        return found
+
+    def words(self, design: DesignFlags) -> str:
+        """Design and material as they are typed."""
+        return (design.words() + _words(self.material)).strip()
+
+
+def _words(spec: Spec, always: str = "") -> str:
+    """Flags of a spec whose values are not the usual ones, or that are `always` said."""
+    said = {}
+    for name, field in type(spec).model_fields.items():
+        value = getattr(spec, name)
+        if value != field.default or name in always.split():
+            each = value if isinstance(value, tuple) else (value,)
+            said[flag_of(type(spec), name)] = " ".join(
+                f"{one:g}" if isinstance(one, float) else shlex.quote(str(one)) for one in each
+            )
+    return "".join(f"--{flag} {value} " for flag, value in said.items())

@@ -48,6 +48,8 @@ class Dataset:
         Sampled images left out, by reason.
     space
         What the numbers of a pose are: those of the obstacle that pressed.
+    forces
+        (n, 3) N of the dome on the wall, dome's frame; `None` where they were not asked for.
     """
 
     spec: DatasetSpec
@@ -62,6 +64,7 @@ class Dataset:
     solved_presses: int
     dropped: Mapping[str, int]
     space: PoseSpace = TILT_DEPTH
+    forces: FloatArray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.images_px)
@@ -107,4 +110,5 @@ class Dataset:
             validation=np.full(int(rows.sum()), validation),
             branch=self.branch[rows],
             travel_mm=self.travel_mm[rows],
+            forces=None if self.forces is None else self.forces[rows],
         )

@@ -16,6 +16,7 @@ from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
 from palpate.dataset.vary import VariedField, VariedPresses, vary_camera, vary_field
+from palpate.dataset.vary_forces import vary_forces
 from palpate.design import MarkerLayout, Skin
 from palpate.fea import Press
 
@@ -31,6 +32,7 @@ def generate_dataset(
     camera: Camera,
     spec: DatasetSpec = DatasetSpec(),  # noqa: B008  (a spec is frozen)
     relatives: VariedPresses = VariedPresses(),  # noqa: B008  (frozen as well)
+    forces: bool = False,
 ) -> Dataset:
     """Make the images of one design.
 
@@ -47,6 +49,8 @@ def generate_dataset(
         Poses, images left out, jitter, normalisation, split and what varies from unit to unit.
     relatives
         Presses of units that differ from the design, as `spec.randomise` asks for.
+    forces
+        Whether the images have the force on the wall as well.
 
     Returns
     -------
@@ -80,10 +84,12 @@ def generate_dataset(
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
     dropped: Counter[str] = Counter()
-    columns = [
-        _images_at(field, image, rotations, view, dropped)
-        for image in range(spec.dropped_images, len(base.depths_mm))
-    ]
+    images = range(spec.dropped_images, len(base.depths_mm))
+    columns = [_images_at(field, image, rotations, view, dropped) for image in images]
+    if forces:
+        pushes = vary_forces(presses, relatives, field.weights)
+        for column, image in zip(columns, images, strict=True):
+            column["forces"] = pushes.forces(rotations, np.asarray(column["row"], np.intp), image)
     if not columns or not sum(len(column["row"]) for column in columns):
         raise PalpateError(
             f"No image is left: {spec.dropped_images} images dropped, presses end at "
@@ -105,6 +111,7 @@ def generate_dataset(
         solved_presses=len(presses) + relatives.count,
         dropped=dict(dropped),
         space=base.space,
+        forces=joined.get("forces"),
     )
 
 

@@ -36,10 +36,11 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
         raise PalpateError("No design of the grid is left.", "Choose fewer conditions in --where.")
     row = grid.designs[0]
     name = name_row(row)
-    key = row.get("estimator_key")
+    kind = "forces" if row.get("forces_key") else "estimator"  # the same estimator, which tells forces as well
+    key = row.get(f"{kind}_key")
     if not isinstance(key, str) or not key:
         raise PalpateError(f"{name} has no model.", "Its chain broke: see the column failure.")
-    path = ArtefactStore(directory / "store").locate("estimator", key, ".onnx")
+    path = ArtefactStore(directory / "store").locate(kind, key, ".onnx")
     if not path.is_file():
         raise PalpateError(f"The model of {name} is not in {directory / 'store'}.", "Run the study again.")
     open_predictor(path)

@@ -1,12 +1,14 @@
 """Learning: from images of markers to the pose of the wall, and how good any estimator could be."""
 
 from palpate.learn.calibrate import Coverage, calibrate, measure_coverage
-from palpate.learn.control import SplitComparison, compare_splits, shuffle_labels
+from palpate.learn.control import compare_splits, shuffle_labels
 from palpate.learn.device import find_device
 from palpate.learn.estimator import LEARN_VERSION, Estimator
+from palpate.learn.force import FORCE_VERSION
+from palpate.learn.force_graph import learn_forces
 from palpate.learn.interval import Interval, Prediction
 from palpate.learn.io import read_estimator, write_estimator
-from palpate.learn.judge import PooledLimit, compare_with_limit, find_leak, pool_limits
+from palpate.learn.judge import compare_with_limit, find_leak, pool_limits
 from palpate.learn.limit import LIMIT_VERSION, DepthLimit, find_limits
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
@@ -16,6 +18,7 @@ from palpate.learn.spec import SearchSpec, TrainSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
 
 __all__ = [
+    "FORCE_VERSION",
     "LEARN_VERSION",
     "LIMIT_VERSION",
     "PAPER_SPACE",
@@ -26,11 +29,9 @@ __all__ = [
     "Estimator",
     "Interval",
     "Metrics",
-    "PooledLimit",
     "Prediction",
     "Predictor",
     "SearchSpec",
-    "SplitComparison",
     "TiltErrors",
     "TrainSpec",
     "calibrate",
@@ -41,6 +42,7 @@ __all__ = [
     "find_leak",
     "find_limits",
     "fit_ridge",
+    "learn_forces",
     "measure_coverage",
     "measure_errors",
     "open_predictor",

@@ -33,11 +33,15 @@ class Prediction:
         (n, 3) half-width of the interval of each component, in its unit; infinite where nothing is promised.
     outside
         (n,) whether the markers moved as in no image of the training, so that neither estimate nor interval holds.
+    forces, forces_half_width
+        (n, 3) N by `palpate.learn.FORCE_AXES`; `None` where the model tells none.
     """
 
     poses: FloatArray
     half_width: FloatArray
     outside: BoolArray
+    forces: FloatArray | None = None
+    forces_half_width: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,8 @@ The graph reads pixels and gives poses in units:
 
     markers_px (n, m, 2) double → (· − rest) / scale → float → layers → · sd + mean → pose (n, 3) float
 
-A calibrated estimator also gives half_width (n, 3) and outside (n,), see `interval_graph`.
+A calibrated estimator also gives half_width (n, 3) and outside (n,), see `interval_graph`; forces are added by
+`force_graph`, and reading a file as an estimator leaves them out.
 
 The difference to the rest image is taken in double precision and the first bias moved to match, so that single
 precision after it costs less than 1e-5 degrees. Everything that is no weight stands in the model's metadata as text.
@@ -58,7 +59,7 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
     except ImportError as error:
         raise MissingExtraError("onnx", "predict") from error
     markers = len(estimator.rest_px)
-    nodes, constants = _graph(estimator)
+    nodes, constants = graph_of(estimator)
     outputs = [
         helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", 3]),
         helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", 3]),
@@ -73,7 +74,7 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
         "estimator",
         [helper.make_tensor_value_info(INPUT, TensorProto.DOUBLE, ["image", markers, 2])],
         outputs,
-        [_tensor(name, values) for name, values in constants.items()],
+        [tensor_of(name, values) for name, values in constants.items()],
     )
     model = helper.make_model(
         graph,
@@ -121,8 +122,8 @@ def check_format(path: Path, metadata: dict[str, str]) -> dict[str, str]:
     return metadata
 
 
-def _graph(estimator: Estimator) -> tuple[list[NodeProto], dict[str, NDArray[Any]]]:
-    """Nodes in order, and the arrays that they read."""
+def graph_of(estimator: Estimator) -> tuple[list[NodeProto], dict[str, NDArray[Any]]]:
+    """Nodes of a network in order, from the input to the mean over its members, and the arrays that they read."""
     from onnx import TensorProto, helper
 
     constants: dict[str, NDArray[Any]] = {
@@ -169,7 +170,8 @@ def _rest_input(normalisation: Normalisation, rest_px: FloatArray) -> FloatArray
     return normalisation.apply(rest_px).reshape(-1)
 
 
-def _tensor(name: str, values: NDArray[Any]) -> Any:
+def tensor_of(name: str, values: NDArray[Any]) -> Any:
+    """An array of the graph by its name."""
     from onnx import numpy_helper
 
     return numpy_helper.from_array(np.ascontiguousarray(values), name)

@@ -11,9 +11,12 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.design import PoseSpace
+from palpate.learn.force_graph import FORCE, FORCE_HALF_WIDTH
 from palpate.learn.interval import Prediction
 from palpate.learn.interval_graph import HALF_WIDTH, OUTSIDE, POSE
 from palpate.learn.io import AGAIN, INPUT, check_format
+
+_INTERVAL, _FORCES = (HALF_WIDTH, OUTSIDE), (FORCE, FORCE_HALF_WIDTH)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +33,15 @@ class Predictor:
         Share of true values that its intervals cover; `None` for a model without any.
     space
         What it estimates.
+    forces
+        Whether it tells forces as well.
     """
 
     session: Any
     markers: int
     level: float | None
     space: PoseSpace
+    forces: bool = False
 
     def predict(self, images_px: FloatArray) -> Prediction:
         """Estimate poses, how far they may be wrong, and whether the markers moved as the training knew.
@@ -60,12 +66,13 @@ class Predictor:
                 f"The images have markers of shape {images_px.shape[1:]}, the model reads {(self.markers, 2)}.",
                 "Use the model of this marker layout.",
             )
-        wanted = [POSE] if self.level is None else [POSE, HALF_WIDTH, OUTSIDE]
-        found = self.session.run(wanted, {INPUT: np.ascontiguousarray(images_px, dtype=float)})
-        poses = found[0].astype(float)
+        wanted = [POSE, *(_INTERVAL if self.level is not None else ()), *(_FORCES if self.forces else ())]
+        given = {INPUT: np.ascontiguousarray(images_px, dtype=float)}
+        found = [part.astype(float) for part in self.session.run(wanted, given)]
+        forces = (found[-2], found[-1]) if self.forces else (None, None)
         if self.level is None:
-            return Prediction(poses, np.full(poses.shape, np.inf), np.zeros(len(poses), dtype=bool))
-        return Prediction(poses, found[1].astype(float), found[2])
+            return Prediction(found[0], np.full(found[0].shape, np.inf), np.zeros(len(found[0]), dtype=bool), *forces)
+        return Prediction(found[0], found[1], found[2] > 0, *forces)
 
 
 def open_predictor(path: Path) -> Predictor:
@@ -95,4 +102,4 @@ def open_predictor(path: Path) -> Predictor:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
         raise PalpateError(f"{path} is not an estimator: {type(error).__name__}.", AGAIN) from error
-    return Predictor(session, markers, level, space)
+    return Predictor(session, markers, level, space, "forces" in metadata)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from palpate.learn.components import find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
 from palpate.learn.spec import TrainSpec
+
+if TYPE_CHECKING:
+    from palpate.learn.network import TrainedNetwork
 
 
 def train(
@@ -53,45 +57,55 @@ def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, devic
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
     """
-    from palpate.learn.network import TrainingData, train_network
-
-    inputs = _normalised(kept, kept.images_px)
-    jitter = np.tile(kept.spec.jitter_px / np.array(kept.normalisation.scale_px), kept.images_px.shape[1])
-    components = find_components(inputs, jitter, spec.components)
-    mean, sd = _standard(kept.poses)
-    noisy = draw_jitter(held.images_px, kept.spec.jitter_px, generator(seed, "judge"))
-    data = TrainingData(
-        inputs=inputs,
-        targets=(kept.poses - mean) / sd,
-        jitter=jitter,
-        mean=components.mean,
-        projection=components.projection,
-        held_inputs=_normalised(kept, noisy),
-        held_targets=(held.poses - mean) / sd,
-        device=device,
-    )
-    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
-    first, first_bias = components.fold(trained.weights[0], trained.biases[0])
-    estimator = Estimator(
-        normalisation=kept.normalisation,
-        weights=(first, *trained.weights[1:]),
-        biases=(first_bias, *trained.biases[1:]),
-        activation=spec.activation,
-        output_mean=mean,
-        output_sd=sd,
-        rest_px=kept.rest_px,
-        seed=seed,
-        made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
-        training_images=len(kept.poses),
-        validation_images=len(held.poses),
-        history=trained.history,
-        space=kept.space,
-    )
+    estimator, trained = train_targets(kept, held, (kept.poses, held.poses), spec, seed, device)
     estimator = replace(estimator, repeat_rmse_deg=_judge_members(estimator, held))
     if spec.members == "all":
         return estimator
     kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
     return estimator.keep_members([int(np.argmin(kept_errors))])
+
+
+def train_targets(
+    kept: Dataset, held: Dataset, targets: tuple[FloatArray, FloatArray], spec: TrainSpec, seed: int, device: str
+) -> tuple[Estimator, TrainedNetwork]:
+    """Train on any targets (n, 3) of the images of `kept`; those of `held` choose epochs. All repeats are kept."""
+    from palpate.learn.network import TrainingData, train_network
+
+    inputs = _normalised(kept, kept.images_px)
+    jitter = np.tile(kept.spec.jitter_px / np.array(kept.normalisation.scale_px), kept.images_px.shape[1])
+    components = find_components(inputs, jitter, spec.components)
+    mean, sd = _standard(targets[0])
+    noisy = draw_jitter(held.images_px, kept.spec.jitter_px, generator(seed, "judge"))
+    data = TrainingData(
+        inputs=inputs,
+        targets=(targets[0] - mean) / sd,
+        jitter=jitter,
+        mean=components.mean,
+        projection=components.projection,
+        held_inputs=_normalised(kept, noisy),
+        held_targets=(targets[1] - mean) / sd,
+        device=device,
+    )
+    trained = train_network(data, spec, [child_seed(seed, "repeat", n) for n in range(spec.repeats)])
+    first, first_bias = components.fold(trained.weights[0], trained.biases[0])
+    return (
+        Estimator(
+            normalisation=kept.normalisation,
+            weights=(first, *trained.weights[1:]),
+            biases=(first_bias, *trained.biases[1:]),
+            activation=spec.activation,
+            output_mean=mean,
+            output_sd=sd,
+            rest_px=kept.rest_px,
+            seed=seed,
+            made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
+            training_images=len(kept.poses),
+            validation_images=len(held.poses),
+            history=trained.history,
+            space=kept.space,
+        ),
+        trained,
+    )
 
 
 def fit_ridge(dataset: Dataset) -> Estimator:

@@ -25,13 +25,13 @@ def nearest(points: FloatArray, others: FloatArray) -> tuple[IntArray, FloatArra
 @kernel
 def room(points: FloatArray, most: float) -> FloatArray:
     """(n,) distance of each point to the nearest other one, at most `most`."""
-    distance = np.full(len(points), most)
+    square = np.full(len(points), most**2)
     for i in range(len(points)):
-        for j in range(len(points)):
-            if i != j:
-                square = (points[i, 0] - points[j, 0]) ** 2 + (points[i, 1] - points[j, 1]) ** 2
-                distance[i] = min(distance[i], np.sqrt(square))
-    return distance
+        for j in range(i):
+            apart = (points[i, 0] - points[j, 0]) ** 2 + (points[i, 1] - points[j, 1]) ** 2
+            square[i] = min(square[i], apart)
+            square[j] = min(square[j], apart)
+    return np.sqrt(square)
 
 
 @kernel

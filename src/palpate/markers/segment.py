@@ -117,17 +117,25 @@ def segment(height: Image, diameter_px: float, least: float, share: float) -> Se
     tops = height[peak]
     level = max(least, share * float(np.median(tops[tops >= np.median(tops)]))) if len(tops) else np.inf
     peak &= height > level
-    ridge = _ridge(height, peak, size)
-    mask = height > 0.5 * ridge
-    mask &= height > 0.5 * level
-    _, labels = components(mask)
+    _, labels = components(_upper_halves(height, _ridge(height, peak, size), level))
     return _describe(labels, height, level)
 
 
 def _ridge(height: Image, peak: BoolArray, size: int) -> Image:
-    """The height of the nearest strong peak, spread over the dot about it."""
-    spread = dilate(np.where(peak, height, np.float32(0.0)), 2 * size + 1)
-    return np.where(spread > 0.0, spread, np.float32(np.inf))
+    """The height of the nearest strong peak, spread over the dot about it; 0 elsewhere."""
+    return dilate(height * peak, 2 * size + 1)
+
+
+@kernel
+def _upper_halves(height: Image, ridge: Image, level: float) -> BoolArray:
+    """(h, w) where a dot is more than half as high as its peak, and as a dot must be."""
+    mask = np.empty(height.shape, np.bool_)
+    least = np.float32(0.5 * level)
+    for y in range(height.shape[0]):
+        for x in range(height.shape[1]):
+            peak = ridge[y, x]
+            mask[y, x] = peak > 0.0 and height[y, x] > np.float32(0.5) * peak and height[y, x] > least
+    return mask
 
 
 def _describe(labels: NDArray[np.int32], height: Image, level: float) -> Segments:
@@ -138,7 +146,7 @@ def _describe(labels: NDArray[np.int32], height: Image, level: float) -> Segment
     area = sums[good, 0]
     x, y, xx, xy, yy = sums[good, 1:6].T / area
     return Segments(
-        labels=rename[labels],
+        labels=np.take(rename, labels),
         area_px=area,
         middle_px=np.stack([x, y], axis=-1),
         spread=np.stack([xx - x * x + 1.0 / 12.0, xy - x * y, yy - y * y + 1.0 / 12.0], axis=-1),

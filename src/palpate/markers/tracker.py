@@ -60,7 +60,7 @@ class Tracker:
             .query(self.motion.rest_px, min(_NEIGHBOURS, len(self.motion.rest_px)))[1]
             .reshape(len(self.motion.rest_px), -1)
         )
-        self._space = np.maximum(room(self.motion.rest_px, _ALONE_PX), _LEAST_ROOM_PX)
+        self._space = _room(self.motion.rest_px)
 
     def step(self, blobs_px: FloatArray) -> Sighting:
         """Find every marker among the dots (n, 2) of the next image."""
@@ -85,15 +85,15 @@ class Tracker:
 
     def _try(self, predicted: FloatArray, blobs_px: FloatArray) -> tuple[FloatArray, NDArray[np.intp], float]:
         """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""
-        space = np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
-        number, distance = nearest(predicted, blobs_px)
-        if np.mean(distance < _SURE * space) > _SURE_SHARE and len(np.unique(number)) > _SURE_SHARE * len(number):
+        space, (number, distance) = _room(predicted), nearest(predicted, blobs_px)
+        near = np.bincount(number, minlength=len(blobs_px))
+        if np.mean(distance < _SURE * space) > _SURE_SHARE and np.count_nonzero(near) > _SURE_SHARE * len(number):
             offset = float(np.median(distance / space))
         else:
             agreed = agree(predicted, blobs_px, self._near, 0.6 * space, _ROUNDS)
             offset = float(np.median(np.linalg.norm(agreed - predicted, axis=1) / space))
-            predicted = agreed
-        blob = self._assign(predicted, blobs_px)
+            predicted, space, (number, distance) = agreed, _room(agreed), nearest(agreed, blobs_px)
+        blob = _assign(predicted, blobs_px, _REACH * space, np.where(distance < _REACH * space, number, -1))
         found = blob >= 0
         positions = np.where(found[:, None], blobs_px[blob], predicted)
         if found.any() and not found.all():
@@ -108,19 +108,24 @@ class Tracker:
         own = np.linalg.norm(moved - moved[self._near[:, 1:]].mean(axis=1), axis=1)
         return float(np.max(own / self._space))
 
-    @staticmethod
-    def _assign(predicted: FloatArray, blobs: FloatArray) -> NDArray[np.intp]:
-        reach = _REACH * np.maximum(room(predicted, _ALONE_PX), _LEAST_ROOM_PX)
-        number, distance = nearest(predicted, np.ascontiguousarray(blobs))
-        result = np.where(distance < reach, number, -1)
-        wanted = result[result >= 0]
-        if len(np.unique(wanted)) < len(wanted):  # two markers want one dot
-            limit = reach[:, None] ** 2
-            square = np.minimum(((predicted[:, None] - blobs[None]) ** 2).sum(axis=-1), limit)
-            marker, blob = linear_sum_assignment(square)
-            result = np.full(len(predicted), -1)
-            result[marker] = np.where(square[marker, blob] < limit[marker, 0], blob, -1)
-        return result
+
+def _room(places: FloatArray) -> FloatArray:
+    return np.maximum(room(places, _ALONE_PX), _LEAST_ROOM_PX)
+
+
+def _assign(
+    predicted: FloatArray, blobs: FloatArray, reach: FloatArray, nearest_one: NDArray[np.intp]
+) -> NDArray[np.intp]:
+    """Dots of all markers: the nearest within reach (m,), or where two want one, those of least squared distance."""
+    wanted = nearest_one[nearest_one >= 0]
+    if not len(wanted) or np.bincount(wanted).max() < 2:
+        return nearest_one
+    limit = reach[:, None] ** 2
+    square = np.minimum(((predicted[:, None] - blobs[None]) ** 2).sum(axis=-1), limit)
+    marker, blob = linear_sum_assignment(square)
+    result = np.full(len(predicted), -1)
+    result[marker] = np.where(square[marker, blob] < limit[marker, 0], blob, -1)
+    return result
 
 
 def find_markers(

@@ -17,16 +17,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from palpate.built import PoseFit, PoseFitter, learn_rest, model_unit
+from palpate.built import Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
-from palpate.learn import Predictor, open_predictor
+from palpate.learn import Prediction, Predictor, open_predictor
 from palpate.markers import Naming, Sighting
 from palpate.recording import is_recorded_model
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
+from palpate.sensor.rest_drift import RestMotion, RestWatch
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 from palpate.twin import Twin, read_twin, twin_path
@@ -34,18 +36,23 @@ from palpate.twin import Twin, read_twin, twin_path
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
 
+_NEAR = np.array([2.0, 2.0, 0.5])
+"""Change of rx, ry (degrees) and depth (mm) within which a drift of the camera shows alike."""
+
 Model = Predictor | Twin
 """What a sensor reads with."""
 
 
 class Estimate(NamedTuple):
-    """What a reader says about one image: pose and half-widths, root mean square motion (px), flags, and its fit."""
+    """What a reader says about one image: pose, half-widths, motion (px rms), flags, force, fit and rest."""
 
     pose: FloatArray
     half_width: FloatArray
     moved_px: float
     flags: tuple[Flag, ...]
+    force: Force | None = None
     fit: PoseFit | None = None
+    rest: RestMotion | None = None
 
 
 class Reader(ABC):
@@ -58,6 +65,11 @@ class Reader(ABC):
     """
 
     space: PoseSpace
+
+    @property
+    def rest(self) -> RestMotion | None:
+        """How far the untouched dots have drifted; `None` where nothing looks."""
+        return None
 
     @abstractmethod
     def read(self, sighting: Sighting) -> Estimate:
@@ -84,7 +96,15 @@ class NetworkReader(Reader):
             moved = self._carry(rays, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
-        return Estimate(prediction.poses[0], prediction.half_width[0], float(np.sqrt(np.mean(moved**2))), flags)
+        moved_px = float(np.sqrt(np.mean(moved**2)))
+        return Estimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, self._force(prediction))
+
+    def _force(self, prediction: Prediction) -> Force | None:
+        """Force on the wall, of a unit that is as stiff as designed within its tolerance."""
+        if prediction.forces is None or prediction.forces_half_width is None:
+            return None
+        turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
+        return expect_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
     def _carry(self, rays: FloatArray, pose: FloatArray | None = None) -> FloatArray:
         """Dots on rays of the real camera as the nominal camera would show them, for a wall of about this pose."""
@@ -112,18 +132,36 @@ class TwinReader(Reader):
             _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
         model = model_unit(twin, unit.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
+        self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
+        self._theta: FloatArray | None = None
+
+    @property
+    def rest(self) -> RestMotion | None:
+        return self.watch.motion
 
     def read(self, sighting: Sighting) -> Estimate:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
-        fit, twin = self.fitter.fit(seen), self.fitter.model.dots.twin
-        flags = []
+        self.watch.watch(seen)
+        seen, fit = self._fit(seen)
+        twin = self.fitter.model.dots.twin
+        self._theta = fit.theta if fit.misfit <= self._most else None
+        flags = [Flag.MOVED] if self.watch.displaced else []
         if not twin.covers(fit.theta[:3]):
             flags.append(Flag.OUTSIDE)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit)
+        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, self.rest)
+
+    def _fit(self, seen: FloatArray) -> tuple[FloatArray, PoseFit]:
+        """Dots as they were without drift, and their fit; again where the touch is far from the last image's."""
+        still, last = self.watch.as_at_first(seen, self._theta), self._theta
+        fit = self.fitter.fit(still)
+        if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > _NEAR).any()):
+            still = self.watch.as_at_first(seen, fit.theta)
+            fit = self.fitter.fit(still)
+        return still, fit
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from palpate.built import PoseFit
+from palpate.built import Force, PoseFit
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Sighting
+from palpate.sensor.rest_drift import RestMotion
 
 
 class Flag(StrEnum):
@@ -18,6 +19,7 @@ class Flag(StrEnum):
     FEW_MARKERS = "too few markers were found"
     JUMPED = "the markers jumped"
     OUTSIDE = "the markers moved as in no image of the training"
+    MOVED = "the camera has moved since the images at rest"
     MISFIT = "no press of this unit looks like the image"
     BY_PICTURE = "the dots could not be numbered; the pose is read from the picture"
 
@@ -48,8 +50,13 @@ class Reading:
         Where the markers were seen that the pose comes from; `None` without one.
     space
         What the numbers of the pose are: those that the model was trained for.
+    force
+        On the wall; `None` where what reads tells none.
     fit
-        Covariance, friction and force, where the unit's twin was fitted.
+        Covariance and friction, where the unit's twin was fitted.
+    rest
+        How far the untouched dots have drifted, and were followed, since the images at rest; `None` where nothing
+        looks.
     """
 
     image: int
@@ -62,7 +69,9 @@ class Reading:
     reason: str = ""
     sighting: Sighting | None = field(default=None, compare=False, repr=False)
     space: PoseSpace = TILT_DEPTH
+    force: Force | None = field(default=None, compare=False, repr=False)
     fit: PoseFit | None = field(default=None, compare=False, repr=False)
+    rest: RestMotion | None = field(default=None, compare=False, repr=False)
 
     def __getitem__(self, name: str) -> float:
         return self.pose[self.space.names.index(name)]

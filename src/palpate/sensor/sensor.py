@@ -74,7 +74,7 @@ class Sensor:
         estimate = self.reader.read(sighting)
         touching = estimate.moved_px > self.spec.touch_px
         flags = [Flag.JUMPED] if sighting.jumped else []
-        flags += estimate.flags if touching else ()  # at rest there is no pose to be outside
+        flags += [flag for flag in estimate.flags if touching or flag is Flag.MOVED]  # at rest no pose is outside
         return Reading(
             image=self._count,
             pose=tuple(estimate.pose.tolist()),
@@ -85,7 +85,9 @@ class Sensor:
             latency_ms=(time.perf_counter() - start) * 1e3,
             sighting=sighting,
             space=self.reader.space,
+            force=estimate.force,
             fit=estimate.fit,
+            rest=estimate.rest,
         )
 
     def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:

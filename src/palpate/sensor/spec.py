@@ -28,6 +28,13 @@ class RigSpec(Spec):
         meaning="mean square of what a fit leaves over its expectation, above which it is flagged",
         gt=1,
     )
+    follow_px: float = parameter(
+        2.0,
+        unit="px",
+        meaning="how far the untouched dots are followed where camera or silicone creep (root mean square)",
+        ge=0,
+        le=20,
+    )
     drift_px: float = parameter(
         0.5,
         unit="px",

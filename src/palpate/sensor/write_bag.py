@@ -2,7 +2,7 @@
 
 `/palpate/pose` (geometry_msgs/PoseStamped, frame ``dome``) holds the rotation (rx, ry) as a quaternion, or the place
 (x, y) of an obstacle that does not tilt, and the depth as its z below first touch, in metres; an image without a pose
-has none. Where a unit's twin was fitted, `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall
+has none. Where what reads tells it, `/palpate/force` (geometry_msgs/WrenchStamped) holds the force on the wall
 (N, same frame). `/palpate/reading` (std_msgs/String) holds every reading by the columns of the other files.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built import PoseFit
+from palpate.built import Force
 from palpate.core import PalpateError, load_extra, writing
 from palpate.sensor.reading import Reading
 
@@ -45,8 +45,8 @@ class Bag:
         now = time.time_ns()
         if np.isfinite(reading.depth_mm):
             self._write(self._pose, now, self._pose_of(reading, now))
-        if reading.fit is not None and reading.touching:
-            self._write(self._force, now, self._force_of(reading.fit, now))
+        if reading.force is not None and reading.touching:
+            self._write(self._force, now, self._force_of(reading.force, now))
         self._write(self._reading, now, self._store.types["std_msgs/msg/String"](data=json.dumps(row)))
 
     def close(self) -> None:
@@ -72,11 +72,11 @@ class Bag:
             pose=types["geometry_msgs/msg/Pose"](position=place, orientation=turned),
         )
 
-    def _force_of(self, fit: PoseFit, now: int) -> Any:
+    def _force_of(self, force: Force, now: int) -> Any:
         types = self._store.types
         vector = types["geometry_msgs/msg/Vector3"]
         wrench = types["geometry_msgs/msg/Wrench"](
-            force=vector(*(float(v) for v in fit.force.vector)), torque=vector(0.0, 0.0, 0.0)
+            force=vector(*(float(v) for v in force.vector)), torque=vector(0.0, 0.0, 0.0)
         )
         return types["geometry_msgs/msg/WrenchStamped"](header=self._header(now), wrench=wrench)
 

@@ -24,8 +24,8 @@ _FORCE = (
     "tangential_force_half_width_n",
     "friction",
 )
-"""Empty where no twin was fitted."""
-_STATE = ("touching", "found", "flags", "latency_ms", "reason")
+"""Empty where what reads does not tell it."""
+_STATE = ("touching", "found", "flags", "rest_moved_px", "latency_ms", "reason")
 
 
 def reading_columns(space: PoseSpace) -> tuple[str, ...]:
@@ -43,6 +43,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         reading.touching,
         reading.found,
         "; ".join(reading.flags),
+        reading.rest.rms_px if reading.rest is not None else math.nan,
         reading.latency_ms,
         reading.reason,
     )
@@ -52,11 +53,10 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
 
 def _forces(reading: Reading) -> tuple[float, ...]:
     """Values by `_FORCE`, NaN where they are not known; the half-widths cover nine tenths."""
-    fit = reading.fit
-    if fit is None or not reading.touching:
+    if reading.force is None or not reading.touching:
         return (math.nan,) * len(_FORCE)
-    normal, tangential = fit.force.pressing, fit.force.tangential
-    friction = 1.0 / fit.slip if fit.slip > 0 else math.nan
+    normal, tangential = reading.force.pressing, reading.force.tangential
+    friction = 1.0 / reading.fit.slip if reading.fit is not None and reading.fit.slip > 0 else math.nan
     return normal.value, normal.half_width, tangential.value, tangential.half_width, friction
 
 

@@ -9,7 +9,7 @@ from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummar
 from palpate.study.run_study import run_limits, run_study
 from palpate.study.run_twins import BuiltDesign, run_twins
 from palpate.study.status import KindStatus, StudyStatus, find_status, needed_keys
-from palpate.study.study import BuiltSpec, DesignsSpec, MaterialSpec, Study
+from palpate.study.study import BuiltSpec, DesignsSpec, MaterialSpec, Study, study_of
 
 __all__ = [
     "BuiltDesign",
@@ -37,4 +37,5 @@ __all__ = [
     "run_limits",
     "run_study",
     "run_twins",
+    "study_of",
 ]

@@ -16,6 +16,7 @@ from palpate.design import build_skin
 from palpate.fea import FEA_VERSION, Branch, read_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
 from palpate.study.built_task import BuiltTask, read_figures
+from palpate.study.force_task import ForceTask
 from palpate.study.plan import Plan
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
 from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
@@ -43,8 +44,8 @@ def collect_designs(
     paths = {key: store.find(recipe) for key, recipe in recipes.items()}
     presses = {key: _summarise_press(path) for key, path in paths.items() if path is not None}
     known = _Known(store, outcomes, presses, _versions(), seed)
-    built = plan.built or (None,) * len(tasks)
-    return tuple(_collect_design(task, foreseen, known) for task, foreseen in zip(tasks, built, strict=True))
+    built, forces = plan.built or (None,) * len(tasks), plan.forces or (None,) * len(tasks)
+    return tuple(_collect_design(*design, known) for design in zip(tasks, built, forces, strict=True))
 
 
 def collect_limits(
@@ -76,14 +77,16 @@ class _Known:
     seed: int
 
 
-def _collect_design(task: LearningTask, built: BuiltTask | None, known: _Known) -> DesignResult:
+def _collect_design(
+    task: LearningTask, built: BuiltTask | None, forces: ForceTask | None, known: _Known
+) -> DesignResult:
     dataset = task.dataset
     tally = _read_tally(known.store.find(task.recipe, task.suffix))
     limits = known.store.find(task.limit.recipe, task.limit.suffix)
     foreseen = known.store.find(built.recipe, built.suffix) if built else None
     keys = tuple(press.recipe.key for press in dataset.presses)
     summaries = tuple(known.presses[key] for key in keys if key in known.presses)
-    parts: tuple[Task, ...] = (dataset, task.limit, task.estimator, task)
+    parts: tuple[Task, ...] = (dataset, task.limit, task.estimator, task, *([forces] if forces else ()))
     return DesignResult(
         skin=dataset.skin,
         markers=dataset.markers,

@@ -9,6 +9,7 @@ from palpate.core import PalpateError
 from palpate.design import MarkerSpec, SkinSpec, build_skin, check_design, place_markers, refuse_errors
 from palpate.fea import Branch
 from palpate.study.built_task import BuiltTask, plan_built, plan_twin
+from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
 from palpate.study.task import DatasetTask, LearningTask, PressTask, Task
 
@@ -23,14 +24,17 @@ class Plan:
         The last task of each design; it depends on the others.
     built
         What foresees built units of each design; empty where the study does not ask for it.
+    forces
+        What adds forces to each design's estimator; empty likewise.
     """
 
     designs: tuple[LearningTask, ...]
     built: tuple[BuiltTask, ...] = ()
+    forces: tuple[ForceTask, ...] = ()
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        return _once([*self.designs, *self.built, *(design.inverted for design in self.designs)])
+        return _once([*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)])
 
     def built_tasks(self) -> tuple[Task, ...]:
         """What foresees built units, each once, after those it needs."""
@@ -42,8 +46,8 @@ class Plan:
         for design in self.designs:
             for task in (*design.dataset.presses, design.inverted, design.limit, design):
                 unique.setdefault(task.recipe.key, task)
-        for built in self.built:
-            unique.setdefault(built.recipe.key, built)
+        for more in (*self.built, *self.forces):
+            unique.setdefault(more.recipe.key, more)
         return tuple(unique.values())
 
     def limit_tasks(self) -> tuple[Task, ...]:
@@ -85,7 +89,8 @@ def plan_study(study: Study) -> Plan:
             designs.append(LearningTask(dataset=dataset, spec=study.learning, inverted=inverted))
             if twin is not None:
                 built.append(plan_built(study, twin, skin, markers))
-    return Plan(designs=tuple(designs), built=tuple(built))
+    forces = tuple(ForceTask(design.estimator) for design in designs) if study.forces else ()
+    return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:

@@ -18,6 +18,7 @@ from palpate.study.available import fitting_workers
 from palpate.study.built_task import keep_twins
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_designs, collect_limits
+from palpate.study.force_task import ForceTask
 from palpate.study.observer import Observer, Silence
 from palpate.study.plan import plan_study
 from palpate.study.result import DesignLimits, StudyResult, TaskFailure
@@ -188,7 +189,7 @@ class Run:
     def _do(self, todo: Sequence[Task]) -> None:
         if not todo:
             return
-        if any(isinstance(task, EstimatorTask) for task in todo):
+        if any(isinstance(task, EstimatorTask | ForceTask) for task in todo):
             _refuse_missing_libraries()
         self.made -= {task.recipe.key for task in todo}
         with self._hands.crew(self.store, len(todo)) as crew:

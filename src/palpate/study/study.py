@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -135,6 +136,11 @@ class Study(Spec):
     camera: CameraSpec = CameraSpec()
     dataset: DatasetSpec = DatasetSpec()
     learning: SearchSpec = SearchSpec()
+    forces: bool = parameter(
+        False,
+        unit="",
+        meaning="whether trained networks tell the force on the wall as well, by presses of the design",
+    )
     built: BuiltSpec | None = None
     """Whether built units are foreseen as well; takes some minutes a skin."""
 
@@ -167,6 +173,22 @@ class Study(Spec):
                 for name, spec in (("dataset", self.dataset), ("learning", self.learning))
             }
         )
+
+
+def study_of(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
+    """The study of one design, named by its skin, and by its material where that is another than usual."""
+    shape = dict(skin.build().spec_data)
+    sizes = {name: shape.pop(name) for name in SkinSpec.model_fields}
+    designs = DesignsSpec(
+        skin=shape,
+        heights=(sizes["height"],),
+        thicknesses=(sizes["thickness"],),
+        base_radius=sizes["base_radius"],
+        markers=(markers,),
+    )
+    words = material.model_dump(exclude_none=True).values() if material != MaterialSpec() else ()
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", "_".join([skin.build().name, *map(str, words)]))
+    return Study(name=name, designs=designs, material=material)
 
 
 def _each_in_bounds(spec: type[BaseModel], name: str, values: tuple[float, ...]) -> tuple[float, ...]:

@@ -11,7 +11,15 @@ from typing import Any
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.dataset import DATASET_VERSION, DatasetSpec, VariedPresses, generate_dataset, read_dataset, write_dataset
+from palpate.dataset import (
+    DATASET_VERSION,
+    Dataset,
+    DatasetSpec,
+    VariedPresses,
+    generate_dataset,
+    read_dataset,
+    write_dataset,
+)
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import FEA_VERSION, Branch, WallSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
@@ -143,12 +151,16 @@ class DatasetTask(Task):
         return 1.0 + 0.02 * self.markers.count
 
     def make(self, store: ArtefactStore) -> None:
+        dataset = self.generate(store)
+        store.write(self.recipe, lambda path: write_dataset(path, dataset))
+
+    def generate(self, store: ArtefactStore, *, forces: bool = False) -> Dataset:
+        """The images from the presses of a store, with the forces of the wall if wished."""
         groups = [[read_press(find_made(store, task)) for task in group] for group in (self.presses, *self.relatives)]
         layout = place_markers(build_skin(self.skin), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
         relatives = VariedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
-        dataset = generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives)
-        store.write(self.recipe, lambda path: write_dataset(path, dataset))
+        return generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives, forces)
 
 
 @dataclass(frozen=True)

@@ -2,22 +2,26 @@
 
 from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
 from palpate.twin.field import MarkerField, build_field
+from palpate.twin.force_field import ForceField, build_force_field
 from palpate.twin.jacobian import image_jacobian
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin
-from palpate.twin.twin_file import TWIN_VERSION, read_twin, twin_path, write_twin
+from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, write_twin
 
 __all__ = [
     "TWIN_DERIVATIVES",
     "TWIN_VERSION",
+    "ForceField",
     "MarkerField",
     "MovedDots",
     "PrintedTwin",
     "TiltRuns",
     "Twin",
     "build_field",
+    "build_force_field",
     "build_twin",
     "cut_into_runs",
+    "find_twin",
     "image_jacobian",
     "label_presses",
     "match_depths",

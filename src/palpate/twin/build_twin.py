@@ -9,10 +9,12 @@ import numpy as np
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
 from palpate.fea import Branch, Press, WallSpec
+from palpate.twin.force_field import forces_along_tilt
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
 from palpate.twin.tilt_runs import SAME_DEPTH_MM
 from palpate.twin.twin import FORCES, Twin
+from palpate.twin.twin_file import material_text
 
 THICKNESS = "thickness"
 TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.DRIFTS)
@@ -56,7 +58,9 @@ def build_twin(presses: Sequence[Press]) -> Twin:
         parts = [press.displacement, *(rate.displacement for rate in rates)]
         expanded = expand_surface(press, *zip(parts, _ACROSS.tolist(), strict=True))
         fields.append([_fill(part, press, depths) for part in _over_travel(expanded, press)])
-        pushes = np.array([_along_tilt(press, force) for force in (press.force, *(rate.force for rate in rates))])
+        pushes = np.array(
+            [forces_along_tilt(press, force) for force in (press.force, *(rate.force for rate in rates))]
+        )
         forces.append([_fill(part, press, depths) for part in _over_travel(pushes, press)])
     shape = (len(slips), len(tilts), len(_ACROSS), len(depths))
     values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
@@ -84,6 +88,7 @@ def build_twin(presses: Sequence[Press]) -> Twin:
         reach_mm=reach,
         amplitudes=pressed,
         drifts=drifts,
+        material=material_text(presses[0].material),
     )
 
 
@@ -155,13 +160,6 @@ def _flat(press: Press) -> int:
 
 def _reach(press: Press) -> float:
     return float(press.depth[_flat(press) - 1])
-
-
-def _along_tilt(press: Press, force: FloatArray) -> FloatArray:
-    """Force (n, 3) N up the slope, along the dome's axis and the tilt's, of forces (n, 3) in the dome's frame."""
-    azimuth = np.radians(press.wall.turn_deg)
-    c, s = np.cos(azimuth), np.sin(azimuth)
-    return np.stack([force[:, 1] * c - force[:, 0] * s, force[:, 2], force[:, 0] * c + force[:, 1] * s], axis=-1)
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:

@@ -48,6 +48,8 @@ class Twin:
         Splines over (slip, tilt, depth): those of the press, then their derivatives by thickness (mm) and bend (1/m).
     drifts
         Splines likewise of the derivatives by drift up the slope (mm), along the tilt's axis (mm), and by twist (°).
+    material
+        What was pressed, as JSON; empty in files that do not say.
     """
 
     skin: Skin
@@ -59,6 +61,7 @@ class Twin:
     reach_mm: FloatArray
     amplitudes: TensorSpline
     drifts: TensorSpline
+    material: str = ""
 
     def reach(self, tilt_deg: float, slip: float = 0.0) -> float:
         """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import h5py
@@ -10,6 +11,7 @@ import numpy as np
 
 from palpate.core import PalpateError, provenance, refuse_outside_links
 from palpate.design import Skin, build_skin, skin_from_data
+from palpate.material import Material
 from palpate.twin.tensor_spline import TensorSpline
 from palpate.twin.twin import Twin
 
@@ -32,6 +34,25 @@ def twin_path(folder: Path, skin: Skin) -> Path:
     return folder / "twins" / f"{skin.name.replace(' ', '_')}.h5"
 
 
+def find_twin(results: Path, skin: Skin, material: Material) -> Path | None:
+    """The newest twin of a skin of this material in the folders of `results`; `None` where there is none.
+
+    A twin of another version does not count, and one that does not say its material is taken as it is.
+    """
+    made = [path for path in (twin_path(folder, skin) for folder in results.glob("*")) if path.is_file()]
+    for path in sorted(made, key=lambda path: path.stat().st_mtime, reverse=True):
+        with suppress(PalpateError):
+            twin = read_twin(path)
+            if twin.skin.spec_data == skin.spec_data and twin.material in ("", material_text(material)):
+                return path
+    return None
+
+
+def material_text(material: Material) -> str:
+    """What a material is, whatever its name."""
+    return json.dumps(material.key_data(), sort_keys=True)
+
+
 def write_twin(path: Path, twin: Twin) -> None:
     """Write a twin.
 
@@ -45,6 +66,7 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["kind"] = _KIND
             file.attrs["version"] = TWIN_VERSION
             file.attrs["skin"] = json.dumps(twin.skin.spec_data)
+            file.attrs["material"] = twin.material
             file.attrs["made_by"] = json.dumps(provenance())
             for name, unit in _ARRAYS.items():
                 file.create_dataset(name, data=getattr(twin, name)).attrs["units"] = unit
@@ -80,6 +102,7 @@ def read_twin(path: Path) -> Twin:
                 **{name: file[name][:] for name in _ARRAYS},
                 amplitudes=TensorSpline(knots, file["amplitudes"][:]),
                 drifts=TensorSpline(knots, file["drifts"][:]),
+                material=str(file.attrs.get("material", "")),
             )
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN) from None

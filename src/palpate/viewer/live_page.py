@@ -242,12 +242,16 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
         )
     ]
     rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
-    if reading.fit is not None:
-        force, spread = reading.fit.force, np.sqrt(np.diag(reading.fit.covariance))
-        correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
+    if reading.force is not None:
+        force = reading.force
         rows += [
             ("force", force.pressing.value, force.pressing.half_width, "N", "along the wall's normal"),
             ("sideways", force.tangential.value, force.tangential.half_width, "N", "in the wall's plane"),
+        ]
+    if reading.fit is not None:
+        spread = np.sqrt(np.diag(reading.fit.covariance))
+        correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
+        rows += [
             ("1/µ", reading.fit.slip, float(reading.fit.half_width[3]), "", "0 does not slip"),
             ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}"),
         ]

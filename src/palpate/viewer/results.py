@@ -157,10 +157,11 @@ def model_path(results: Results, design: Design) -> Path:
     PalpateError
         If it has none.
     """
-    keys = _keys(design.row, "estimator")
+    kind = "forces" if _keys(design.row, "forces") else "estimator"
+    keys = _keys(design.row, kind)
     if not keys:
         raise PalpateError(f"{design.name} has no trained model.", "Choose a design that was learned.")
-    return artefact_path(results, "estimator", keys[0], ".onnx")
+    return artefact_path(results, kind, keys[0], ".onnx")
 
 
 def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:

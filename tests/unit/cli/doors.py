@@ -79,9 +79,9 @@ ROWS = {
     "limit": Row("--source first --out new", ("--source",), ("--out",), ("--workers 0",)),
     "twin": Row(
         "--source first --out new",
-        ("--source",),
+        ("--source", "--layout"),
         ("--out",),
-        ("--workers 0", "--known 0", "--tolerance x=1", "--cluster local:2"),
+        ("--workers 0", "--known 0", "--tolerance x=1", "--cluster local:2", "--height 10", "--material cheese"),
     ),
     "grid show": Row("--directory {results}", ("--directory",), (), ("--where x>1", "--where (", "--sort x")),
     "grid plot": Row(
@@ -126,6 +126,7 @@ ROWS = {
             "--count 0",
             "--rest-images 99",
             "--markers 91",
+            "--material cheese",
         ),
     ),
     "inspect": Row(

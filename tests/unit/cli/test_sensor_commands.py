@@ -2,6 +2,7 @@ import json
 import struct
 import tracemalloc
 import zlib
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -13,7 +14,9 @@ from palpate.cli import main
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
-from palpate.learn import Estimator, write_estimator
+from palpate.learn import Estimator, read_estimator, write_estimator
+from palpate.learn.force import ForceHead
+from palpate.learn.force_graph import add_forces
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 
@@ -90,6 +93,26 @@ def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_
     assert "37 markers named" in capsys.readouterr().err
     assert run(*words, "--refine-lens") == 0
     assert "with the lens as calibrated to" in capsys.readouterr().err
+
+
+def test_live_tells_the_force_that_a_network_knows(recording, model, tmp_path, capsys):
+    estimator = read_estimator(model)
+    still = replace(
+        estimator,
+        weights=(np.zeros((1, 74, 3)),),
+        biases=(np.zeros((1, 3)),),
+        output_mean=np.array([0.03, 0.04, 0.5]),
+    )
+    head = ForceHead(still, np.full(3, 0.01), np.full(3, 0.02), 0.9, {})
+    add_forces(model, head, tmp_path / "f.onnx")
+    words = ["live", "--model", str(tmp_path / "f.onnx"), "--source", str(recording), "--markers", "37", "--json"]
+    assert run(*words) == 0
+    row = json.loads(capsys.readouterr().out)[0]
+    assert row["depth_mm"] == pytest.approx(1.0, abs=0.1)
+    assert row["normal_force_n"] == pytest.approx(0.5, abs=1e-6)
+    assert row["tangential_force_n"] == pytest.approx(0.05, abs=1e-6)
+    assert 0.02 < row["normal_force_half_width_n"] < 0.05  # the silicone may be 3 % stiffer
+    assert row["friction"] is None
 
 
 @pytest.mark.parametrize(

@@ -170,7 +170,8 @@ def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
 
 
 def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, capsys):
-    assert run("accept", recording / "truth.csv") == 2
+    words = ["--model", recording / "m.onnx", "--readings", tmp_path / "r.csv"]
+    assert run("accept", recording / "truth.csv", *words) == 2
     assert "--model or --readings" in capsys.readouterr().err
     write_truth(tmp_path / "t.csv", [["1.png", "1", 1, 2, 3]])
     assert run("accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2

@@ -80,6 +80,15 @@ def test_the_content_of_a_layout_file_changes_the_dataset(tmp_path: Path) -> Non
     ]
 
 
+def test_networks_tell_forces_where_a_study_asks_and_nothing_else_changes() -> None:
+    study = Study(name="a")
+    plain, told = plan_study(study), plan_study(study.model_copy(update={"forces": True}))
+    keys = [{task.recipe.key for task in plan.tasks()} for plan in (plain, told)]
+    assert keys[0] < keys[1]
+    assert {task.recipe.key for task in told.forces} == keys[1] - keys[0]
+    assert plain.forces == ()
+
+
 def test_a_design_that_cannot_be_built_is_named() -> None:
     with pytest.raises(PalpateError, match=r"Design H20 T2: 12 markers are up to 25 mm"):
         plan_of(designs={"markers": [{"ring_diameters": [10, 50]}]})

@@ -16,6 +16,7 @@ from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, build_camera, open_source
 from palpate.core import PalpateError
 from palpate.design import TILT_DEPTH, MarkerSpec, place_markers
+from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
@@ -34,7 +35,7 @@ class MadeUpPredictor:
 
     def predict(self, images_px):
         poses = np.tile([1.0, 2.0, 3.0], (len(images_px), 1))
-        return SimpleNamespace(poses=poses, half_width=np.full(poses.shape, 0.5), outside=np.zeros(len(poses), bool))
+        return Prediction(poses, np.full(poses.shape, 0.5), np.zeros(len(poses), bool))
 
 
 class MadeUpSource(Source):

@@ -1,0 +1,150 @@
+"""The force on the wall from the same dots as the pose: a small network beside the estimator, trained after it.
+
+It estimates the force in the wall's axes, which are the dome's turned by the wall's rotation, for a silicone of the
+design's stiffness. Its error is about a part of the force and a part that is always there: the half-width of an
+interval is  q (a + b |normal|)  with a and b fitted to jittered training images and q counted over held-out presses
+(`interval`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.spatial.transform import Rotation
+
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, child_seed, generator
+from palpate.dataset import Dataset, draw_jitter, hold_out
+from palpate.learn.calibrate import DRAWS, LEVEL, MOST_IMAGES, SHARE
+from palpate.learn.estimator import Estimator
+from palpate.learn.interval import press_quantile
+from palpate.learn.spec import TrainSpec
+from palpate.learn.train import train_targets
+
+FORCE_VERSION = "1"
+"""Version of the code that decides what forces an estimator tells; part of an artefact's key."""
+FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
+"""Components of a force in the wall's axes, N: in its plane, where the dome's x and y are turned to, and along its
+outward normal."""
+_NETWORK = TrainSpec(repeats=1)
+_LEAST_N = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class ForceHead:
+    """A network that tells forces, and how far it may be off.
+
+    Attributes
+    ----------
+    network
+        Its outputs are `FORCE_AXES`.
+    floor, share
+        (3,) N and (3,): half-width of each component's interval is floor + share · |normal|.
+    level
+        Share of true values that the interval covers.
+    judged
+        Errors on held-out presses that calibrated nothing, jittered: by name, see `train_forces`.
+    """
+
+    network: Estimator
+    floor: FloatArray
+    share: FloatArray
+    level: float
+    judged: Mapping[str, float]
+
+    def predict(self, images_px: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Forces (n, 3) N by `FORCE_AXES` and half-widths (n, 3) N, from images (n, m, 2) px."""
+        forces = self.network.predict(images_px)
+        return forces, self.floor + self.share * np.abs(forces[:, 2:])
+
+
+def turn_to_wall(forces: FloatArray, poses: FloatArray) -> FloatArray:
+    """Forces (n, 3) in the wall's axes from the dome's, for poses whose first two columns are rx and ry, degrees."""
+    return np.einsum("nij,ni->nj", _turns(poses), forces)
+
+
+def turn_to_dome(forces: FloatArray, poses: FloatArray) -> FloatArray:
+    """Forces (n, 3) in the dome's axes from the wall's; see `turn_to_wall`."""
+    return np.einsum("nij,nj->ni", _turns(poses), forces)
+
+
+def _turns(poses: FloatArray) -> FloatArray:
+    turn = np.column_stack([np.radians(poses[:, :2]), np.zeros(len(poses))])
+    return np.asarray(Rotation.from_rotvec(turn).as_matrix(), float)
+
+
+def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceHead:
+    """Train on the images that are not held out, calibrate on half of the others' presses and judge by the rest.
+
+    Parameters
+    ----------
+    dataset
+        Images with their forces.
+    seed, device
+        See `palpate.learn.train`.
+
+    Returns
+    -------
+    ForceHead
+        `judged` has ``normal_rmse_n`` and ``tangential_rmse_n`` (each of the two components), the same with
+        ``clean_`` before them for images without jitter, ``normal_rms_n`` (the forces), ``coverage`` (share of
+        all components inside their intervals) and ``presses``.
+
+    Raises
+    ------
+    PalpateError
+        If the dataset has no forces.
+    MissingExtraError
+        If torch is not installed.
+    """
+    if dataset.forces is None:
+        raise PalpateError("The dataset has no forces.", "Generate it with forces.")
+    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    inside, outside = _in_wall(kept), _in_wall(held)
+    network, _ = train_targets(kept, held, (inside, outside), _NETWORK, child_seed(seed, "forces"), device)
+    rows = generator(seed, "force scale").permutation(len(inside))[:MOST_IMAGES]
+    noisy = draw_jitter(kept.images_px[rows], dataset.spec.jitter_px, generator(seed, "force jitter"))
+    off = np.abs(network.predict(noisy) - inside[rows])
+    size = np.column_stack([np.ones(len(rows)), np.abs(inside[rows, 2])])
+    scale = np.array([nnls(size, column)[0] for column in off.T])
+    scale[:, 0] += _LEAST_N
+    chosen = hold_out(held.press, SHARE, child_seed(seed, "force calibration"))
+    errors, found, press = _errors(network, held, outside, chosen, child_seed(seed, "force check"))
+    width = scale[:, 0] + scale[:, 1] * np.abs(found[:, 2:])
+    factor = np.array([press_quantile(column, press, LEVEL) for column in (np.abs(errors) / width).T])
+    head = ForceHead(network, factor * scale[:, 0], factor * scale[:, 1], LEVEL, {})
+    return ForceHead(network, head.floor, head.share, LEVEL, _judge(head, held, outside, ~chosen, seed))
+
+
+def _in_wall(part: Dataset) -> FloatArray:
+    assert part.forces is not None
+    return turn_to_wall(part.forces, part.poses)
+
+
+def _errors(
+    network: Estimator, held: Dataset, truth: FloatArray, rows: BoolArray, seed: int
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Errors (n, 3), estimates (n, 3) and presses (n,) of some held-out images, with several draws of jitter each."""
+    images = draw_jitter(np.tile(held.images_px[rows], (DRAWS, 1, 1)), held.spec.jitter_px, generator(seed))
+    found = network.predict(images)
+    return found - np.tile(truth[rows], (DRAWS, 1)), found, np.tile(held.press[rows], DRAWS)
+
+
+def _judge(head: ForceHead, held: Dataset, truth: FloatArray, rows: BoolArray, seed: int) -> dict[str, float]:
+    errors, found, press = _errors(head.network, held, truth, rows, child_seed(seed, "force judge"))
+    inside = np.abs(errors) <= head.floor + head.share * np.abs(found[:, 2:])
+    clean = head.network.predict(held.images_px[rows]) - truth[rows]
+    kinds = {"": errors, "clean_": clean}
+    return {
+        **{f"{kind}normal_rmse_n": _rms(off[:, 2]) for kind, off in kinds.items()},
+        **{f"{kind}tangential_rmse_n": _rms(off[:, :2]) for kind, off in kinds.items()},
+        "normal_rms_n": _rms(truth[rows, 2]),
+        "coverage": float(inside.mean()),
+        "presses": float(len(np.unique(press))),
+    }
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

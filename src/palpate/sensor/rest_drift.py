@@ -1,0 +1,207 @@
+"""Where the untouched dots are now: a camera creeps, silicone warms, and all dots move with them.
+
+How far the dots have moved since the images at rest is split, image by image, into a motion of the camera (its place,
+its turn, and its focal length, which is what swelling looks like) and what light touches do to this unit (the main
+directions of its twin's touches, `_TOUCHES`):
+
+    moved = C c + T t + noise
+
+Only c is ever followed, so a light touch, held for however long, goes to t and is not learnt as rest. An image counts
+as untouched where t explains nothing beyond the noise, and nothing else is left over. Then the rest follows a small
+difference of c by a share; a large one is a knock.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from palpate.built import UNKNOWN, UnitModel
+from palpate.core import BoolArray, FloatArray
+
+_CAMERA = UNKNOWN[:-1]
+_MOVES = {
+    "offset_x": 0.1,
+    "offset_y": 0.1,
+    "distance": 0.1,
+    "tilt_x_deg": 0.2,
+    "tilt_y_deg": 0.2,
+    "roll_deg": 0.2,
+    "focal": 0.003,
+    "centre_x_px": 0.5,
+    "centre_y_px": 0.5,
+}
+"""Numbers of the camera that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel."""
+_TOUCHES = ((0.05, 0.15, 0.35, 0.7), (0.0, 5.0, 10.0), 8)
+"""Depths (mm), tilts (degrees) and number of directions of the touches that are kept apart from drift."""
+_LOST_PX = 0.01
+"""What is left out of any touch, px rms."""
+_SEEN_PX = 0.002
+"""Motion that a step of a combination of the camera's numbers must make at rest to be kept, px rms."""
+_SHARE, _PACE = 0.04, 0.0008
+"""Shares of a difference by which the rest, and its pace, follow it in one image (an alpha-beta filter)."""
+_KNOCK_PX = 0.15
+"""Difference of the rest from what was followed above which it is a knock, px rms."""
+_SURE = 5.0
+"""Standard deviations above which a touch is seen."""
+_NOISY_PX = 0.1
+"""What may be left over of an untouched image at least, px rms of a coordinate."""
+_NOTHING_PX = 0.01
+"""Motion of the rest below which dots are taken as they are, px rms."""
+
+
+class RestMotion(NamedTuple):
+    """How the untouched dots have moved as a whole since the images at rest.
+
+    Attributes
+    ----------
+    rms_px
+        Root mean square distance of the dots from where they were.
+    shift_px
+        Column and row by which their middle moved.
+    turn_deg
+        Turn about it, from columns to rows.
+    scale
+        By which they spread, 1 where they did not.
+    """
+
+    rms_px: float
+    shift_px: tuple[float, float]
+    turn_deg: float
+    scale: float
+
+    def sentence(self) -> str:
+        """What a person reads."""
+        across, down = self.shift_px
+        return (
+            f"The untouched dots drifted by {self.rms_px:.2f} px rms: {across:+.2f}, {down:+.2f} px, turned by "
+            f"{self.turn_deg:+.3f}°, spread by {100 * (self.scale - 1):+.2f} %. Poses are as if they had not."
+        )
+
+
+@dataclass(eq=False)
+class RestWatch:
+    """Follows the rest of one unit.
+
+    Attributes
+    ----------
+    model
+        The unit.
+    rest_px
+        (m, 2) dots in the images at rest; NaN where none was seen.
+    noise_px
+        Standard deviation of a dot's coordinate in one image.
+    most_px
+        How far the rest is followed, px rms; 0 follows nothing.
+
+    `motion` says what is followed so far, `displaced` whether the last untouched image was elsewhere.
+    """
+
+    model: UnitModel
+    rest_px: FloatArray
+    noise_px: float
+    most_px: float
+
+    def __post_init__(self) -> None:
+        self._known: BoolArray = np.isfinite(self.rest_px).all(axis=1) & self.model.seen
+        slopes = self.model.shifted.slopes(self.model.dots.places)
+        moves = slopes[..., [_CAMERA.index(name) for name in _MOVES]] * list(_MOVES.values())
+        _, sizes, mixed = np.linalg.svd(moves[self._known].reshape(-1, len(_MOVES)), full_matrices=False)
+        kept = sizes > _SEEN_PX * np.sqrt(2 * self._known.sum())
+        self._mix = np.zeros((len(_CAMERA), int(kept.sum())))
+        for row, (name, step) in enumerate(_MOVES.items()):
+            self._mix[_CAMERA.index(name)] = step * mixed[kept, row]
+        self._free = self._mix.shape[1]
+        self._ways = np.concatenate([slopes @ self._mix, self._touches()], axis=2)
+        self._prior = np.zeros(self._ways.shape[2])
+        self._prior[: self._free] = 2.0 * self.noise_px**2
+        self._whole = self._solver(self._known)
+        self._followed, self._pace = np.zeros(self._free), np.zeros(self._free)
+        self.displaced, self.motion = False, RestMotion(0.0, (0.0, 0.0), 0.0, 1.0)
+
+    def _describe(self) -> RestMotion:
+        moved = (self._ways[..., : self._free] @ self._followed)[self._known]
+        rest = self.rest_px[self._known] - self.rest_px[self._known].mean(axis=0)
+        shift, size = moved.mean(axis=0), float(np.sum(rest**2))
+        turn = float(np.sum(rest[:, 0] * moved[:, 1] - rest[:, 1] * moved[:, 0])) / size
+        return RestMotion(
+            self._rms(self._followed),
+            (float(shift[0]), float(shift[1])),
+            float(np.degrees(turn)),
+            1.0 + float(np.sum(rest * moved)) / size,
+        )
+
+    def as_at_first(self, seen_px: FloatArray, touch: FloatArray | None = None) -> FloatArray:
+        """Dots (m, 2) px where they would be had the rest not moved.
+
+        How far a drift of the camera shows depends on where the dots are: as under about the touch (rx, ry, depth,
+        1/µ, …) of the last image, or at rest.
+        """
+        if self.motion.rms_px < _NOTHING_PX:
+            return seen_px
+        if touch is None:
+            return np.asarray(seen_px - self._ways[..., : self._free] @ self._followed)
+        thicker = float(self.model.belief.mean[-1])
+        points = self.model.dots.move(touch[:3], float(touch[3]), thicker).positions
+        return np.asarray(seen_px - self.model.shifted.slopes(points) @ (self._mix @ self._followed))
+
+    def watch(self, seen_px: FloatArray) -> None:
+        """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`."""
+        there = self._known & np.isfinite(seen_px).all(axis=1)
+        moved = self.untouched(there, (seen_px - self.rest_px)[there])
+        if moved is None:
+            return
+        away = moved - self._followed
+        self.displaced = self._rms(away) > _KNOCK_PX
+        if not self.displaced and self.most_px > 0:
+            followed = self._followed + self._pace + _SHARE * (away - self._pace)
+            self.displaced = self._rms(followed) > self.most_px
+            if not self.displaced:
+                self._pace = self._pace + _PACE * away
+                self._followed, self.motion = followed, self._describe()
+
+    def untouched(self, there: BoolArray, moved: FloatArray) -> FloatArray | None:
+        """Motion of the camera (k,) of an image whose dots have moved so (n, 2); `None` where the dome is touched."""
+        if 2 * len(moved) <= 2 * self._ways.shape[2]:
+            return None
+        ways, both, alone = self._whole if bool((there == self._known).all()) else self._solver(there)
+        left = moved.ravel()
+        found = both @ left
+        without = float(np.sum((left - ways[:, : self._free] @ (alone @ left)) ** 2))
+        within = float(np.sum((left - ways @ found) ** 2))
+        free, touches = len(left) - ways.shape[1], ways.shape[1] - self._free
+        variance = max(within / free, 2.0 * self.noise_px**2)
+        noisy = within / free > max(_NOISY_PX, 3.0 * self.noise_px) ** 2
+        if noisy or (without - within) / variance > touches + _SURE * np.sqrt(2.0 * touches):
+            return None
+        return np.asarray(found[: self._free], float)
+
+    def _solver(self, there: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Ways (2 n, k) in which the dots that are there move; what finds all shares, and those without touches."""
+        ways = self._ways[there].reshape(-1, self._ways.shape[2])
+        # a motion that the dots hardly show is likely none: steps of `_MOVES` are its standard deviation beforehand
+        normal = ways.T @ ways + np.diag(self._prior)
+        return ways, np.linalg.solve(normal, ways.T), np.linalg.pinv(ways[:, : self._free])
+
+    def _touches(self) -> FloatArray:
+        """Main directions (m, 2, k) of what light touches do, px."""
+        depths, tilts, turns = _TOUCHES
+        slip = float(self.model.tolerance.slip[0])
+        rest = self.model.look(np.zeros(3), slip, unit=False).pixels
+        moved = []
+        for tilt in tilts:
+            for turn in np.arange(turns if tilt else 1) * (2.0 * np.pi / turns):
+                flat = tilt * np.cos(turn), tilt * np.sin(turn)
+                poses = (np.array([*flat, depth]) for depth in depths)
+                moved += [self.model.look(pose, slip, unit=False).pixels - rest for pose in poses]
+        fields = np.where(self._known[:, None], np.array(moved), 0.0).reshape(len(moved), -1)
+        _, sizes, ways = np.linalg.svd(fields, full_matrices=False)
+        kept = sizes > _LOST_PX * np.sqrt(fields.shape[1])
+        return np.ascontiguousarray(np.moveaxis(ways[kept].reshape(-1, len(self.rest_px), 2), 0, -1))
+
+    def _rms(self, move: FloatArray) -> float:
+        """Root mean square distance of the dots from rest that a motion (k,) of the camera makes, px."""
+        moved = self._ways[self._known][..., : self._free] @ move
+        return float(np.sqrt(np.mean(np.sum(moved**2, axis=1))))

@@ -1,0 +1,47 @@
+"""The task that lets a design's estimator tell forces: the presses know them, the dots show them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from palpate.core import ArtefactStore, Recipe
+from palpate.learn import FORCE_VERSION
+from palpate.study.task import EstimatorTask, Task, find_made
+
+
+@dataclass(frozen=True)
+class ForceTask(Task):
+    """Train forces beside the pose; the artefact is the estimator's file with both, its pose as it was."""
+
+    estimator: EstimatorTask
+
+    suffix = ".onnx"
+
+    @property
+    def name(self) -> str:
+        return f"forces {self.estimator.name.removeprefix('estimator ')}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        inputs = tuple(task.recipe.key for task in (self.estimator, *self.estimator.dataset.needs))
+        return Recipe(kind="forces", spec={}, inputs=inputs, version=FORCE_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.estimator, *self.estimator.dataset.needs)
+
+    @property
+    def cost(self) -> float:
+        return 15.0
+
+    def make(self, store: ArtefactStore) -> None:
+        from palpate.learn import learn_forces  # here, so that a study already learned needs no torch
+
+        estimator, chosen = find_made(store, self.estimator), self.estimator.spec
+        dataset = self.estimator.dataset.generate(store, forces=True)
+        store.write(
+            self.recipe,
+            lambda path: learn_forces(estimator, dataset, path, chosen.seed, chosen.device),
+            self.suffix,
+        )

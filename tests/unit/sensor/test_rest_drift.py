@@ -1,0 +1,149 @@
+"""A sensor that reads for hours: the untouched dots are followed where they creep, never where they are touched."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from palpate.camera import CameraSpec, build_camera
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.markers import Naming, Sighting
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import Flag, RigSpec, Unit
+from palpate.sensor.reader import Estimate, TwinReader
+from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
+
+DOME = build_skin(DomeSpec(height=20, thickness=2))
+LAYOUT = place_markers(DOME, MarkerSpec(count=169))
+NUMBERS = np.arange(len(LAYOUT))
+NOISE = 0.02
+NOMINAL = CameraSpec()
+PRESSED = np.array([4.0, -3.0, 4.0])
+
+
+def press(tilt_deg: float) -> Press:
+    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, image_step=0.6)
+    mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
+
+
+@pytest.fixture(scope="module")
+def twin() -> Twin:
+    return build_twin([press(tilt) for tilt in (0.0, 4.0, 8.0, 12.0)])
+
+
+@dataclass
+class Drawn:
+    """A unit as designed, whose dots are drawn as its camera sees them."""
+
+    twin: Twin
+    camera: CameraSpec = NOMINAL
+    aside_px: tuple[float, float] = (0.0, 0.0)
+    rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(5))
+
+    def dots(self, pose: np.ndarray | None = None, noise: float = NOISE) -> np.ndarray:
+        points = (
+            LAYOUT.positions if pose is None else self.twin.print_dots(LAYOUT.positions).move(pose, 0.0).positions
+        )
+        shown = build_camera(self.camera).project(points) + self.aside_px
+        return shown + noise * self.rng.normal(size=shown.shape)
+
+    def open(self, **chosen: float) -> TwinReader:
+        rest = np.mean([self.dots() for _ in range(20)], axis=0)
+        naming = Naming(NUMBERS, rest, np.ones(len(LAYOUT), bool), 0.0, False, (), -1, 0.0)
+        return TwinReader(self.twin, Unit(DOME, LAYOUT), naming, RigSpec(noise_px=NOISE, **chosen))
+
+    def drift(self, way: str, share: float) -> None:
+        """Move camera or silicone by a share of half a pixel or so."""
+        if way == "the image shifts":
+            self.aside_px = 0.4 * share, 0.3 * share
+        elif way == "the camera leans":
+            self.camera = moved(tilt_x_deg=0.15 * share, offset_y=0.05 * share)
+        else:
+            scale = 1 + 0.008 * share
+            self.camera = moved(fx_px=scale * NOMINAL.fx_px, fy_px=scale * NOMINAL.fy_px)
+
+
+def moved(**changes: float) -> CameraSpec:
+    return NOMINAL.model_copy(update=changes)
+
+
+def read(reader: TwinReader, dots: np.ndarray) -> Estimate:
+    return reader.read(Sighting(dots, np.ones(len(dots), bool), NUMBERS, False))
+
+
+def read_pressed(reader: TwinReader, unit: Drawn) -> np.ndarray:
+    return read(reader, unit.dots(PRESSED, noise=0.0)).pose
+
+
+@pytest.mark.parametrize("way", ["the image shifts", "the camera leans", "the silicone swells"])
+def test_a_slow_drift_is_followed_and_poses_stay_right(twin: Twin, way: str) -> None:
+    unit = Drawn(twin)
+    reader, forgetful = unit.open(), unit.open(follow_px=0.0)
+    before = read_pressed(reader, unit)
+    for number in range(1000):
+        unit.drift(way, number / 1000)
+        assert Flag.MOVED not in read(reader, unit.dots(None if number % 10 else PRESSED)).flags
+    assert reader.rest.rms_px == pytest.approx(0.5, abs=0.2)
+    off = read_pressed(reader, unit) - before
+    assert np.abs(off[:2]).max() < 0.02
+    assert abs(off[2]) < 0.02
+    assert np.abs(read_pressed(forgetful, unit) - before).max() > 0.02
+    read(forgetful, unit.dots())
+    assert Flag.MOVED in read(forgetful, unit.dots()).flags
+
+
+@pytest.mark.parametrize("depth", [0.05, 0.15, 0.4])
+def test_a_light_touch_is_never_learnt_however_long_it_lasts(twin: Twin, depth: float) -> None:
+    unit = Drawn(twin)
+    reader, touch = unit.open(), np.array([2.0, 1.0, depth])
+    seen = [read(reader, unit.dots(touch)).pose[2] for _ in range(600)]
+    assert np.mean(seen[-50:]) == pytest.approx(np.mean(seen[:50]), abs=0.02)
+    assert reader.rest.rms_px < 0.04
+
+
+def test_a_knock_of_the_camera_is_said_at_once_and_until_it_is_undone(twin: Twin) -> None:
+    unit = Drawn(twin)
+    reader = unit.open()
+    assert read(reader, unit.dots()).flags == ()
+    unit.aside_px = 0.6, -0.3
+    assert Flag.MOVED in read(reader, unit.dots()).flags
+    assert Flag.MOVED in read(reader, unit.dots(PRESSED)).flags
+    assert reader.rest.rms_px < 0.02
+    unit.aside_px = 0.0, 0.0
+    assert Flag.MOVED not in read(reader, unit.dots()).flags
+
+
+def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
+    unit = Drawn(twin)
+    reader, flags = unit.open(follow_px=0.2), []
+    for number in range(450):
+        unit.aside_px = 1e-3 * number, 0.0
+        flags.append(Flag.MOVED in read(reader, unit.dots()).flags)
+    assert not any(flags[:100])
+    assert flags[-1]
+    assert reader.rest.rms_px <= 0.2
+
+
+def test_what_moved_is_said_as_shift_turn_and_scale(twin: Twin) -> None:
+    unit = Drawn(twin)
+    reader = unit.open()
+    for number in range(500):
+        unit.camera = moved(roll_deg=0.2 * min(number / 250, 1.0))
+        read(reader, unit.dots())
+    assert abs(reader.rest.turn_deg) == pytest.approx(0.2, abs=0.01)
+    assert reader.rest.scale == pytest.approx(1.0, abs=3e-4)
+    assert np.abs(reader.rest.shift_px).max() < 0.03
+
+
+def test_missing_dots_do_not_move_the_rest(twin: Twin) -> None:
+    unit = Drawn(twin)
+    reader = unit.open()
+    for _ in range(60):
+        dots, found = unit.dots(), unit.rng.random(len(LAYOUT)) > 0.1
+        dots[~found] += 5.0
+        reader.read(Sighting(dots, found, NUMBERS, False))
+    assert reader.rest.rms_px < 0.03
