@@ -27,19 +27,23 @@ TILT_SD_DEG = 20.0
 """Standard deviation of a tilt before its image is seen."""
 _DEPTH_SD = 1e3
 """The same of a depth, mm: next to nothing is known of it."""
-_STEPS = 12
+_STEPS, _BENT_STEPS, _ENOUGH = 12, 25, 5
+"""Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall; steps
+after which a fit that explains the image ends, as of a light touch, that leaves tilt and friction open."""
 TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
 """What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
 _BEND, _DRIFT = 4, 5
 """Numbers of the curvature and of the first drift in it."""
 _SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02])
 """Change of a touch below which a fit is done."""
-_TRUST = np.array([4.0, 4.0, 1.5, 1.5, 5.0, 0.5, 0.5, 2.0])
+_TRUST = np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0])
 """Longest step."""
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit's numbers as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
+_OTHER_WALL = 2.0
+"""Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
@@ -161,11 +165,17 @@ class PoseFitter:
             (m, 2) dots in the order of the layout; NaN where none was seen.
         """
         found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._last)
-        if self._last is not None and (found.misfit > _DOUBTED or self._at_limit(found.theta[3])):
+        if self._last is not None and self._doubted(found):
             again = self._fit(seen_px, self._begin(seen_px))
             found = again if again.cost < found.cost else found
         self._last = found.theta if found.misfit <= _LOST else None
         return found
+
+    def _doubted(self, found: PoseFit) -> bool:
+        """Whether a fit that began from the last may have gone astray."""
+        assert self._last is not None
+        other = abs(found.bend - self._last[_BEND]) > _OTHER_WALL
+        return other or found.misfit > _DOUBTED or self._at_limit(found.theta[3])
 
     def _at_limit(self, slip: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught."""
@@ -195,7 +205,7 @@ class PoseFitter:
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
         mean, prior = self._mean[free], self._sd[free] ** -2.0
-        for step in range(1, _STEPS + 1):
+        for step in range(1, (_BENT_STEPS if _BEND in free else _STEPS) + 1):
             looked, every = self._look(theta, again=step in (1, 3))
             by_unit = every[there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
@@ -214,6 +224,8 @@ class PoseFitter:
             z = z + shrink * change[known:]
             theta = self._inside(theta)
             if (np.abs(theta - before) < _SMALL).all() and step >= 2:
+                break
+            if step >= _ENOUGH and _BEND not in free and np.mean(left**2) < _DOUBTED * variance:
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
         pose, covariance = self._on_robot(theta, z, whole)

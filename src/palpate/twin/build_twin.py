@@ -23,7 +23,7 @@ _ACROSS = np.array([False, False, False, False, True, True])
 """Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
 _DRIFT = 3
 """Number of the first of these that is a drift."""
-_WEIGHTS = np.array([1.0, 0.3, 5.0, 0.3, 0.3, 0.5])
+_WEIGHTS = np.array([1.0, 0.3, 1.0, 0.3, 0.3, 0.5])
 """Change of thickness (mm), bend (1/m), drift (mm) and twist (degrees) for which the modes are made."""
 _LOST_MM = 1.2e-3
 """Root mean square over all presses, mm, of what all modes that are left out may carry."""

@@ -75,7 +75,7 @@ def fitted():
     """A reading of a twin: 0.5 N upward and 0.1 N along y, with a hundredth of an N."""
     force = Force(np.array([0.0, 0.1, 0.5]), 1e-4 * np.eye(3), np.array([0.0, 0.0, 1.0]))
     pose, nothing = np.array([3.0, -4.0, 5.0]), np.zeros(11)
-    fit = PoseFit(pose, 0.8, 1e-4 * np.eye(4), np.zeros(3), force, 0.02, 1.0, 3, np.zeros(7), 1.0, nothing)
+    fit = PoseFit(pose, 0.8, 1e-4 * np.eye(4), 0.0, 0.0, np.zeros(3), force, 0.02, 1.0, 3, np.zeros(8), 1.0, nothing)
     return Reading(1, tuple(pose), (0.2, 0.2, 0.1), True, 37, (), 3.0, force=force, fit=fit)
 
 
