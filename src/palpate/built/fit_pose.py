@@ -42,6 +42,8 @@ _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit's numbers as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
+_DRIFTING_SLIP_SD = 0.2
+"""The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
 """Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
 _OUTLIER = 16.0
@@ -265,7 +267,8 @@ class PoseFitter:
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
-        return pose, by @ whole @ by.T + np.diag(TWIN_SD**2)
+        off = np.append(TWIN_SD[:3], _DRIFTING_SLIP_SD if self._drifts else TWIN_SD[3])
+        return pose, by @ whole @ by.T + np.diag(off**2)
 
     def _inside(self, theta: FloatArray) -> FloatArray:
         """The nearest pose that the twin knows."""

@@ -23,6 +23,8 @@ _FORCE = (
     "tangential_force_n",
     "tangential_force_half_width_n",
     "friction",
+    "curvature_per_m",
+    "curvature_sd_per_m",
 )
 """Empty where what reads does not tell it."""
 _STATE = ("touching", "found", "flags", "rest_moved_px", "latency_ms", "reason")
@@ -57,7 +59,8 @@ def _forces(reading: Reading) -> tuple[float, ...]:
         return (math.nan,) * len(_FORCE)
     normal, tangential = reading.force.pressing, reading.force.tangential
     friction = 1.0 / reading.fit.slip if reading.fit is not None and reading.fit.slip > 0 else math.nan
-    return normal.value, normal.half_width, tangential.value, tangential.half_width, friction
+    bend = (reading.fit.bend, reading.fit.bend_sd) if reading.fit and reading.fit.bend_sd > 0 else (math.nan,) * 2
+    return normal.value, normal.half_width, tangential.value, tangential.half_width, friction, *bend
 
 
 def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_DEPTH) -> Iterator[Reading]:

@@ -253,6 +253,7 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
         correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
         rows += [
             ("1/µ", reading.fit.slip, float(reading.fit.half_width[3]), "", "0 does not slip"),
+            *([("1/R", reading.fit.bend, reading.fit.bend_sd, "/m", "0 is flat")] if reading.fit.bend_sd else []),
             ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}"),
         ]
     return rows
