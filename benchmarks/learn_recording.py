@@ -1,6 +1,7 @@
 """How well drawn recordings of a TacTip-like sensor are learnt: `docs/results/sensor/learn_recording.md`.
 
     python benchmarks/learn_recording.py draw FOLDER --images 3000    a recording is drawn
+    python benchmarks/learn_recording.py draw FOLDER --gel           a harder one (`tests/drawn_gel.py`)
     python benchmarks/learn_recording.py assign FOLDER                correspondence against what was drawn; control
     python benchmarks/learn_recording.py learn FOLDER --epochs 90     errors, time, memory; --nearest for the control
     python benchmarks/learn_recording.py adapt FOLDER                 another unit with 10, 30, 100 presses, or alone
@@ -20,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
+from drawn_gel import DrawnGel, draw_gel_recording
 from drawn_tactip import DrawnSensor, another_unit, draw_motions, draw_recording
 from palpate.core import ArtefactStore
 from palpate.recording import (
@@ -46,6 +48,11 @@ def draw(folder: Path, images: int, rings: int, seed: int, other: bool = False) 
     np.savez(folder / TRUTH, motions=truth.motions, heads=truth.heads, seen=truth.seen, rest=truth.rest)
 
 
+def draw_hard(folder: Path, images: int) -> None:
+    truth = draw_gel_recording(folder, draw_motions(images, 3), DrawnGel())
+    np.savez(folder / TRUTH, motions=truth.motions, heads=truth.heads, seen=truth.seen, rest=truth.rest)
+
+
 def assign(folder: Path) -> dict[str, object]:
     """Share of visible pins with their own number, by a smooth field and by the nearest place at rest."""
     truth = dict(np.load(folder / TRUTH))
@@ -57,7 +64,8 @@ def assign(folder: Path) -> dict[str, object]:
     naive = assign_images(seen.sight, seen.assigned.reference, seen.eye.shape, False, say)
     for name, one in (("smooth field", seen.assigned), ("identity", naive)):
         rest, count = one.layout.rest_px, len(truth["heads"])
-        own = np.argmin(np.linalg.norm(rest[:, None] - truth["rest"][None], axis=-1), axis=1)
+        start = truth["rest"] if one.reference >= count else truth["heads"][one.reference]
+        own = np.argmin(np.linalg.norm(rest[:, None] - start[None], axis=-1), axis=1)
         off = np.linalg.norm(rest + one.moved_px[:count] - truth["heads"][:, own], axis=-1)
         right, visible = (off < 3.0) & one.found[:count], truth["seen"][:, own]
         share = np.array([right[k][visible[k]].mean() for k in range(count)])
@@ -66,6 +74,7 @@ def assign(folder: Path) -> dict[str, object]:
             "visible pins right": float(right[visible].mean()),
             "images believed": float(believed.mean()),
             "images below 98 %": int((share < 0.98).sum()),
+            "wrong dots of believed images": float((one.found[:count] & (off > 8.0))[believed].mean()),
             "believed with less than 90 % right": int((believed & (share < 0.9)).sum()),
         }
     return found
@@ -125,9 +134,10 @@ def main() -> None:
     parser.add_argument("--epochs", type=int, default=90)
     parser.add_argument("--estimators", default="all")
     parser.add_argument("--nearest", action="store_true")
+    parser.add_argument("--gel", action="store_true")
     given = parser.parse_args()
     if given.what == "draw":
-        draw(given.folder, given.images, given.rings, 0)
+        draw_hard(given.folder, given.images) if given.gel else draw(given.folder, given.images, given.rings, 0)
         return
     result = {
         "assign": lambda: assign(given.folder),

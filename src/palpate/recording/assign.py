@@ -9,17 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, PalpateError, TextArray
-from palpate.recording.correspond import Correspondence, Correspondent, Fault, describe_dots
+from palpate.recording.correspond import Correspondence, Correspondent, describe_dots
 from palpate.recording.layout import LEAST_DOTS, DotLayout, number_dots
+from palpate.recording.motions import learn_motions
 from palpate.recording.sight import Sight
 
-ASSIGN_VERSION = "3"
+ASSIGN_VERSION = "4"
 """Version of the code that decides which dot is which; part of an artefact's key."""
 _SAID = 500
-_LEAST_SURE, _LOOKED, _ALIKE, _TURNS = 30, 200, 8, 3
-_MOTIONS, _ROUNDS, _ODD = 24, 4, 0.1
-"""Motions of the sensor that are learnt, rounds of their robust fit, and how far from them dots may be on average,
-over the spacing."""
+_PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
+"""Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
+many that look alike lead to another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,10 @@ class Assigned:
         (n,) see `palpate.recording.correspond.Correspondence`.
     faults
         (n,) why an image's correspondence is not believed; empty for those that are.
+    motion
+        (1 + k, 2m) mean and directions of the sensor's motions, see `palpate.recording.motions`; empty without.
+    usual
+        (3,) agreement and roughness of images that are sure, and the noise of a motion, px.
     """
 
     layout: DotLayout
@@ -49,6 +53,8 @@ class Assigned:
     agreement: FloatArray
     rough: FloatArray
     faults: TextArray
+    motion: FloatArray
+    usual: FloatArray
 
     @property
     def good(self) -> BoolArray:
@@ -108,6 +114,8 @@ def assign_images(
     """
     layout = number_dots(sight.dots[reference])
     correspondent = Correspondent(layout, shape, smooth=smooth)
+    if smooth:
+        _learn_motions(sight, correspondent, say)
     total = len(sight.dots)
     found: list[Correspondence] = []
     for number, dots in enumerate(sight.dots):
@@ -115,8 +123,6 @@ def assign_images(
         correspondent.remember(dots, found[-1])
         if (number + 1) % _SAID == 0:
             say(f"correspondence: {number + 1} of {total} images, {sum(not one.good for one in found)} not believed")
-    if smooth:
-        _try_again(sight, correspondent, found)
     return Assigned(
         layout,
         reference,
@@ -125,62 +131,36 @@ def assign_images(
         np.array([one.agreement for one in found]),
         np.array([one.rough for one in found]),
         np.array([str(one.fault) for one in found]),
+        *correspondent.kept(),
     )
 
 
-def _try_again(sight: Sight, correspondent: Correspondent, found: list[Correspondence]) -> None:
-    """Look again at images that are not sure, led by all that are; those that move as no sure image does are odd."""
-    sure = [number for number, one in enumerate(found) if one.sure]
-    if len(sure) < _LEAST_SURE:
-        return
-    seen = np.array([describe_dots(sight.dots[number], correspondent.shape) for number in sure])
-    motions = _learn_motions(np.array([found[number].moved_px for number in sure]))
+def _learn_motions(sight: Sight, correspondent: Correspondent, say: Callable[[str], None]) -> None:
+    """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
+    some = np.unique(np.linspace(0, len(sight.dots) - 1, min(_PILOT, len(sight.dots))).astype(int))
+    some = some[[len(sight.dots[number]) >= LEAST_DOTS for number in some]]
+    found = []
+    for number in some:
+        found.append(correspondent.find(sight.dots[number]))
+        correspondent.remember(sight.dots[number], found[-1])
+    seen = np.array([describe_dots(sight.dots[number], correspondent.shape) for number in some])
     spacing = float(np.median(correspondent.layout.spacing_px))
-    usual = np.median([motions.miss(found[number]) for number in sure[:_LOOKED]]) / spacing
-    for number, one in enumerate(found):
-        if one.sure or not len(sight.dots[number]):
-            continue
-        likeness = seen @ describe_dots(sight.dots[number], correspondent.shape)
-        alike = [sure[k] for k in np.argsort(-likeness)[:_ALIKE]]
-        tries = [one, correspondent.find(sight.dots[number], tuple(found[k].moved_px for k in alike))]
-        for _ in range(_TURNS):
-            guess = motions.fit(max(tries, key=lambda each: each.score))
-            tries.append(correspondent.refine(sight.dots[number], guess))
-        best = max(tries, key=lambda each: (each.good, each.score - motions.miss(each) / spacing))
-        if best.good and motions.miss(best) / spacing > max(_ODD, 5.0 * usual):
-            best = Correspondence(best.moved_px, best.found, best.agreement, best.rough, Fault.ODD)
-        found[number] = best
-
-
-@dataclass(frozen=True, eq=False)
-class _Motions:
-    """How dots of a sensor move together: mean (2m,) and principal directions (2m, k), px."""
-
-    mean: FloatArray
-    directions: FloatArray
-
-    def fit(self, one: Correspondence) -> FloatArray:
-        """The motion (m, 2) of the sensor that is nearest to most of the assigned dots."""
-        there = np.repeat(one.found, 2)
-        basis, moved = self.directions[there], (one.moved_px.ravel() - self.mean)[there]
-        weight = np.ones(len(moved))
-        coordinates: FloatArray = np.zeros(basis.shape[1])
-        for _ in range(_ROUNDS):
-            part = basis * weight[:, None]
-            hold = 1e-3 * np.eye(basis.shape[1])
-            coordinates = np.asarray(np.linalg.solve(part.T @ basis + hold, part.T @ moved), float)
-            off = np.linalg.norm((moved - basis @ coordinates).reshape(-1, 2), axis=1)
-            weight = np.repeat(1.0 / (1.0 + (off / max(1.5 * float(np.median(off)), 0.3)) ** 2), 2)
-        return np.asarray((self.mean + self.directions @ coordinates).reshape(-1, 2))
-
-    def miss(self, one: Correspondence) -> float:
-        """Root mean square distance of the assigned dots from such a motion, px."""
-        off = (one.moved_px - self.fit(one))[one.found]
-        return float(np.sqrt(np.mean((off**2).sum(axis=1)))) if len(off) else np.inf
-
-
-def _learn_motions(fields: FloatArray) -> _Motions:
-    flat = fields.reshape(len(fields), -1).astype(float)
-    mean = flat.mean(axis=0)
-    _, _, right = np.linalg.svd(flat - mean, full_matrices=False)
-    return _Motions(mean, right[: min(_MOTIONS, len(fields) // 3)].T)
+    for share in _TEACH:
+        order = np.argsort([-one.score for one in found])
+        taught = order[: max(int(share * len(found)), sum(one.sure for one in found))]
+        if len(taught) < _LEAST_TAUGHT:
+            return
+        correspondent.motions = learn_motions([found[k].moved_px for k in taught], spacing)
+        correspondent.fields = [found[k].moved_px for k in taught]
+        correspondent.seen = list(seen[taught])
+        for k, number in enumerate(some):
+            alike = taught[np.argsort(-(seen[taught] @ seen[k]))[:_ALIKE]]
+            guesses = [found[k].moved_px, *(found[other].moved_px for other in alike if other != k)]
+            tries = [correspondent.refine(sight.dots[number], guess) for guess in guesses]
+            found[k] = max(tries, key=lambda one: one.score)
+        best = [found[k] for k in taught]
+        correspondent.usual = (
+            min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
+            max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
+        )
+    say(f"motions of the sensor: learnt from {len(taught)} images")

@@ -18,6 +18,9 @@ from palpate.recording.spec import RecordingSpec
 
 WHOLE = "all images, by dots or by picture"
 """Row of the model as a whole, where some images are read by one and some by the other."""
+_APART, _WORTH, _LEAST_APART = (1.0, 1.5, 2.0, 3.0), 0.95, 20
+"""Limits of how far dots and picture may be apart that are tried, over what nine images in ten stay below; share of
+the square error that one must leave at most, and images needed to choose one."""
 _BANK = 200
 """Images that a model keeps as guesses for others."""
 
@@ -78,9 +81,7 @@ def conclude(
 
     used = {name for option in (best, fallback) if option is not None for name in option.parts}
     assigned = seen.assigned
-    bank = (np.zeros(0), np.zeros(0))
-    if assigned is not None:
-        bank = _bank(seen)
+    bank = (np.zeros(0),) * 4 if assigned is None else (*_bank(seen), assigned.motion, assigned.usual)
     model = RecordedModel(
         seen.eye,
         None if assigned is None else assigned.layout,
@@ -88,16 +89,39 @@ def conclude(
         {name: parts[name] for name in parts if name in used},
         choosing(best) if assigned is not None else None,
         choosing(fallback),
+        _apart(best, fallback, estimates, seen),
         tuple((one.axis, one.unit, one.column) for one in seen.recording.poses),
         _about(seen, spec),
     )
-    if assigned is not None and not seen.good[seen.split.judge].all():
+    found, by_dots = model.estimate_all(seen.moved, seen.pictures, seen.good)
+    if assigned is not None and not by_dots[seen.split.judge].all():
         whole = Option(WHOLE, (), np.zeros(0), float("nan"))
         width = model.without.half_width if model.without is not None else np.full(seen.targets.shape[1], np.nan)
-        widths = np.where(seen.good[:, None], best.half_width if best is not None else width, width)
-        score = _score(whole, estimate_all(model, seen), widths, seen, {})
+        widths = np.where(by_dots[:, None], best.half_width if best is not None else width, width)
+        score = _score(whole, found, widths, seen, {})
         scores += [score] if score is not None else []
     return model, tuple(scores), (best or fallback or options.ranked[0]).name
+
+
+def _apart(best: Option | None, fallback: Option | None, estimates: dict[str, FloatArray], seen: Seen) -> FloatArray:
+    """How far (k,) dots and picture may be apart: what makes the error of the presses that choose least."""
+    never = np.full(seen.targets.shape[1], np.inf)
+    if best is None or fallback is None or best is fallback:
+        return never
+    by_dots, by_picture = best.combine(estimates), fallback.combine(estimates)
+    rows = seen.split.choose & seen.good & np.isfinite(by_dots).all(axis=1)
+    if rows.sum() < _LEAST_APART:
+        return never
+    usual = np.quantile(np.abs(by_dots - by_picture)[rows], 0.9, axis=0)
+    scale = np.maximum(seen.targets[seen.split.teach].std(axis=0), 1e-12)
+
+    def error(limit: FloatArray) -> float:
+        left = (np.abs(by_dots - by_picture) > limit).any(axis=1, keepdims=True)
+        return float(np.mean((((np.where(left, by_picture, by_dots) - seen.targets) / scale)[rows]) ** 2))
+
+    tries = [never, *(factor * usual for factor in _APART)]
+    errors = [error(limit) for limit in tries]
+    return tries[int(np.argmin(errors))] if min(errors) < _WORTH * errors[0] else never
 
 
 def _score(
@@ -145,9 +169,4 @@ def _about(seen: Seen, spec: RecordingSpec) -> dict[str, Any]:
 
 def estimate_all(model: RecordedModel, seen: Seen) -> FloatArray:
     """Estimates (n, k) of the model for all images that are used; NaN where it has none."""
-    found = np.full(seen.targets.shape, np.nan)
-    for use, rows in ((model.with_dots, seen.good), (model.without, ~seen.good | (model.with_dots is None))):
-        if use is not None and rows.any():
-            moved = seen.moved[rows] if seen.moved.shape[1] else None
-            found[rows] = model.estimate(use, moved, seen.pictures[rows])
-    return found
+    return model.estimate_all(seen.moved, seen.pictures, seen.good)[0]

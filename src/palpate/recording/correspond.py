@@ -11,7 +11,7 @@ well. Else the image counts as failed, with the reason.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 from palpate.core import BoolArray, FloatArray, IntArray
 from palpate.recording.grow import find_tears, grow
 from palpate.recording.layout import DotLayout
+from palpate.recording.motions import Motions
 
 GRID = 20
 """Cells a side of the picture of where dots are, by which images are found alike."""
@@ -38,6 +39,8 @@ _STEP, _TORN = 0.45, 0.16
 """Greatest distance of a dot from where its neighbours say, over theirs, to be grown to, and to count as whole."""
 _OFF = 0.2
 """Distance from where its neighbours say, over theirs, from which a dot is none of the layout's."""
+_LESS = 0.08
+"""How much less than in images that are sure may agree in one that is believed."""
 _REACH = 4.5
 """Displacement up to which a start is tried, over the spacing."""
 _STARTS, _ALIKE, _KEPT = 5, 4, 400
@@ -51,7 +54,7 @@ class Fault(StrEnum):
     LEFT_OVER = "too many dots are left over"
     ROUGH = "the dots do not move as a skin does"
     AMBIGUOUS = "two assignments explain the image alike"
-    ODD = "its dots move as in no image that is sure"
+    PICTURE = "dots and picture disagree"
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +73,8 @@ class Correspondence:
         Root mean square distance from the smooth field, over the spacing.
     fault
         Why it is not believed; `Fault.NONE` for one that is.
+    sure
+        Whether no other need be looked for.
     """
 
     moved_px: FloatArray
@@ -77,16 +82,12 @@ class Correspondence:
     agreement: float
     rough: float
     fault: Fault = Fault.NONE
+    sure: bool = False
 
     @property
     def good(self) -> bool:
         """Whether it is believed."""
         return self.fault is Fault.NONE
-
-    @property
-    def sure(self) -> bool:
-        """Whether no other need be looked for."""
-        return self.good and self.agreement >= _SURE and self.rough <= _CALM
 
     @property
     def score(self) -> float:
@@ -126,6 +127,10 @@ class Correspondent:
         (k, GRID²) and (k, m, 2) what sure images looked like and how their dots moved.
     smooth
         Whether dots must move as a smooth field: without it each dot is the one nearest to its place at rest.
+    motions
+        How this sensor's dots move together; until it is known, any smooth field will do.
+    usual
+        Agreement and roughness from which an image is sure; an image is believed somewhat beyond.
     """
 
     layout: DotLayout
@@ -133,6 +138,19 @@ class Correspondent:
     seen: list[FloatArray] = field(default_factory=list)
     fields: list[FloatArray] = field(default_factory=list)
     smooth: bool = True
+    motions: Motions | None = None
+    usual: tuple[float, float] = (_SURE, _CALM)
+
+    def kept(self) -> tuple[FloatArray, FloatArray]:
+        """Motions (1 + k, 2m), empty where there are none, and (3,) what is usual and their noise, for a file."""
+        known = self.motions
+        motion = np.zeros((0, 0)) if known is None else np.vstack([known.mean, known.directions.T])
+        return motion, np.array([*self.usual, 0.0 if known is None else known.noise_px])
+
+    def knowing(self, motion: FloatArray, usual: FloatArray) -> Correspondent:
+        """This, with what `kept` gave."""
+        known = Motions(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
+        return replace(self, motions=known, usual=(float(usual[0]), float(usual[1])))
 
     def find(self, dots_px: FloatArray, guesses: tuple[FloatArray, ...] = ()) -> Correspondence:
         """The correspondence of an image.
@@ -154,6 +172,8 @@ class Correspondent:
             tried.append(self.refine(dots_px, guess))
             if tried[-1].sure:
                 return tried[-1]
+        if self.motions is not None and any(one.good for one in tried):
+            return self._choose(tried)
         for match in self._grown(dots_px):
             smooth, _ = self._field(dots_px, match)
             tried.append(self._judge(dots_px, *self._mend(dots_px, match, smooth)))
@@ -205,6 +225,9 @@ class Correspondent:
         there = match >= 0
         moved = np.full((len(self.layout), 2), np.nan)
         moved[there] = dots_px[match[there]] - self.layout.rest_px[there]
+        if self.motions is not None:
+            smooth = self.motions.fit(moved, there)
+            return smooth, np.asarray(np.linalg.norm(moved - smooth, axis=1))
         vectors, rough = self.layout.harmonics
         part = vectors[there]
         hold = np.diag(_STIFF * len(vectors) * rough + 1e-6)
@@ -227,6 +250,8 @@ class Correspondent:
             previous = match.tobytes()
         else:
             match = _mutual(layout.rest_px + smooth, dots_px, tree, _NEAR)
+        if self.motions is not None:
+            return self._judge(dots_px, match, smooth)
         return self._judge(dots_px, *self._mend(dots_px, match, smooth))
 
     def _mend(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -250,13 +275,18 @@ class Correspondent:
         moved = smooth.copy()
         moved[there] = dots_px[match[there]] - layout.rest_px[there]
         # two dots that are seen as one are neither of them
-        there &= find_tears(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
+        if self.motions is None:
+            there &= find_tears(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
+        off = np.linalg.norm(moved - smooth, axis=1) / layout.spacing_px
+        if self.motions is not None:  # it knows better than the neighbours where a dot must be
+            there &= off < _OFF
         moved[~there] = smooth[~there]
-        off = np.linalg.norm((moved - smooth)[there], axis=1) / layout.spacing_px[there]
-        rough = float(np.sqrt(np.mean(off**2))) if there.any() else np.inf
+        rough = float(np.sqrt(np.mean(off[there] ** 2))) if there.any() else np.inf
         agreement = float(2 * there.sum() / (len(layout) + len(dots_px)))
-        fault = Fault.LEFT_OVER if agreement < _BELIEVED else Fault.ROUGH if rough > _ROUGH else Fault.NONE
-        return Correspondence(moved, there, agreement, rough, fault)
+        least = min(_BELIEVED, self.usual[0] - _LESS)
+        fault = Fault.LEFT_OVER if agreement < least else Fault.ROUGH if rough > _ROUGH else Fault.NONE
+        sure = fault is Fault.NONE and agreement >= self.usual[0] and rough <= self.usual[1]
+        return Correspondence(moved, there, agreement, rough, fault, sure)
 
     def _choose(self, tried: list[Correspondence]) -> Correspondence:
         best = max(tried, key=lambda one: (one.good, one.score))

@@ -45,6 +45,10 @@ class CourseSpec:
         Standard deviation of noise on the inputs while training.
     grey
         Mean and spread by which pictures of 8 bit, over 255, are normalised; `None` for inputs that are.
+    shift
+        Most px by which pictures are shifted at random while training: one shift a batch.
+    rise
+        Share of the training in which the rate rises; 0 for a short rise.
     tie
         Pull of the weights towards where they began.
     threads
@@ -57,6 +61,8 @@ class CourseSpec:
     decay: float = 2e-2
     noise: float = 0.0
     grey: tuple[float, float] | None = None
+    shift: int = 0
+    rise: float = 0.0
     tie: float = 0.0
     threads: int = 1
 
@@ -108,6 +114,22 @@ class Course:
         inputs, grey = self.inputs[rows], self.spec.grey
         return inputs if grey is None else (inputs.float() / 255.0 - grey[0]) / grey[1]
 
+    def _rate(self, step: int, steps: int) -> float:
+        rise = self.spec.rise * steps
+        if step < rise:
+            return self.spec.rate * step / rise
+        fall = 0.5 * (1.0 + math.cos(math.pi * (step - rise) / (steps - rise)))
+        return self.spec.rate * fall * (1.0 if rise else min(1.0, step / min(_WARM_UP, 0.2 * steps + 1)))
+
+    def _shifted(self, inputs: Any) -> Any:
+        most, grey = self.spec.shift, self.spec.grey
+        if not most or grey is None:
+            return inputs
+        height, width = inputs.shape[-2:]
+        padded = self.torch.nn.functional.pad(inputs, (most,) * 4, value=-grey[0] / grey[1])
+        down, right = self.torch.randint(0, 2 * most + 1, (2,)).tolist()
+        return padded[..., down : down + height, right : right + width]
+
     def _train(self) -> None:
         self.net.train()
         order = self.teach[self.torch.randperm(len(self.teach))]
@@ -115,10 +137,9 @@ class Course:
         steps = max(self.spec.epochs * len(batches), 1)
         for number, rows in enumerate(batches):
             step = self.epoch * len(batches) + number + 1
-            rate = self.spec.rate * min(1.0, step / min(_WARM_UP, 0.2 * steps + 1))
             for group in self.optimiser.param_groups:
-                group["lr"] = rate * 0.5 * (1.0 + math.cos(math.pi * step / steps))
-            inputs = self._batch(rows)
+                group["lr"] = self._rate(step, steps)
+            inputs = self._shifted(self._batch(rows))
             inputs = inputs + self.spec.noise * self.torch.randn_like(inputs)
             self.optimiser.zero_grad()
             loss = ((self.net(inputs) - self.targets[rows]) ** 2).mean()

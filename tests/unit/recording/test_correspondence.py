@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
 from palpate.core import PalpateError
 from palpate.markers import prepare_detector
-from palpate.recording import Correspondent, Fault, number_dots
+from palpate.recording import Correspondent, Fault, assign_images, number_dots
+from palpate.recording.sight import Sight
 
 STILL = np.zeros((4, 2))
 SHAPE = (420, 420)
@@ -119,6 +121,30 @@ def test_the_dots_of_another_unit_of_the_make_are_found_by_the_layout_of_the_fir
     found = Correspondent(number_dots(rest), SHAPE).find(other)
     assert found.good
     assert found.found.mean() > 0.97
+
+
+def test_where_the_skin_has_a_kink_the_motions_of_the_sensor_are_learnt_and_most_of_it_is_found() -> None:
+    sensor, rng = DrawnGel(), np.random.default_rng(0)
+    rest = place_pins(sensor, np.zeros(6), STILL)[0]
+    drawn = [place_pins(sensor, one, STILL) for one in draw_motions(90, 2, shear=2.5, tilt=15.0)]
+    dots = []
+    for places, look in drawn:  # heads that touch are one dot between both, and a few are lost
+        apart = np.linalg.norm(places[:, None] - places[None], axis=-1) + 1e9 * np.eye(len(places))
+        fused = apart.min(axis=1) < 1.6 * look[:, 0]
+        alone = places[~fused & (rng.random(len(places)) > 0.02)]
+        dots.append(np.vstack([alone, 0.5 * (places + places[apart.argmin(axis=1)])[fused][::2]]))
+    count = len(dots)
+    sight = Sight(
+        np.zeros((count + 1, 20, 20), np.uint8), (*dots, rest), np.array([""] * (count + 1)), np.array([""])
+    )
+    found = assign_images(sight, count, SHAPE, True, lambda _: None)
+    own = np.argmin(np.linalg.norm(found.layout.rest_px[:, None] - rest[None], axis=-1), axis=1)
+    off = [np.linalg.norm(found.layout.rest_px + found.moved_px[k] - drawn[k][0][own], axis=1) for k in range(count)]
+    wrong = (np.array(off) > 8) & found.found[:count]
+    good = found.good[:count]
+    assert good.mean() > 0.4  # fewer than one in ten by smooth fields alone
+    assert wrong[good].mean() < 0.02
+    assert len(found.motion) > 10
 
 
 def test_too_few_dots_at_rest_are_refused(tmp_path: Path) -> None:

@@ -11,10 +11,13 @@ import cv2
 import numpy as np
 import pytest
 
-from drawn_tactip import DrawnSensor, DrawnTruth, another_unit, draw_motions, draw_recording
+from drawn_gel import DrawnGel, draw_gel_recording
+from drawn_tactip import NAMES, DrawnSensor, DrawnTruth, another_unit, draw_motions, draw_recording
 from needs import needs
 from palpate.cli import main
 from palpate.core import ArtefactStore, PalpateError
+from palpate.dataset import Normalisation
+from palpate.learn import Estimator, write_estimator
 from palpate.recording import (
     Learnt,
     RecordingSpec,
@@ -26,6 +29,7 @@ from palpate.recording import (
     recording_report,
     write_model,
 )
+from palpate.recording.lesson import Lesson, fit_ridge_part
 
 SENSOR = DrawnSensor(rings=4)
 COUNT = 150
@@ -233,6 +237,43 @@ def test_a_picture_network_in_the_file_says_what_the_trained_one_said(
     assert "picture-network" in {score.name for score in found.scores}
     names = {part for use in (found.model.with_dots, found.model.without) if use for part in use.parts}
     assert names <= {"picture-ridge", "picture-network"}
+
+
+def test_pose_alone_and_all_motions_are_learnt_from_pictures_and_both_are_reported(tmp_path: Path) -> None:
+    needs("torch")
+    needs("onnxruntime")
+    draw_gel_recording(tmp_path, draw_motions(70, 5), DrawnGel(rings=4), told=NAMES)
+    found = learn(tmp_path, RecordingSpec(estimators="all", epochs=2, picture_px=48, threads=1))
+    assert {"picture-network", "picture-network-all"} <= {score.name for score in found.scores}
+    assert found.estimates.shape == (70, 3)
+
+
+def test_a_linear_estimator_of_a_simulation_is_a_start(
+    drawn: tuple[Path, DrawnTruth], learnt: Learnt, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    needs("torch")
+    needs("onnx")
+    layout, assigned = learnt.model.layout, learnt.seen.assigned
+    assert layout is not None
+    assert assigned is not None
+    good = learnt.seen.good
+    part = fit_ridge_part("ridge", Lesson(learnt.seen.moved, learnt.seen.targets, good, good), False)
+    rest, weight = layout.rest_px, part.arrays["weight"].astype(float)
+    normal = Normalisation((210.0, 210.0), (100.0, 100.0))
+    bias = part.arrays["bias"] - normal.apply(rest).reshape(-1) @ (100.0 * weight)
+    estimator = Estimator(
+        normal, (100.0 * weight[None],), (bias[None],), "relu", np.zeros(3), np.ones(3), rest, 0, {}, 1, 1
+    )
+    write_estimator(tmp_path / "simulated.onnx", estimator)
+    words = ["--from", str(tmp_path / "simulated.onnx"), "--estimators", "ridge"]
+    with pytest.raises(SystemExit) as left:
+        main(["learn", str(drawn[0]), "--out", str(tmp_path / "out"), *words])
+    assert left.value.code == 0
+    assert "adapted-dots-network" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as left:
+        main(["view", str(tmp_path / "out")])
+    assert left.value.code == 2
+    assert "correspondence.png" in capsys.readouterr().err
 
 
 def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -> None:
