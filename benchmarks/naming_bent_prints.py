@@ -27,10 +27,11 @@ SCALES = (1.0, 1.6)
 
 
 LEGEND = """\
-Rings off by any law within 15 % that keeps their order, an ellipse up to 8 %, each ring up to 2 px off
-centre, every dot turned by up to 0.5°; any roll, a camera up to 6 mm aside and 8° tilted, barrel left
-over; 5 % of the dots missing (the mark among them), 10 false ones a dot's diameter from the others;
-images blurred, noisy and unevenly lit, dots that touch. Half of the draws have an orientation mark.
+Rings off by any law within 15 % that keeps their order, an ellipse up to 8 % (half of them take their
+dots along, half leave them on their rays), each ring up to 2 px off centre, every dot turned by up to
+0.5°; any roll, a camera up to 6 mm aside and 8° tilted, barrel left over; 5 % of the dots missing (the
+mark among them), 10 false ones a dot's diameter from the others; images blurred, noisy and unevenly lit,
+dots that touch. Half of the draws have an orientation mark.
 
 Whole: every number right, or right up to a symmetry and said to be ambiguous where no mark was printed.
 Ambiguous: the same though the mark was there. Mark hidden: the same where it was not. Lost: a dot that
@@ -56,7 +57,7 @@ def name_draws(count: int, draws: int, image: bool) -> Row:
     for number in range(draws):
         rng = generator(20, "bent print", count, number, image)
         scale, marked = SCALES[number // 2 % 2] if not image else SCALES[1], bool(number % 2)
-        drawn = bent(count, rng, scale=scale, mark=marked)
+        drawn = bent(count, rng, scale=scale, mark=marked, kept=number // 4 % 2 == 1)
         design = design_of(count, scale, marked)
         try:
             dots = drawn["dots"] if not image else _detected(drawn, rng)

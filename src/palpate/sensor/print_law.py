@@ -19,8 +19,9 @@ from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
 from palpate.markers import Rings
 
-_SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02)
-"""Standard deviations beforehand of a ring's growth, centre x and y (mm), two numbers of its ellipse, and turn."""
+_SD = (0.08, 0.3, 0.3, 0.03, 0.03, 0.02, 0.03, 0.03)
+"""Standard deviations beforehand of a ring's growth, centre x and y (mm), two numbers of its ellipse, turn, and two
+of how its dots slide along it, twice to and fro: a stretched pad takes them along, a sagging dome does not."""
 _POSE_SD = (4.0, 4.0, 1.0, 5.0, 5.0, 400.0)
 """Of the camera's offset x and y (mm), distance (mm), tilts and roll (degrees)."""
 _DOT_PX = 0.3
@@ -135,7 +136,7 @@ def fit_law(
 
 
 def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms_px: float) -> PrintLaw:
-    growth, x, y, along, across, turn = values[2:].reshape(len(rings), -1).T
+    growth, x, y, along, across, turn = values[2:].reshape(len(rings), -1).T[:6]
     flat = np.hypot(along, across)
     return PrintLaw(
         rings=rings,
@@ -152,9 +153,9 @@ def _law(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray, rms
 
 def _printed(rings: Rings, layout: MarkerLayout, skin: Skin, values: FloatArray) -> FloatArray:
     """(m, 3) places of the markers under the numbers of the law (2 + 6 k,): two of the middle, six a ring."""
-    of_ring = np.vstack([[0.0, *values[:2], 0.0, 0.0, 0.0], values[2:].reshape(len(rings), -1)])
-    growth, x, y, along, across, turn = of_ring[rings.number].T
-    azimuth = rings.azimuth + turn
+    of_ring = np.vstack([[0.0, *values[:2], *[0.0] * (len(_SD) - 3)], values[2:].reshape(len(rings), -1)])
+    growth, x, y, along, across, turn, fro, to = of_ring[rings.number].T
+    azimuth = rings.azimuth + turn + fro * np.sin(2.0 * rings.azimuth) + to * np.cos(2.0 * rings.azimuth)
     u, v = (rings.rho[rings.number] * (1.0 + growth) * wave(azimuth) for wave in (np.cos, np.sin))
     px = (1.0 + along) * u + across * v + x
     py = across * u + (1.0 - along) * v + y

@@ -22,10 +22,11 @@ from scipy.spatial.transform import Rotation
 from palpate.built import Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
-from palpate.design import TILT_DEPTH, PoseSpace, Skin, wall_normal
+from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
 from palpate.markers import Naming, Sighting
 from palpate.recording import is_recorded_model
+from palpate.sensor.print_law import PrintLaw
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.rest_drift import RestMotion, RestWatch
@@ -116,16 +117,21 @@ class NetworkReader(Reader):
         return self._nominal.project(self._camera.origin + rays * reach[:, None])
 
 
+def _as_printed(layout: MarkerLayout, law: PrintLaw | None) -> MarkerLayout:
+    """A layout as designed, or where the law of its rings has it printed."""
+    return layout if law is None else replace(layout, positions=law.positions)
+
+
 class TwinReader(Reader):
     """Reads by fitting the unit's twin."""
 
-    def __init__(self, twin: Twin, unit: Unit, naming: Naming, spec: RigSpec) -> None:
+    def __init__(self, twin: Twin, unit: Unit, naming: Naming, spec: RigSpec, law: PrintLaw | None = None) -> None:
         self.space = TILT_DEPTH
         rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
         calibrated = unit.lens or unit.nominal or CameraSpec()
         mounting, scale = None, None
         if unit.known is None:
-            belief = learn_rest(twin, unit.layout, calibrated, rest, unit.tolerance, spec.noise_px)
+            belief = learn_rest(twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px)
         else:
             belief, mounting = replace(unit.known.belief, rest_px=rest), unit.known.mounting
             scale = unit.known.scale
@@ -177,7 +183,7 @@ def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
 def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registration, spec: RigSpec) -> Reader:
     """The reader of a unit whose rest image was named and registered."""
     if isinstance(model, Twin):
-        return TwinReader(model, unit, naming, spec)
+        return TwinReader(model, unit, naming, spec, registration.law)
     return NetworkReader(model, unit, naming, registration)
 
 

@@ -55,8 +55,8 @@ def law(count, rng):
             return factor
 
 
-def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=0.12, turn_deg=0.25):
-    """Dots of a bent print in pixels.
+def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=0.12, turn_deg=0.25, kept=False):
+    """Dots of a bent print in pixels; its ellipses take the dots along, or, `kept`, leave them on their rays.
 
     Returns a dict: dots (n, 2) in random order, truth (m,) the dot of each marker (-1), mark the number of the mark's
     dot or -1, places (m, 2) where each dot is or would be, shape of the image, law (k,), and the pose.
@@ -84,7 +84,12 @@ def bent(count, rng, *, scale=1.0, mark=True, missing=0.05, false=10, jitter_px=
     own = flat + rng.uniform(-0.01, 0.01, len(radii) + 1)
     a, f = own_axis[ring], own[ring]
     u, v = np.cos(a) * x + np.sin(a) * y, -np.sin(a) * x + np.cos(a) * y
-    u, v = u * (1 + f), v * (1 - f)
+    if kept:  # flattened, each dot on its ray, as the photographed one is
+        angle, length = np.arctan2(v, u), np.hypot(u, v)
+        length /= np.hypot(np.cos(angle) / (1 + f), np.sin(angle) / (1 - f))
+        u, v = length * np.cos(angle), length * np.sin(angle)
+    else:  # stretched
+        u, v = u * (1 + f), v * (1 - f)
     x, y = np.cos(a) * u - np.sin(a) * v, np.sin(a) * u + np.cos(a) * v
     # rings off centre by up to 2 px each
     way, far = rng.uniform(0, 2 * np.pi, len(radii) + 1), 2.0 * np.sqrt(rng.random(len(radii) + 1)) / px

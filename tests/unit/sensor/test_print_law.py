@@ -14,9 +14,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "markers"))
 from bent_prints import bent, design_of, draw, judge
 
 
+@pytest.mark.parametrize("kept", [False, True])
 @pytest.mark.parametrize("count", [37, 91, 169])
-def test_the_radii_of_a_bent_print_are_found_and_explain_its_image(count):
-    drawn = bent(count, generator(3, "law", count), scale=1.6, mark=False, missing=0.0)
+def test_the_radii_of_a_bent_print_are_found_and_explain_its_image(count, kept):
+    drawn = bent(count, generator(3, "law", count), scale=1.6, mark=False, missing=0.0, kept=kept)
     design = design_of(count, 1.6)
     naming = judge(name_markers(drawn["dots"], design.pattern), drawn, drawn["dots"], design).naming
     found = register_dome(naming, design.layout, design.skin, design.camera)
