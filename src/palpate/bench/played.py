@@ -141,6 +141,8 @@ def list_learnt(
         name = row["name"]
         if name.startswith("1/friction"):
             truth = slip
+        elif name == "touch":  # a thicker dome is touched earlier
+            truth = deviation.touch - deviation.thickness
         else:
             truth = 1.0 + deviation.modulus if name == "stiffness" else float(getattr(deviation, name))
         yield ToldNumber(name, truth, row["mean"], row["sd"], row["before"])

@@ -29,6 +29,9 @@ _TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
 
 The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images.
 """
+_LENS_SD = {"distance": 0.19, "focal": 0.0035, "k1": 0.0145}
+"""What these numbers are told wrong by besides (mm, shares), by the same units: together they make the scale of an
+image, and only that is told; poses do not change with how it is shared among them."""
 KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
 """Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
 _DRIFT_PX = 0.12
@@ -105,7 +108,12 @@ class Identified:
         means = [*self.belief.mean, *self.mounting.mean, self.scale.mean]
         spread = [*np.sqrt(np.diag(self.mounting.covariance)), self.scale.sd]
         found = [
-            {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
+            {
+                "name": name,
+                "mean": float(mean),
+                "sd": float(np.hypot(sd, _LENS_SD.get(name, 0.0))),
+                "before": float(first),
+            }
             for name, mean, sd, first in zip((*UNKNOWN, *MOUNTING, "stiffness"), means, spread, before, strict=True)
         ]
         slips = zip(self.slips, self.slips_sd, strict=True)
