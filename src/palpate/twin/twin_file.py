@@ -13,12 +13,14 @@ from palpate.core import PalpateError, provenance, refuse_outside_links
 from palpate.design import Skin, build_skin, skin_from_data
 from palpate.material import Material
 from palpate.twin.tensor_spline import TensorSpline
-from palpate.twin.twin import Twin
+from palpate.twin.twin import FORCES, Twin
 
 TWIN_VERSION = "3"
 """Version of the code that decides what a twin says; part of its file and of an artefact's key."""
 _KIND = "palpate twin"
 _AGAIN = "Make it again with `palpate twin`."
+_PARTS = 3
+"""Fields in each of both splines: press, thickness, bend; drift up, aside, twist."""
 _ARRAYS = {
     "order": "1",
     "shapes": "1",
@@ -110,4 +112,9 @@ def read_twin(path: Path) -> Twin:
         np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients, twin.drifts.coefficients)
     ):
         raise PalpateError(f"{path} holds numbers that are none.", _AGAIN)
+    wanted = _PARTS * (len(twin.order) + FORCES)
+    for name in ("amplitudes", "drifts"):
+        count = getattr(twin, name).coefficients.shape[-1]
+        if count != wanted:
+            raise PalpateError(f"{path} has {count} {name}, not {wanted}.", _AGAIN)
     return twin

@@ -232,7 +232,7 @@ def still_twin(dome: Skin) -> Twin:
     """A twin of a dome that nothing moves."""
     tilts, depths = np.arange(0.0, 12.1, 4.0), np.arange(0.0, 8.1, 2.0)
     axes = (np.zeros(1), tilts, depths)
-    pressed, drifts = (np.zeros((1, len(tilts), len(depths), parts * (1 + FORCES))) for parts in (2, 3))
+    pressed, drifts = (np.zeros((1, len(tilts), len(depths), parts * (1 + FORCES))) for parts in (3, 3))
     return Twin(
         skin=dome,
         order=np.zeros(1, int),

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
@@ -151,6 +152,12 @@ def test_a_twin_survives_its_file(twin: Twin, tmp_path) -> None:
     assert again.print_dots(LAYOUT.positions).move(pose, 0.4).positions == pytest.approx(
         twin.print_dots(LAYOUT.positions).move(pose, 0.4).positions, abs=1e-12
     )
+    with h5py.File(tmp_path / "dome.h5", "r+") as file:
+        drifts = file["drifts"][:]
+        del file["drifts"]
+        file["drifts"] = drifts[..., :-4]
+    with pytest.raises(PalpateError, match=f"has {drifts.shape[-1] - 4} drifts, not {drifts.shape[-1]}"):
+        read_twin(tmp_path / "dome.h5")
     (tmp_path / "none.h5").write_bytes(b"no twin")
     with pytest.raises(PalpateError, match="cannot be read as a twin"):
         read_twin(tmp_path / "none.h5")
