@@ -68,9 +68,13 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
         return f"one more ring of {more} has {there} dots"
     if unsure := finder.unsure(best):
         return f"ring {unsure} has few dots, and another lies where one of them could be"
+    if lopsided := finder.lopsided(best):
+        return f"ring {lopsided} is lopsided: one of its dots is not where the others have it"
     strange = finder.strange(best)
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
         return f"{strange} other dots lie between them"
+    if len(rings) == 1 and finder.other is not None and finder.other.power < best.power + 0.5 * _RIVAL:
+        return "its one ring may as well be of other dots"
     if len(found) > 1 and found[1].power < best.power + _RIVAL:
         return f"about another middle {found[1].count} fit as well"
     return ""

@@ -48,6 +48,9 @@ far from the middle of the dots, px."""
 _FEW_DOTS, _TEMPTING, _AGREED = 4, 0.6, 0.05
 """Rings of so few dots are doubted if a false one is as near as this to an empty place, over the step of the ring,
 and if the centre is not as near as this to that of the next ring."""
+_LOPSIDED, _LEAST_LEFT, _INNERMOST = 0.25, 4, 6
+"""Distance of a dot from where an ellipse through the others of its ring has it, over the step of the ring, beyond
+which one of them is not the ring's; that needs more than so many dots, and of a ring of so many they tell."""
 _TELLING = 3
 """So many dots do not tell a ring's shape and whether they are its own."""
 _GAPPY = 0.85
@@ -80,6 +83,7 @@ class RingFinder:
         self.profile = Profile(*known.T)
         self.pixel = float(self.nominal_px[-1] / rings.rho[-1])
         self.seeds = 0
+        self.other: RingsFit | None = None
 
     def find(self) -> list[RingsFit]:
         """The best fits first; of those about one middle, only the best."""
@@ -92,6 +96,7 @@ class RingFinder:
         else:
             found += self._from_outside() if len(self.rings) > 1 else []
         found.sort(key=lambda fit: fit.power)
+        self.other = next((fit for fit in found[1:] if _of_others(fit, found[0])), None)
         kept: list[RingsFit] = []
         for fit in found:
             middles = [other.rings[1].weights[0] for other in kept]
@@ -281,6 +286,19 @@ class RingFinder:
                 return number
         return 0
 
+    def lopsided(self, fit: RingsFit) -> int:
+        """First ring of few dots one of which is not where an ellipse through the others has it; or 0."""
+        for number, ring in enumerate(fit.rings[1:], 1):
+            there = np.flatnonzero(ring.blob >= 0)
+            if not _LEAST_LEFT < len(there) <= _INNERMOST:
+                continue
+            terms, seen = waves(self.angles[number][there], 3), self.blobs[ring.blob[there]]
+            hat = terms @ np.linalg.pinv(terms)
+            left = (seen - hat @ seen) / (1.0 - np.diag(hat))[:, None]
+            if np.linalg.norm(left, axis=1).max() > _LOPSIDED * 2.0 * np.pi * ring.radius_px / len(ring.blob):
+                return number
+        return 0
+
     def strange(self, fit: RingsFit) -> int:
         """Number of dots within the outermost ring that are of none."""
         outer = waves(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 7) @ fit.rings[-1].weights
@@ -316,6 +334,11 @@ class RingFinder:
             other = self.settler.scan(last, phi, radii / radius, grid, taken)
             best = min(best, other, key=lambda ring: ring.power)
         return best
+
+
+def _of_others(fit: RingsFit, best: RingsFit) -> bool:
+    """Whether a fit is as whole as the best and has other dots."""
+    return fit.count >= best.count and set(fit.rings[-1].blob.tolist()) != set(best.rings[-1].blob.tolist())
 
 
 def turned(weights: FloatArray, angle: float) -> FloatArray:
