@@ -14,12 +14,16 @@ from palpate.recording.layout import LEAST_DOTS, DotLayout, number_dots
 from palpate.recording.motions import learn_motions
 from palpate.recording.sight import Sight
 
-ASSIGN_VERSION = "4"
+ASSIGN_VERSION = "5"
 """Version of the code that decides which dot is which; part of an artefact's key."""
 _SAID = 500
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 """Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
 many that look alike lead to another."""
+
+
+_PLAIN = 0.9
+"""Share of images that are sure by a smooth field alone, from which nothing else is learnt."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +147,8 @@ def _learn_motions(sight: Sight, correspondent: Correspondent, say: Callable[[st
     for number in some:
         found.append(correspondent.find(sight.dots[number]))
         correspondent.remember(sight.dots[number], found[-1])
+    if np.mean([one.sure for one in found]) >= _PLAIN:
+        return  # a smooth field tells such a sensor's dots, and does not believe what it has not seen elsewhere
     seen = np.array([describe_dots(sight.dots[number], correspondent.shape) for number in some])
     spacing = float(np.median(correspondent.layout.spacing_px))
     for share in _TEACH:
