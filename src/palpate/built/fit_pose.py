@@ -46,6 +46,8 @@ _DRIFTING_SLIP_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
 """Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
+_CHECK_MM = 1.0
+"""Change of depth (mm) after which a fit that ends at the least or greatest 1/µ, as without slip, is checked anew."""
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
@@ -137,6 +139,7 @@ class PoseFitter:
         self.scale = self.scale or expect_scale(self.model.tolerance)
         self._tables()
         self._last: FloatArray | None = None
+        self._checked_mm = np.inf
         self._by_unit: tuple[FloatArray, FloatArray] | None = None
 
     def _tables(self) -> None:
@@ -170,14 +173,16 @@ class PoseFitter:
         if self._last is not None and self._doubted(found):
             again = self._fit(seen_px, self._begin(seen_px))
             found = again if again.cost < found.cost else found
+            self._checked_mm = float(found.theta[2])
         self._last = found.theta if found.misfit <= _LOST else None
         return found
 
     def _doubted(self, found: PoseFit) -> bool:
         """Whether a fit that began from the last may have gone astray."""
         assert self._last is not None
-        other = abs(found.bend - self._last[_BEND]) > _OTHER_WALL
-        return other or found.misfit > _DOUBTED or self._at_limit(found.theta[3])
+        if found.misfit > _DOUBTED or abs(found.bend - self._last[_BEND]) > _OTHER_WALL:
+            return True
+        return self._at_limit(found.theta[3]) and abs(found.theta[2] - self._checked_mm) > _CHECK_MM
 
     def _at_limit(self, slip: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught."""

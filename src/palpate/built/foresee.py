@@ -87,13 +87,13 @@ class BuiltFigure:
 
 
 class PoseGain(NamedTuple):
-    """Error (3,) of a pose by noise (n,) px, by what is unknown (15,) of unit and mounting, and by drift (d,), each
-    over its standard deviation; noise alone as sd.
+    """Error (3,) of a pose by noise (n,) px, by what is unknown (15,) of unit and mounting, and by motion and
+    curvature (d,) of the wall, each over its standard deviation; noise alone as sd.
     """
 
     by_noise: FloatArray
     by_unit: FloatArray
-    by_drift: FloatArray
+    by_nuisance: FloatArray
     alone: FloatArray
 
 
@@ -131,8 +131,8 @@ def foresee(
         for k, gain in enumerate(gains):
             noise = np.sqrt(2.0) * spec.noise_px * rng.standard_normal(gain.by_noise.shape[1])
             off = TWIN_SD[:3] * rng.standard_normal(3)
-            drift = rng.standard_normal(gain.by_drift.shape[1])
-            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn + gain.by_drift @ drift + off
+            nuisance = rng.standard_normal(gain.by_nuisance.shape[1])
+            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn + gain.by_nuisance @ nuisance + off
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
     return BuiltFigure(
@@ -204,6 +204,6 @@ def pose_gain(
     known = np.linalg.inv(by_pose.T @ by_pose / variance + np.diag(prior[:free]))
     truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
     alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
-    drifting = [column for column, k in enumerate(which) if k > 3]
-    by_drift = by_noise @ by_pose[:, drifting] * sd[[which[column] for column in drifting]]
-    return PoseGain(by_noise, by_noise @ by_unit - truth, by_drift, alone)
+    nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
+    by_nuisance = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
+    return PoseGain(by_noise, by_noise @ by_unit - truth, by_nuisance, alone)

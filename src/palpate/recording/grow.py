@@ -94,21 +94,10 @@ def find_tears(rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArr
     for dot in range(count):
         if match[dot] < 0:
             continue
-        x, y, length, number = 0.0, 0.0, 0.0, 0
-        for k in range(near.shape[1]):
-            other = near[dot, k]
-            if other < 0 or match[other] < 0:
-                continue
-            dx, dy = rest[dot, 0] - rest[other, 0], rest[dot, 1] - rest[other, 1]
-            ax = maps[other, 0] * dx + maps[other, 1] * dy
-            ay = maps[other, 2] * dx + maps[other, 3] * dy
-            x += dots[match[other], 0] + ax
-            y += dots[match[other], 1] + ay
-            length += np.sqrt(ax * ax + ay * ay)
-            number += 1
+        x, y, _, mean, number = _expect(rest, near, dots, match, maps, dot)
         if number > 0:
-            x, y = x / number - dots[match[dot], 0], y / number - dots[match[dot], 1]
-            off[dot] = np.sqrt(x * x + y * y) * number / max(length, 1e-9)
+            x, y = x - dots[match[dot], 0], y - dots[match[dot], 1]
+            off[dot] = np.sqrt(x * x + y * y) / max(mean, 1e-9)
     return off
 
 
@@ -124,7 +113,23 @@ def _look(
     owner: IntArray,
 ) -> int:
     """The free dot nearest to where the assigned neighbours say; -1 where none is near enough."""
-    x, y, number, least = 0.0, 0.0, 0, 1e30
+    x, y, least, _, number = _expect(rest, near, dots, match, maps, dot)
+    if number == 0:  # a neighbour need not count its neighbour as one
+        return -1
+    best, far = -1, (tolerance * least) ** 2
+    for j in range(len(dots)):
+        square = (dots[j, 0] - x) ** 2 + (dots[j, 1] - y) ** 2
+        if square < far:
+            best, far = j, square
+    return best if best >= 0 and owner[best] < 0 else -1
+
+
+@kernel
+def _expect(
+    rest: FloatArray, near: IntArray, dots: FloatArray, match: IntArray, maps: FloatArray, dot: int
+) -> tuple[float, float, float, float, int]:
+    """Where the assigned neighbours say a dot is; the least and the mean distance to them; how many there are."""
+    x, y, least, length, number = 0.0, 0.0, 1e30, 0.0, 0
     for k in range(near.shape[1]):
         other = near[dot, k]
         if other < 0 or match[other] < 0:
@@ -134,17 +139,12 @@ def _look(
         ay = maps[other, 2] * dx + maps[other, 3] * dy
         x += dots[match[other], 0] + ax
         y += dots[match[other], 1] + ay
-        least = min(least, np.sqrt(ax * ax + ay * ay))
+        away = np.sqrt(ax * ax + ay * ay)
+        least = min(least, away)
+        length += away
         number += 1
-    if number == 0:  # a neighbour need not count its neighbour as one
-        return -1
-    x, y = x / number, y / number
-    best, far = -1, (tolerance * least) ** 2
-    for j in range(len(dots)):
-        square = (dots[j, 0] - x) ** 2 + (dots[j, 1] - y) ** 2
-        if square < far:
-            best, far = j, square
-    return best if best >= 0 and owner[best] < 0 else -1
+    many = max(number, 1)
+    return x / many, y / many, least, length / many, number
 
 
 @kernel
