@@ -83,6 +83,10 @@ class Evidence:
         """
         return {design: _number(cell) for design, cell in self._cells(column, designs).items()}
 
+    def has(self, column: str) -> bool:
+        """Whether every of the paper's designs has such a number."""
+        return all(isinstance(self.rows.get(design, {}).get(column), int | float) for design in DESIGNS)
+
     def domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float]:
         """One number a dome, from the first of its rows that has it; errors: see `figures`."""
         found: dict[Dome, Cell] = self._of_domes(lambda row: row.get(column), domes)

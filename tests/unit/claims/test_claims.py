@@ -103,6 +103,18 @@ def test_the_best_design_must_be_within_both_printed_figures(rmse, greatest, exp
     assert verdict("C10", grid(changes)) == expected
 
 
+@pytest.mark.parametrize("claim", ["C9", "C10", "C11", "C12", "C14"])
+def test_built_units_stand_beside_and_do_not_decide(claim):
+    built = {"built_rmse_deg": lambda h, t, m: 1 / error(h, t, m), "known_rmse_deg": lambda h, t, m: error(h, t, m)}
+    worst = {"built_worst_deg": lambda h, t, m: 3.0, "known_worst_deg": lambda h, t, m: 0.1}
+    (found,) = (one.finding for one in judge_claims([grid({**built, **worst})]) if one.claim.name == claim)
+    assert found.verdict == HOLDS
+    assert "as built" in found.figures
+    assert ("as built it does not hold" in found.why) == (claim not in ("C10", "C14"))
+    (without,) = (one.finding for one in judge_claims([grid()]) if one.claim.name == claim)
+    assert "built" not in without.figures
+
+
 def test_thin_domes_that_invert_at_gentle_angles_only_refute_it():
     gentle = grid(branches=lambda h, t: {0: "inverted" if t == 1 else "flat", 6: "flat", 12: "flat"})
     assert verdict("C5", gentle) == FAILS
