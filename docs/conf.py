@@ -49,11 +49,12 @@ STAGES = [
     "study",
     "grid",
     "claims",
+    "optimise",
     "verify",
     "testing",
 ]
 COMMANDS = (
-    "run status view press stability convergence deck design limit claims fit make specimens "  # noqa: SIM905
+    "run status view press stability convergence deck design limit claims optimise fit make specimens "  # noqa: SIM905
     "calibrate find inspect live learn bench accept verify doctor".split()
 )
 

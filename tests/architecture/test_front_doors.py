@@ -134,6 +134,7 @@ FRONT_DOORS = {
     },
     "bench": {"Bench", "Deviation", "ToleranceSpec", "VirtualBenchSpec", "run_bench", "run_budget"},
     "deck": {"DeckSpec", "deck_text", "solve_press_calculix", "write_deck"},
+    "optimise": {"RequirementsSpec", "optimise_design", "read_requirements", "write_front"},
     "claims": {"judge_claims", "read_evidence", "write_claims"},
     "fabricate": {"FabricationPack", "PackSpec", "ProcessSpec", "draw_artwork", "write_pack"},
     "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
@@ -145,7 +146,7 @@ FRONT_DOORS = {
 SOURCE = Path(__file__).parents[2] / "src" / "palpate"
 STAGES = sorted(door.parent.name for door in SOURCE.glob("*/__init__.py"))
 MOST_NAMES = 35
-WIDER = {"fea": 37, "mechanics": 37}
+WIDER = {"built": 37, "fea": 37, "mechanics": 37}
 """Rooms that are still to be trimmed."""
 
 

@@ -5,10 +5,12 @@ from palpate.built.fit_pose import PoseFit, PoseFitter
 from palpate.built.force import Force, ForceScale, expect_force, expect_scale, learn_scale
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.built.foresee_budget import foresee_budget
-from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, Identified, RobotPress, RobotSpec, identify
+from palpate.built.identify import Identified, identify
 from palpate.built.mounting import MOUNTING
 from palpate.built.next_press import rank_presses
 from palpate.built.noise import NOISE_PX
+from palpate.built.ring_information import RingInformation, measure_rings
+from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel, learn_rest, model_unit
@@ -32,6 +34,7 @@ __all__ = [
     "Look",
     "PoseFit",
     "PoseFitter",
+    "RingInformation",
     "RobotPress",
     "RobotSpec",
     "ToleranceSpec",
@@ -44,6 +47,7 @@ __all__ = [
     "identify",
     "learn_rest",
     "learn_scale",
+    "measure_rings",
     "model_unit",
     "rank_presses",
     "read_unit",

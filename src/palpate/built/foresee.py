@@ -17,9 +17,10 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.built.fit_pose import TWIN_SD, touch_sd
-from palpate.built.identify import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec, learn_presses
+from palpate.built.identify import learn_presses
 from palpate.built.mounting import Mounting, mount_unit
 from palpate.built.noise import MODEL_PX, NOISE_PX
+from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
 from palpate.camera import Camera
@@ -118,12 +119,12 @@ def foresee(
     model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
     mounting = mount_unit(belief, tolerance)
     if spec.known:
-        presses = _known_presses(model, spec, tolerance, rng)
+        presses = known_presses(model, spec, tolerance, rng)
         learnt = learn_presses(model, mounting, presses, spec.noise_px, spec.robot)
         mounting = replace(mounting, covariance=learnt)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     gains = [
-        pose_gain(model, mounting, spread, *place, spec.noise_px) for place in _places(twin, spec, tolerance, rng)
+        pose_gain(model, mounting, spread, *place, spec.noise_px) for place in draw_places(twin, spec, tolerance, rng)
     ]
     errors = np.empty((spec.units, len(gains), 3))
     for unit in range(spec.units):
@@ -144,7 +145,7 @@ def foresee(
     )
 
 
-def _places(
+def draw_places(
     twin: Twin, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[FloatArray, float]]:
     """Poses (3,) and 1/µ over the working range, as far as the twin reaches."""
@@ -165,7 +166,7 @@ def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -
     return float(np.clip(slip, twin.slips[0], twin.slips[-1]))
 
 
-def _known_presses(
+def known_presses(
     model: UnitModel, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[RobotPress, float]]:
     """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""

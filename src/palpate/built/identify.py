@@ -20,6 +20,7 @@ from palpate.built.fit_pose import SLIP_MOST, PoseFitter
 from palpate.built.force import ForceScale, expect_scale
 from palpate.built.mounting import MOUNTING, Mounting, mount_unit, mounting_sd
 from palpate.built.noise import MODEL_PX, weigh_dots
+from palpate.built.robot_press import RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
@@ -32,8 +33,6 @@ The noise of dots is a tenth of it: what a twin does not know is alike in all do
 _LENS_SD = {"distance": 0.19, "focal": 0.0035, "k1": 0.0145}
 """What these numbers are told wrong by besides (mm, shares), by the same units: together they make the scale of an
 image, and only that is told; poses do not change with how it is shared among them."""
-KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
-"""Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
 _DRIFT_PX = 0.12
 """What the twin is off besides where the wall drifts: beyond its first order, above all where much slips."""
 _FIRST, _ITERATIONS = 4, 16
@@ -44,34 +43,6 @@ _WRONG = 9.0
 """Mean square of what is left over its expectation above which the presses are not those of this unit."""
 _FAR = 5.0
 """Standard deviations of the prior beyond which a pose, or a number of the unit, is not believed."""
-
-
-@dataclass(frozen=True)
-class RobotSpec:
-    """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm).
-
-    `force` is that of a reading of its load cell, N.
-    """
-
-    tilt_deg: float = 0.02
-    depth: float = 0.02
-    force: float = 0.005
-
-
-@dataclass(frozen=True, eq=False)
-class RobotPress:
-    """One press whose pose the robot says.
-
-    Attributes
-    ----------
-    poses
-        (n, 3) rx, ry (degrees) and depth (mm) on the robot's scale, one an image.
-    pixels
-        (n, m, 2) px, the layout's dots; NaN where none was seen.
-    """
-
-    poses: FloatArray
-    pixels: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +149,62 @@ def learn_presses(
     values[fit.slips] = [slip for _, slip in presses]
     found = fit.assemble(model, mounting, values)
     return fit.covariance(found, fit.information(mounting))[: fit.shared, : fit.shared]
+
+
+def twin_off_sd() -> FloatArray:
+    """What the twin is off (15,) in the numbers of `UNKNOWN` and `MOUNTING`, as presses tell them."""
+    return np.array([_TWIN_SD.get(name, 0.0) for name in (*UNKNOWN, *MOUNTING)])
+
+
+class PressInformation(NamedTuple):
+    """What known presses tell, by group of dots.
+
+    Attributes
+    ----------
+    normal, common
+        (g, n, n) information about `UNKNOWN`, `MOUNTING` and what is each press's own; and how errors that are alike
+        in all of their images enter the gradient, by their variance.
+    own_prior
+        (n - 15,) precision beforehand of what is each press's own.
+    alike_variance
+        Of such an error, px².
+    """
+
+    normal: FloatArray
+    common: FloatArray
+    own_prior: FloatArray
+    alike_variance: float
+
+
+def press_information(
+    model: UnitModel,
+    mounting: Mounting,
+    presses: Sequence[tuple[RobotPress, float]],
+    group: IntArray,
+    noise_px: float,
+    robot: RobotSpec,
+) -> PressInformation:
+    """Information of known presses of a unit that is as believed, apart for every group (m,) of its dots.
+
+    The other parameters are those of `learn_presses`.
+    """
+    fit, groups = _Fit(model, [press for press, _ in presses], noise_px, robot), int(group.max()) + 1
+    normal, common = np.zeros((2, groups, fit.size, fit.size))
+    alike = np.zeros((len(group), 2, fit.size))
+    for k, (press, slip) in enumerate(presses):
+        own = fit.shared + fit.own * k
+        columns = np.array([*range(fit.shared), *range(own, own + fit.own)])
+        for pose in press.poses:
+            _, slopes = fit.look(model, mounting, pose, np.array([slip, *[0.0] * (fit.own - 1)]))
+            rows = np.nan_to_num(slopes)
+            squares = np.einsum("mci,mcj->mij", rows, rows, optimize=True) / fit.variance
+            block = np.zeros((groups, len(columns), len(columns)))
+            np.add.at(block, group, squares)
+            normal[np.ix_(np.arange(groups), columns, columns)] += block
+            alike[..., columns] += rows / fit.variance
+    np.add.at(common, group, np.einsum("mci,mcj->mij", alike, alike, optimize=True))
+    prior = np.diag(fit.information(mounting))[fit.shared :]
+    return PressInformation(normal, common, prior, fit.shared_variance)
 
 
 class _Normal(NamedTuple):
@@ -291,37 +318,44 @@ class _Fit:
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
         covariance: FloatArray = inverse + self.shared_variance * together @ together.T
-        names = [*UNKNOWN, *MOUNTING, *(["slip"] + [""] * (self.own - 1)) * len(self.presses)]
-        covariance[np.diag_indices(self.size)] += [_TWIN_SD.get(name, 0.0) ** 2 for name in names]
+        off = np.concatenate([twin_off_sd(), np.zeros(self.own * len(self.presses))])
+        off[self.slips] = _TWIN_SD["slip"]
+        covariance[np.diag_indices(self.size)] += off**2
         return covariance
+
+    def look(
+        self, model: UnitModel, mounting: Mounting, pose: FloatArray, own: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Pixels (m, 2) in one image of a press that has these own unknowns, and derivatives (m, 2, 15 + own)."""
+        at = mounting.to_dome(pose + own[1:4])
+        share = float(at[2] / self.twin.depths_mm[-1])
+        looked = model.look(at, float(own[0]), share * own[4:7] if self.drifts else None)
+        assert looked.by_unit is not None
+        turn = np.eye(3)
+        turn[:2, :2] = mounting.turn.T
+        by_robot = looked.by_pose[..., :3] @ turn
+        parts = (
+            looked.by_unit,
+            -by_robot @ mounting.by_mounting(at),
+            looked.by_pose[..., 3:4] * self.slip,
+            by_robot,
+            share * looked.by_pose[..., 5:],
+        )
+        return looked.pixels, np.concatenate(parts, axis=-1)
 
     def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> _Normal:
         """What all dots say."""
         normal, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
         common = np.zeros((self.size, 2 * len(model.seen)))
-        squares, count, unit = 0.0, 0, len(UNKNOWN)
+        squares, count = 0.0, 0
         for k, press in enumerate(self.presses):
             own = self.shared + self.own * k
-            slip, off = float(values[own]), values[own + 1 : own + 4]
             columns = [*range(self.shared), *range(own, own + self.own)]
             for pose, seen in zip(press.poses, press.pixels, strict=True):
                 there = np.isfinite(seen).all(axis=1) & model.seen
-                at = mounting.to_dome(pose + off)
-                share = float(at[2] / self.twin.depths_mm[-1])
-                drift = share * values[own + 4 : own + 7] if self.drifts else None
-                looked = model.look(at, slip, drift)
-                assert looked.by_unit is not None
-                left = (seen - looked.pixels)[there].reshape(-1)
-                turn = np.eye(3)
-                turn[:2, :2] = mounting.turn.T
-                by_touch = looked.by_pose[there].reshape(len(left), -1)
-                by_robot = by_touch[:, :3] @ turn
-                jacobian = np.empty((len(left), len(columns)))
-                jacobian[:, :unit] = looked.by_unit[there].reshape(-1, unit)
-                jacobian[:, unit : self.shared] = -by_robot @ mounting.by_mounting(at)
-                jacobian[:, self.shared] = by_touch[:, 3] * self.slip
-                jacobian[:, self.shared + 1 : self.shared + 4] = by_robot
-                jacobian[:, self.shared + 4 :] = share * by_touch[:, 5:]
+                pixels, slopes = self.look(model, mounting, pose, values[own : own + self.own])
+                left = (seen - pixels)[there].reshape(-1)
+                jacobian = slopes[there].reshape(len(left), -1)
                 weight = weigh_dots(left, self.variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian

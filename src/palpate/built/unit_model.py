@@ -126,14 +126,11 @@ def learn_rest(
     seen = np.isfinite(rest_px).all(axis=1)
     before = prior_sd(tolerance)
     sd = np.concatenate([before[: len(CAMERA)], np.full(2, max(tolerance.pad, _LEAST_SD) / np.sqrt(3.0))])
-    scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
-    spread = np.hypot(noise_px, scale * tolerance.dot / np.sqrt(3.0))
+    spread = _rest_spread(twin, nominal, tolerance, noise_px)
+    printed = MarkerLayout(layout.positions[seen], layout.diameter)
 
     def miss(values: FloatArray) -> FloatArray:
-        camera = build_camera(_camera_of(nominal, values))
-        x, y = layout.positions[seen, 0] + values[-2], layout.positions[seen, 1] + values[-1]
-        printed = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
-        left = camera.project(printed) + _bias(camera, twin, printed, layout.diameter) - rest_px[seen]
+        left = _at_rest(twin, printed, nominal, values) - rest_px[seen]
         return np.concatenate([np.nan_to_num(left, nan=1e3).ravel() / spread, values / sd])
 
     fit = least_squares(miss, np.zeros(len(sd)), x_scale=sd, loss="huber", f_scale=_FORGIVEN)
@@ -141,6 +138,40 @@ def learn_rest(
     covariance[:-1, :-1] = np.linalg.inv(fit.jac.T @ fit.jac)[: len(CAMERA), : len(CAMERA)]
     covariance[-1, -1] = before[-1] ** 2
     return UnitBelief(nominal, rest_px, np.append(fit.x[: len(CAMERA)], 0.0), covariance)
+
+
+def rest_slopes(
+    twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, noise_px: float
+) -> tuple[FloatArray, float]:
+    """What the image at rest says of camera and print, dot by dot, where both are about as designed.
+
+    Returns
+    -------
+    slopes
+        (m, 2, 12) px over the numbers of `CAMERA`, and over the print's shift in x and y (mm).
+    spread_px
+        Standard deviation of a coordinate: noise and the misprint of single dots.
+    """
+    steps = np.append(_STEP * prior_sd(tolerance)[: len(CAMERA)], [1e-3, 1e-3])
+    found = np.empty((len(layout), 2, len(steps)))
+    for k, step in enumerate(steps):
+        high, low = (_at_rest(twin, layout, camera.spec, side * step * np.eye(len(steps))[k]) for side in (1, -1))
+        found[..., k] = (high - low) / (2 * step)
+    return found, _rest_spread(twin, camera.spec, tolerance, noise_px)
+
+
+def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: FloatArray) -> FloatArray:
+    """Pixels (m, 2) of the layout where camera and print differ from what they should be by these numbers (12,)."""
+    camera = build_camera(_camera_of(nominal, values))
+    x, y = layout.positions[:, 0] + values[-2], layout.positions[:, 1] + values[-1]
+    printed = twin.skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
+    return camera.project(printed) + _bias(camera, twin, printed, layout.diameter)
+
+
+def _rest_spread(twin: Twin, nominal: CameraSpec, tolerance: ToleranceSpec, noise_px: float) -> float:
+    """Standard deviation of a coordinate at rest about its place in the layout, px."""
+    scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
+    return float(np.hypot(noise_px, scale * tolerance.dot / np.sqrt(3.0)))
 
 
 def _bias(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:

@@ -32,6 +32,7 @@ app.command("palpate.cli.material:app", name="material", help="Look at the libra
 app.command("palpate.cli.limit:limit", name="limit", help="How good any estimator of a design could be.")
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
 app.command("palpate.cli.twin:twin", name="twin", help="Twins of designs, and how good built units will be.")
+app.command("palpate.cli.optimise:optimise", name="optimise", help="Requirements in, the best design out.")
 app.command("palpate.cli.view:view", name="view", help="Look at results in a browser, design and press a dome.")
 app.command("palpate.cli.claims:claims", name="claims", help="Hold finished studies against the paper's claims.")
 app.command("palpate.cli.make:make", name="make", help="Write mold, print pattern, enclosure and instructions.")

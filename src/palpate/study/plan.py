@@ -34,11 +34,11 @@ class Plan:
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        return _once([*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)])
+        return once([*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)])
 
     def built_tasks(self) -> tuple[Task, ...]:
         """What foresees built units, each once, after those it needs."""
-        return _once(self.built)
+        return once(self.built)
 
     def read_at_the_end(self) -> tuple[Task, ...]:
         """The tasks whose artefacts the records of the designs are read from, each once."""
@@ -52,7 +52,7 @@ class Plan:
 
     def limit_tasks(self) -> tuple[Task, ...]:
         """What the limits of all designs need, each once, after those it needs."""
-        return _once([design.limit for design in self.designs])
+        return once([design.limit for design in self.designs])
 
 
 def plan_study(study: Study) -> Plan:
@@ -128,7 +128,8 @@ def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     return markers.model_copy(update={"count": len(layout)})
 
 
-def _once(last: Sequence[Task]) -> tuple[Task, ...]:
+def once(last: Sequence[Task]) -> tuple[Task, ...]:
+    """These tasks and all that they need, each once and after its own needs."""
     unique: dict[str, Task] = {}
     for end in last:
         for task in _needs_first(end):

@@ -20,7 +20,7 @@ from palpate.study.cluster import ClusterWorkers
 from palpate.study.collect import collect_designs, collect_limits
 from palpate.study.force_task import ForceTask
 from palpate.study.observer import Observer, Silence
-from palpate.study.plan import plan_study
+from palpate.study.plan import once, plan_study
 from palpate.study.result import DesignLimits, StudyResult, TaskFailure
 from palpate.study.schedule import MOST_REMADE, do_tasks
 from palpate.study.study import Study
@@ -113,6 +113,28 @@ def run_limits(
     run.do_again(tuple(design.limit for design in plan.designs))
     run.write_failures()
     return collect_limits([design.limit for design in plan.designs], run.store, run.outcomes)
+
+
+def run_tasks(
+    out: Path, tasks: Sequence[Task], workers: int | None = None, observer: Observer | None = None, cluster: str = ""
+) -> dict[str, str]:
+    """Do tasks of one's own, each after those it needs; what an earlier run left in ``out/store`` is used.
+
+    Returns
+    -------
+    dict[str, str]
+        Why those of `tasks` failed that did, by the key of their recipe; what they need is named.
+
+    Raises
+    ------
+    PalpateError
+        If the folder cannot be written.
+    """
+    run = Run(writable(out), once(tasks), Hands(workers, None, cluster or None), observer or Silence())
+    run.do()
+    run.write_failures()
+    reasons = {task.recipe.key: next(filter(None, map(run.reason, once([task]))), "") for task in tasks}
+    return {key: reason for key, reason in reasons.items() if reason}
 
 
 def on_its_device(study: Study) -> Study:

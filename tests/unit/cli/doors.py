@@ -103,6 +103,12 @@ ROWS = {
         ("--token short", "--port 70000", "--port -1", "--host no.where"),
         {"--results": ("folder",)},  # its page says what to do
     ),
+    "optimise": Row(
+        "--requirements {wanted} --out new",
+        ("--requirements",),
+        ("--out",),
+        ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck"),
+    ),
     "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
     "make": Row(
         "--out new", ("--layout",), ("--out",), ("--markers 8", "--camera x", "--mapping x", "--material cheese")
@@ -205,6 +211,8 @@ def furnish(folder: Path) -> dict[str, Path]:
     (right["spare"] / "store").mkdir(parents=True)
     right["study"] = folder / "study.yaml"
     right["study"].write_text("name: small\n")
+    right["wanted"] = folder / "wanted.yaml"
+    right["wanted"].write_text("name: wanted\n")
     right["curve"] = folder / "tension.csv"
     strain = np.linspace(0, 1, 40)
     rows = "\n".join(f"{x},{0.1 * x}" for x in strain)

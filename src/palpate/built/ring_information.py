@@ -1,0 +1,178 @@
+"""What dots would tell of poses, ring by ring, before any layout is chosen: information adds up over dots.
+
+With J the derivative of a dot's pixels by all that is unknown, every dot adds JᵀJ to the normal matrix of the fit
+of an image, of the image at rest, and of known presses. So the matrices of all rings that might be printed are made
+once, and the figure of any choice among them is a sum and an inverse. It is the figure of `foresee` with its draws
+replaced by their expectation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.built.fit_pose import TWIN_SD, touch_sd
+from palpate.built.foresee import ForeseeSpec, draw_places, known_presses
+from palpate.built.identify import PressInformation, press_information, twin_off_sd
+from palpate.built.mounting import Mounting, mounting_sd
+from palpate.built.noise import MODEL_PX
+from palpate.built.tolerance import ToleranceSpec
+from palpate.built.unit_model import CAMERA, UNKNOWN, UnitBelief, model_unit, prior_sd, rest_slopes
+from palpate.camera import Camera
+from palpate.core import BoolArray, FloatArray, IntArray, generator
+from palpate.design import MarkerLayout
+from palpate.twin import Twin
+
+_MARGIN_PX = 5.0
+"""Distance of a dot's centre from the edge of the image."""
+_UNIT = len(UNKNOWN)
+_SHARED = _UNIT + 4
+
+
+@dataclass(frozen=True, eq=False)
+class RingInformation:
+    """Information of groups of dots, about one apex.
+
+    Attributes
+    ----------
+    rest
+        (g, 12, 12) of camera and print, from the image at rest, the print's own misprints included.
+    rest_prior
+        (12,) precision of camera and print beforehand.
+    presses
+        Of known presses; `None` without any.
+    reads
+        (p, g, 19, 19) of images at p poses, about touch and unit, over the variance.
+    touch_prior
+        (8,) precision of a touch beforehand; infinite for what does not happen.
+    by_mounting
+        (p, 3, 4) how the robot's pose follows the mounting.
+    inside
+        (g,) whether the dots of a group are in the image at all of these poses.
+    unit_sd, mounting_sd
+        (11,) and (4,) standard deviations of `UNKNOWN` and of the mounting beforehand.
+    """
+
+    rest: FloatArray
+    rest_prior: FloatArray
+    presses: PressInformation | None
+    reads: FloatArray
+    touch_prior: FloatArray
+    by_mounting: FloatArray
+    inside: BoolArray
+    unit_sd: FloatArray
+    mounting_sd: FloatArray
+
+    def variance(self, share: FloatArray) -> float:
+        """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
+        covariance = self._learn(share)
+        spread = np.linalg.cholesky(covariance + 1e-15 * np.eye(_SHARED))
+        free = np.flatnonzero(np.isfinite(self.touch_prior))
+        touch = len(self.touch_prior)
+        carry = np.zeros((touch + _UNIT, len(free) + _SHARED))
+        carry[free, np.arange(len(free))] = 1.0
+        carry[touch:, len(free) :] = spread[:_UNIT]
+        normal = np.einsum("g,pgij->pij", share, self.reads, optimize=True)
+        normal = carry.T @ normal @ carry
+        normal[:, np.arange(len(normal[0])), np.arange(len(normal[0]))] += np.append(
+            self.touch_prior[free], np.ones(_SHARED)
+        )
+        to_robot = np.zeros((len(normal), 2, len(free) + _SHARED))
+        to_robot[:, [0, 1], [0, 1]] = 1.0
+        to_robot[:, :, len(free) :] = self.by_mounting[:, :2] @ spread[_UNIT:]
+        found = np.einsum("pai,pij,paj->pa", to_robot, np.linalg.inv(normal), to_robot, optimize=True)
+        return float(found.mean() + np.mean(TWIN_SD[:2] ** 2))
+
+    def _learn(self, share: FloatArray) -> FloatArray:
+        """Covariance (15, 15) of unit and mounting before an image is read."""
+        rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", share, self.rest))
+        covariance = np.diag(np.concatenate([np.zeros(len(CAMERA)), self.unit_sd[-1:], self.mounting_sd]) ** 2)
+        covariance[: len(CAMERA), : len(CAMERA)] = rest[: len(CAMERA), : len(CAMERA)]
+        known = self.presses
+        if known is None:
+            return covariance
+        size = _SHARED + len(known.own_prior)
+        before = np.zeros((size, size))
+        before[:_SHARED, :_SHARED] = np.linalg.inv(covariance + 1e-18 * np.eye(_SHARED))
+        before[np.arange(_SHARED, size), np.arange(_SHARED, size)] = known.own_prior
+        inverse = np.linalg.inv(before + np.einsum("g,gij->ij", share, known.normal))
+        alike = inverse @ np.einsum("g,gij->ij", share, known.common) @ inverse
+        learnt = (inverse + known.alike_variance * alike)[:_SHARED, :_SHARED]
+        return np.asarray(learnt + np.diag(twin_off_sd() ** 2), float)
+
+
+def measure_rings(
+    twin: Twin,
+    layout: MarkerLayout,
+    group: IntArray,
+    camera: Camera,
+    tolerance: ToleranceSpec,
+    spec: ForeseeSpec | None = None,
+) -> RingInformation:
+    """Information of every group of dots that might be printed.
+
+    Parameters
+    ----------
+    twin
+        Of the skin.
+    layout, group
+        All dots that might be printed, and the group (m,) that each belongs to, from 0.
+    camera, tolerance, spec
+        As for `foresee`; ``spec.units`` is not used.
+    """
+    spec = spec or ForeseeSpec()
+    rng = generator(spec.seed, "measure rings", spec.known)
+    rest_px = camera.project(layout.positions)
+    sd = prior_sd(tolerance)
+    belief = UnitBelief(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
+    model = model_unit(twin, layout, belief, tolerance)
+    slopes, spread = rest_slopes(twin, layout, camera, tolerance, spec.noise_px)
+    places = draw_places(twin, spec, tolerance, rng)
+    touch = touch_sd(tolerance)
+    if len(twin.slips) == 1:
+        touch[3] = 0.0
+    mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_sd(tolerance)]) ** 2))
+    inside = np.ones(group.max() + 1, dtype=np.bool_)
+    _leave(inside, group, camera, rest_px)
+    variance = 2.0 * spec.noise_px**2 + MODEL_PX**2
+    reads = []
+    for pose, slip in places:
+        looked = model.look(pose, slip, np.zeros(3) if touch[4:].any() else None)
+        assert looked.by_unit is not None
+        rows = np.zeros((len(group), 2, len(touch) + _UNIT))
+        rows[..., : looked.by_pose.shape[-1]] = looked.by_pose
+        rows[..., len(touch) :] = looked.by_unit
+        _leave(inside, group, camera, looked.pixels)
+        reads.append(_add_up(rows / np.sqrt(variance), group))
+    presses = known_presses(model, spec, tolerance, rng)
+    known = press_information(model, mounting, presses, group, spec.noise_px, spec.robot) if presses else None
+    with np.errstate(divide="ignore"):
+        touch_prior = touch**-2.0
+    pad = np.full(2, max(tolerance.pad, 1e-6) / np.sqrt(3.0))
+    return RingInformation(
+        rest=_add_up(slopes / spread, group),
+        rest_prior=np.concatenate([sd[: len(CAMERA)], pad]) ** -2.0,
+        presses=known,
+        reads=np.array(reads),
+        touch_prior=touch_prior,
+        by_mounting=np.array([mounting.by_mounting(pose) for pose, _ in places]),
+        inside=inside,
+        unit_sd=sd,
+        mounting_sd=mounting_sd(tolerance),
+    )
+
+
+def _add_up(rows: FloatArray, group: IntArray) -> FloatArray:
+    """Information (g, n, n) of the rows (m, 2, n) of dots, by their group."""
+    found = np.zeros((group.max() + 1, rows.shape[-1], rows.shape[-1]))
+    rows = np.nan_to_num(rows)
+    np.add.at(found, group, np.einsum("mci,mcj->mij", rows, rows, optimize=True))
+    return found
+
+
+def _leave(inside: BoolArray, group: IntArray, camera: Camera, pixels: FloatArray) -> None:
+    """Mark groups of which a dot leaves the image."""
+    most = (camera.width_px - 1 - _MARGIN_PX, camera.height_px - 1 - _MARGIN_PX)
+    there = ((pixels >= _MARGIN_PX) & (pixels <= most)).all(axis=1)
+    inside[group[~there]] = False

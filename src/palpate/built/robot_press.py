@@ -1,0 +1,38 @@
+"""Presses whose pose a robot says, and how well it knows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from palpate.core import FloatArray
+
+KNOWN_TILTS, KNOWN_TURN_DEG = (0.35, 0.8), 144.0
+"""Known presses that tell a unit: tilts over the greatest, in turn, and the turn from one to the next."""
+
+
+@dataclass(frozen=True)
+class RobotSpec:
+    """How well a robot knows its poses: standard deviations of a press in tilt (degrees) and depth (mm).
+
+    `force` is that of a reading of its load cell, N.
+    """
+
+    tilt_deg: float = 0.02
+    depth: float = 0.02
+    force: float = 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class RobotPress:
+    """One press whose pose the robot says.
+
+    Attributes
+    ----------
+    poses
+        (n, 3) rx, ry (degrees) and depth (mm) on the robot's scale, one an image.
+    pixels
+        (n, m, 2) px, the layout's dots; NaN where none was seen.
+    """
+
+    poses: FloatArray
+    pixels: FloatArray

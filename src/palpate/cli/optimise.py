@@ -1,0 +1,60 @@
+"""`palpate optimise`: from requirements to the designs that meet them best."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from palpate.cli.flag import JsonFlag
+from palpate.cli.output import RESULTS, print_json, print_table
+from palpate.cli.progress import Lines
+from palpate.cli.run import WorkerFlags
+
+_SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "worst_deg", "force_n")
+
+
+def optimise(
+    requirements: Annotated[str, Parameter(help="YAML file of the requirements, or paper_task, the paper's.")],
+    *,
+    out: Annotated[
+        Path | None, Parameter(name=("--out", "-o"), help="Result folder; without it, results/NAME.")
+    ] = None,
+    skins: Annotated[int | None, Parameter(help="Skins that are tried; without it, as the requirements say.")] = None,
+    sampler: Annotated[
+        Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
+    ] = "gp",
+    hands: WorkerFlags = WorkerFlags(),
+    json: JsonFlag = False,
+) -> int:
+    """Search for the sensor that reads best when built, under the limits of a YAML file.
+
+    Skins are proposed by a Gaussian process and pressed; rings of markers and the camera's distance are
+    chosen on each by exchange; what counts is the error of built units over the tolerances. The same
+    command goes on where it was stopped.
+    """
+    from palpate.core import PalpateError
+    from palpate.optimise import describe_front, optimise_design, read_requirements, write_front
+
+    hands.check()
+    if hands.timeout is not None:
+        raise PalpateError("A search sets the time of its presses itself.", "Leave --timeout out.")
+    if skins is not None and not 1 <= skins <= 100_000:
+        raise PalpateError(f"--skins is {skins}.", "Give 1 to 100000.")
+    spec = read_requirements(requirements)
+    spec = spec if skins is None else spec.model_copy(update={"skins": skins})
+    folder = out or RESULTS / spec.name
+    front = optimise_design(spec, folder, hands.workers, Lines(), sampler=sampler, cluster=hands.cluster or "")
+    write_front(folder, front, shlex.join(["palpate", "optimise", requirements, "--out", str(folder)]))
+    told = describe_front(front)
+    if json:
+        print_json({"out": str(folder), **told})
+    else:
+        print_table(
+            f"{spec.name}: front", list(_SHOWN), [[str(row[name]) for name in _SHOWN] for row in told["front"]]
+        )
+        print(front.shortfall or "The requirements are met.")
+        print(f"Report: {folder / 'report.md'}")
+    return 1 if front.shortfall else 0

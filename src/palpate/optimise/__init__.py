@@ -1,0 +1,39 @@
+"""Design search: requirements in, the best sensors that a workshop can build out."""
+
+from palpate.optimise.choose_rings import ChosenRings, PrintLimits, RingPlaces, bound_rings, choose_rings, place_rings
+from palpate.optimise.front import Entry, Front, TriedSkin
+from palpate.optimise.influence import Influence, Influences, find_influences
+from palpate.optimise.optimise_design import optimise_design
+from palpate.optimise.proposal import Proposal, Variant
+from palpate.optimise.search_skins import Judged, SearchPlan, Tried, search_skins
+from palpate.optimise.space import SkinSpace
+from palpate.optimise.spec import CameraChoice, RequirementsSpec, read_requirements
+from palpate.optimise.write_front import describe_front, write_front
+
+__all__ = [
+    "CameraChoice",
+    "ChosenRings",
+    "Entry",
+    "Front",
+    "Influence",
+    "Influences",
+    "Judged",
+    "PrintLimits",
+    "Proposal",
+    "RequirementsSpec",
+    "RingPlaces",
+    "SearchPlan",
+    "SkinSpace",
+    "Tried",
+    "TriedSkin",
+    "Variant",
+    "bound_rings",
+    "choose_rings",
+    "describe_front",
+    "find_influences",
+    "optimise_design",
+    "place_rings",
+    "read_requirements",
+    "search_skins",
+    "write_front",
+]

@@ -1,0 +1,282 @@
+"""The rings of markers that read best on a skin: chosen by exchange, with a bound on what any choice could reach.
+
+A ring is one of many that might be printed: so many dots, so far along the meridian. `palpate.built.RingInformation`
+gives the expected error of any set of them in half a millisecond, so that rings are moved, one at a time, to the
+place where the error is least, until none can be moved.
+
+The expected square is a convex function of how much of each ring is printed, where parts of rings are allowed (the
+trace of an inverse of a sum; see Boyd and Vandenberghe, Convex Optimization, section 7.5). Its least over mixtures of
+all sets of rings that can be printed bounds every one of them from below. It is found by the method of Frank and
+Wolfe, whose steps are shortest paths outward and whose own gap is subtracted, so that the bound holds wherever it was
+stopped. Known presses add a term that is not convex: the bound leaves it out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.built import ForeseeSpec, RingInformation, ToleranceSpec, measure_rings
+from palpate.camera import Camera
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
+from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
+from palpate.twin import Twin
+
+_SWEEPS = 12
+"""Most rounds of exchanges."""
+_DIFFERENCE = 1e-4
+"""Step of a difference by the share of a ring."""
+_CLOSE = 2e-3
+"""Share of the expected square within which the bound is left."""
+_SPREADS = (1.0, 0.7)
+"""Shares of the meridian over which the rings are spread where exchanges begin."""
+
+
+@dataclass(frozen=True)
+class PrintLimits:
+    """What can be printed and named.
+
+    Attributes
+    ----------
+    most
+        Markers at most.
+    dot, gap
+        Smallest dot, and smallest gap between two, mm.
+    apart_px
+        Least distance of two dots in the image at rest.
+    steepest_deg
+        Slope of the skin up to which it can be printed.
+    on_arc
+        Whether the pad carries dots along the meridian; else along the axis, where steep rings come close on it.
+    places
+        Places along the meridian that a ring may take.
+    """
+
+    most: int = 169
+    dot: float = 1.0
+    gap: float = 0.3
+    apart_px: float = 8.0
+    steepest_deg: float = 65.0
+    on_arc: bool = False
+    places: int = 28
+
+    @property
+    def rings(self) -> int:
+        """Most rings."""
+        count = 0
+        while markers_in_rings(count + 1) <= self.most:
+            count += 1
+        return count
+
+
+@dataclass(frozen=True, eq=False)
+class ChosenRings:
+    """Rings that were chosen.
+
+    Attributes
+    ----------
+    markers
+        The layout.
+    rmse_deg
+        Expected error of rx and ry.
+    """
+
+    markers: MarkerSpec
+    rmse_deg: float
+
+
+@dataclass(frozen=True, eq=False)
+class RingPlaces:
+    """All rings that might be printed on a skin, and what they tell.
+
+    Attributes
+    ----------
+    information
+        Group 0 is the apex; group 1 + (k - 1) J + j is ring k at place j.
+    radii
+        (J,) distance of the places from the axis, mm.
+    allowed
+        (K, J) whether ring k + 1 may be at a place by itself.
+    steps
+        (J, J) whether neighbouring rings may be at these two places.
+    limits
+        What can be printed.
+    """
+
+    information: RingInformation
+    radii: FloatArray
+    allowed: BoolArray
+    steps: BoolArray
+    limits: PrintLimits
+
+    def share(self, places: IntArray) -> FloatArray:
+        """(g,) groups of the apex and of rings 1, 2, … at these places (n,)."""
+        found = np.zeros(1 + self.allowed.size)
+        found[0] = 1.0
+        found[1 + np.arange(len(places)) * len(self.radii) + places] = 1.0
+        return found
+
+    def may_be(self, places: IntArray) -> bool:
+        """Whether rings can be at these places together."""
+        fit = bool(self.allowed[np.arange(len(places)), places].all())
+        return fit and bool(self.steps[places[:-1], places[1:]].all())
+
+
+def place_rings(
+    twin: Twin, camera: Camera, tolerance: ToleranceSpec, spec: ForeseeSpec, limits: PrintLimits
+) -> RingPlaces:
+    """Measure every ring that might be printed on the skin of a twin."""
+    skin, count = twin.skin, limits.rings
+    radii = _radii(skin, limits)
+    apart = _apart(skin, camera, limits, radii)
+    positions, group = [skin.inner_point(np.zeros(1), np.zeros(1))], [np.zeros(1, dtype=int)]
+    for k in range(1, count + 1):
+        azimuth = 2.0 * np.pi * np.arange(6 * k) / (6 * k)
+        for j, radius in enumerate(radii):
+            positions.append(skin.inner_point(np.full(6 * k, radius), azimuth))
+            group.append(np.full(6 * k, 1 + (k - 1) * len(radii) + j))
+    layout = MarkerLayout(np.concatenate(positions), limits.dot)
+    information = measure_rings(twin, layout, np.concatenate(group), camera, tolerance, spec)
+    inside = information.inside[1:].reshape(count, len(radii))
+    numbers = np.arange(1, count + 1)[:, None]
+    within = 2.0 * radii * np.sin(np.pi / (6 * numbers)) >= apart
+    along = skin.arc_length(skin.inner_point(radii, np.zeros(len(radii))))
+    allowed = inside & within & (along >= apart)
+    on_pad = along if limits.on_arc else radii
+    steps = (along[None, :] - along[:, None] >= apart) & (
+        on_pad[None, :] - on_pad[:, None] >= limits.dot + limits.gap
+    )
+    return RingPlaces(information, radii, allowed, steps, limits)
+
+
+def choose_rings(places: RingPlaces, markers: int) -> ChosenRings:
+    """Choose the rings of one number of markers.
+
+    Raises
+    ------
+    PalpateError
+        If so many cannot be printed on this skin.
+    """
+    count = next((n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers), None)
+    if count is None:
+        raise PalpateError(f"{markers} markers are no rings.", f"Take {_counts(places.limits)}.")
+    wanted = [np.linspace(share / count, share, count) * (len(places.radii) - 1) for share in _SPREADS]
+    numbers = np.arange(len(places.radii))
+    starts = [_best_chain(places, (numbers - middle[:, None]) ** 2.0) for middle in wanted]
+    best, least = min((_exchange(places, start) for start in starts), key=lambda found: found[1])
+    return ChosenRings(_markers(places, best), float(np.sqrt(least)))
+
+
+def _counts(limits: PrintLimits) -> str:
+    return ", ".join(str(markers_in_rings(n)) for n in range(1, limits.rings + 1))
+
+
+def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
+    """Distances from the axis, even along the meridian, as far as a pad reaches and the clamp leaves a dot whole."""
+    rho = np.linspace(0.0, skin.widest[0], 401)[1:-1]
+    points = skin.inner_point(rho, np.zeros(len(rho)))
+    steep = np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1.0, 1.0)))
+    fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
+    if not fine.any():
+        raise PalpateError("No ring can be printed on this skin.", "Take a flatter or wider skin, or smaller dots.")
+    reach = float(skin.arc_length(points[fine])[-1])
+    least = limits.dot + limits.gap
+    if reach <= least:
+        raise PalpateError(f"Only {reach:.2g} mm of the meridian can be printed.", "Take a wider skin.")
+    return skin.at_arc_length(np.linspace(least, reach, limits.places))
+
+
+def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -> FloatArray:
+    """Least distance (J,) mm of dots about each place: by the pad, and by the image at rest."""
+    points = skin.inner_point(radii, np.zeros(len(radii)))
+    near = skin.inner_point(radii * 0.99, np.zeros(len(radii)))
+    seen = np.linalg.norm(camera.project(points) - camera.project(near), axis=1)
+    scale = seen / np.linalg.norm(points - near, axis=1)
+    return np.maximum(limits.dot + limits.gap, limits.apart_px / np.maximum(scale, 1e-6))
+
+
+def _exchange(places: RingPlaces, start: IntArray) -> tuple[IntArray, float]:
+    """Move single rings, and pairs of neighbours together, as long as that helps."""
+    now, known = start.copy(), dict[tuple[int, ...], float]()
+
+    def judge(chosen: IntArray) -> float:
+        key = tuple(int(place) for place in chosen)
+        if key not in known:
+            known[key] = places.information.variance(places.share(chosen)) if places.may_be(chosen) else np.inf
+        return known[key]
+
+    least = judge(now)
+    for _ in range(_SWEEPS):
+        before = least
+        for moved in _moves(len(now), len(places.radii)):
+            for shift in range(len(places.radii)):
+                other = now.copy()
+                other[moved] = shift if len(moved) == 1 else other[moved] + shift - len(places.radii) // 2
+                if (other < 0).any() or (other >= len(places.radii)).any():
+                    continue
+                if judge(other) < least * (1 - 1e-9):
+                    now, least = other, judge(other)
+        if least >= before * (1 - 1e-6):
+            break
+    return now, least
+
+
+def _moves(rings: int, places: int) -> list[IntArray]:
+    """Sets of rings that are moved together: each, and all from one on outward or inward."""
+    every = np.arange(rings)
+    single = [every[k : k + 1] for k in range(rings)]
+    runs = [every[k:] for k in range(rings - 1)] + [every[: k + 1] for k in range(1, rings - 1)]
+    return single + runs
+
+
+def _markers(places: RingPlaces, chosen: IntArray) -> MarkerSpec:
+    diameters = tuple(round(2.0 * float(radius), 3) for radius in places.radii[chosen])
+    return MarkerSpec(count=markers_in_rings(len(diameters)), ring_diameters=diameters, diameter=places.limits.dot)
+
+
+def bound_rings(places: RingPlaces, markers: int, steps: int = 40) -> float:
+    """Expected error of rx and ry, degrees, that no rings of so many markers go below.
+
+    Parts of rings may be mixed here, of every set of rings that can be printed.
+    """
+    information = places.information
+    if information.presses is not None:
+        presses = information.presses
+        information = replace(information, presses=presses._replace(common=np.zeros_like(presses.common)))
+    count = next(n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers)
+    share, bound = places.share(_best_chain(places, np.zeros((count, len(places.radii))))), 0.0
+    for step in range(steps):
+        value, slope = information.variance(share), np.zeros_like(places.allowed[:count], dtype=float)
+        for k, j in np.argwhere(places.allowed[:count]):
+            more = share.copy()
+            more[1 + k * len(places.radii) + j] += _DIFFERENCE
+            slope[k, j] = (information.variance(more) - value) / _DIFFERENCE
+        vertex = places.share(_best_chain(places, slope))
+        along = vertex - share
+        bound = max(bound, value + float(slope.ravel() @ along[1 : 1 + slope.size]))
+        if value - bound < _CLOSE * value:
+            break
+        tried = np.array([0.5, 1.0, 2.0, 4.0]) / (step + 2.0)
+        values = [information.variance(share + size * along) for size in np.minimum(tried, 1.0)]
+        share = share + min(1.0, tried[int(np.argmin(values))]) * along
+    return float(np.sqrt(bound))
+
+
+def _best_chain(places: RingPlaces, cost: FloatArray) -> IntArray:
+    """Places of as many rings as `cost` (n, J) has rows, of least cost in all: the shortest path outward."""
+    least = np.where(places.allowed[0], cost[0], np.inf)
+    came = np.zeros(cost.shape, dtype=int)
+    for k in range(1, len(cost)):
+        ways = np.where(places.steps, least[:, None], np.inf)
+        came[k] = ways.argmin(axis=0)
+        least = ways.min(axis=0) + np.where(places.allowed[k], cost[k], np.inf)
+    if not np.isfinite(least.min()):
+        raise PalpateError(
+            f"{markers_in_rings(len(cost))} markers cannot be printed on this skin and be seen apart.",
+            "Take fewer markers, smaller dots, or a larger skin.",
+        )
+    found = [int(least.argmin())]
+    for k in range(len(cost) - 1, 0, -1):
+        found.append(int(came[k, found[-1]]))
+    return np.array(found[::-1])

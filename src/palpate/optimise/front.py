@@ -1,0 +1,129 @@
+"""The front: what was tried, which designs nothing else beats, and whether the requirements are met."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from palpate.optimise.proposal import Proposal, Variant
+from palpate.optimise.spec import RequirementsSpec
+
+WORDS = {
+    "force": "the force on the workpiece is too great",
+    "reach": "the skin cannot be pressed deep enough",
+    "state": "the skin has a second, inverted state",
+    "made": "it cannot be made",
+}
+"""Constraints, and what is said where one is not met."""
+
+
+@dataclass(frozen=True)
+class TriedSkin:
+    """One skin that was tried.
+
+    Attributes
+    ----------
+    number
+        In the order of the search.
+    proposal
+        What was found of it.
+    violations
+        By how much each constraint is not met, over what is allowed; 0 or below where it is met.
+    full
+        What was found of it at full fidelity; `None` where it is no finalist.
+    """
+
+    number: int
+    proposal: Proposal
+    violations: Mapping[str, float]
+    full: Proposal | None = None
+
+    @property
+    def meets(self) -> bool:
+        """Whether every constraint is met."""
+        return all(violation <= 0 for violation in self.violations.values())
+
+    @property
+    def known(self) -> Proposal:
+        """The best that is known of it."""
+        return self.full or self.proposal
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A skin with one of its options."""
+
+    tried: TriedSkin
+    option: Variant
+
+    def value(self, objective: str) -> float:
+        """What is made least by an objective: degrees, N, number, price, or mm."""
+        proposal = self.tried.known
+        return {
+            "error": self.option.figure.worst_deg,
+            "force": proposal.force_n,
+            "markers": float(self.option.markers.count),
+            "price": self.option.price,
+            "size": proposal.size_mm,
+        }[objective]
+
+
+@dataclass(frozen=True)
+class Front:
+    """What a search found.
+
+    Attributes
+    ----------
+    spec
+        The requirements.
+    tried
+        Every skin, in the order of the search.
+    """
+
+    spec: RequirementsSpec
+    tried: tuple[TriedSkin, ...]
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """Every option of every skin that meets the constraints; of finalists alone where there are any."""
+        final = [one for one in self.tried if one.full is not None and one.meets]
+        skins = final or [one for one in self.tried if one.meets]
+        return tuple(Entry(one, option) for one in skins for option in one.known.options)
+
+    @cached_property
+    def best(self) -> tuple[Entry, ...]:
+        """Entries that no other beats in every objective, by the first; one only where there is one objective."""
+        found = [entry for entry in self.entries if not any(self._beats(other, entry) for other in self.entries)]
+        first = self.spec.objectives[0]
+        found.sort(key=lambda entry: (entry.value(first), entry.tried.number, entry.option.markers.count))
+        return tuple(found[:1] if len(self.spec.objectives) == 1 else found)
+
+    @property
+    def winner(self) -> Entry | None:
+        """Of the front the first that meets the error wanted, or else the one of least error."""
+        fine = [entry for entry in self.best if entry.value("error") <= self.spec.error_deg]
+        return next(iter(fine), min(self.best, key=lambda entry: entry.value("error"), default=None))
+
+    @property
+    def shortfall(self) -> str:
+        """What stands in the way, in a sentence; empty where the requirements are met."""
+        if self.winner is None:
+            reasons = [name for one in self.tried for name, by in one.violations.items() if by > 0]
+            if not reasons:
+                return "No skin was tried."
+            often = max(dict.fromkeys(reasons), key=reasons.count)
+            nearest = min(self.tried, key=lambda one: max(one.violations.values()))
+            return (
+                f"No skin of {len(self.tried)} meets the limits; of {reasons.count(often)} {WORDS[often]}. "
+                f"The nearest is number {nearest.number}, over by {100 * max(nearest.violations.values()):.0f} %."
+            )
+        error = self.winner.value("error")
+        if error > self.spec.error_deg:
+            return f"The least error found is {error:.3f}°, and {self.spec.error_deg:g}° is wanted."
+        return ""
+
+    def _beats(self, one: Entry, other: Entry) -> bool:
+        names = self.spec.objectives
+        pairs = [(one.value(name), other.value(name)) for name in names]
+        return all(a <= b for a, b in pairs) and any(a < b for a, b in pairs)

@@ -1,0 +1,159 @@
+"""From requirements to a front of designs: skins by a Gaussian process, rings and cameras by exchange."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from palpate.core import ArtefactStore, PalpateError
+from palpate.design import DomeSpec
+from palpate.optimise.front import Front, TriedSkin
+from palpate.optimise.proposal import Proposal
+from palpate.optimise.propose import ProposalTask, plan_proposal
+from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, search_skins
+from palpate.optimise.space import Place, SkinSpace
+from palpate.optimise.spec import RequirementsSpec
+from palpate.study import Observer, find_made, run_tasks, writable
+
+JOURNAL = "search.journal"
+"""File of the search in its folder."""
+_ASKED = "requirements.json"
+_HOPELESS_DEG = 3.0
+"""Error that a skin counts as having of which none is known."""
+_SEARCHED = ("error", "force", "size")
+"""Objectives that depend on the skin; for the others every skin offers all that it can."""
+_SLACK = 0.005
+"""Share of the depth by which a skin may fall short of it."""
+
+
+def optimise_design(
+    spec: RequirementsSpec,
+    out: Path,
+    workers: int | None = None,
+    observer: Observer | None = None,
+    *,
+    sampler: Sampler = "gp",
+    cluster: str = "",
+) -> Front:
+    """Search for the designs that meet requirements best.
+
+    Parameters
+    ----------
+    spec
+        The requirements.
+    out
+        Result folder; the same call goes on where an earlier one was stopped, and presses nothing twice.
+    workers, observer
+        As for `palpate.study.run_study`; what is found does not depend on them.
+    sampler
+        ``"random"`` draws skins at random, as a control.
+    cluster
+        A Dask cluster instead of workers, as for `palpate.study.run_study`.
+
+    Raises
+    ------
+    PalpateError
+        If the folder is of other requirements, or cannot be written.
+    MissingExtraError
+        If optuna or torch is not installed.
+    """
+    space, judge = SkinSpace.of(spec), _Judge(spec, out, workers, observer, cluster)
+    _keep(spec, sampler, out)
+    searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
+    plan = SearchPlan(
+        spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
+    )
+    tried = search_skins(space, judge.judge, plan, out / JOURNAL)
+    found = tuple(
+        TriedSkin(one.number, Proposal.from_data(one.judged.note["proposal"]), one.judged.violations) for one in tried
+    )
+    front = Front(spec, found)
+    return replace(front, tried=judge.finish(front)) if spec.finalists else front
+
+
+def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
+    """By how much a skin misses each constraint, over what is allowed."""
+    found = {"reach": 1.0 - _SLACK - proposal.reach_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
+    if spec.force_n is not None:
+        found["force"] = proposal.force_n / spec.force_n - 1.0 if proposal.force_n else 0.0
+    if spec.single_state:
+        second = proposal.second_state_mm
+        found["state"] = -1.0 if second is None else 1.0 - second / spec.depth
+    return found
+
+
+@dataclass(frozen=True)
+class _Judge:
+    """Judges skins by tasks in the search's folder."""
+
+    spec: RequirementsSpec
+    out: Path
+    workers: int | None
+    observer: Observer | None
+    cluster: str
+
+    def judge(self, places: Sequence[Place]) -> list[Judged]:
+        """Values, violations and proposals at places."""
+        space = SkinSpace.of(self.spec)
+        tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
+        return [
+            Judged(self._values(proposal), violations(self.spec, proposal), {"proposal": proposal.to_data()})
+            for proposal in self._do(tasks)
+        ]
+
+    def finish(self, front: Front) -> tuple[TriedSkin, ...]:
+        """The same skins, the best of which are pressed at full fidelity."""
+        first, best = self.spec.objectives[0], dict[int, float]()
+        for entry in front.entries:
+            value = entry.value(first)
+            best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
+        chosen = [entry.tried.number for entry in front.best if len(self.spec.objectives) > 1]
+        chosen += sorted(best, key=lambda number: (best[number], number))
+        skins, numbers = set[str](), list[int]()
+        for number in dict.fromkeys(chosen):
+            name = repr(front.tried[number].proposal.skin)
+            if name not in skins and len(numbers) < self.spec.finalists:
+                skins.add(name)
+                numbers.append(number)
+        by_number = {one.number: one for one in front.tried}
+        asked = [by_number[number].proposal for number in numbers]
+        tasks = [plan_proposal(self.spec, proposal.skin, proposal.material, full=True) for proposal in asked]
+        for number, full in zip(numbers, self._do(tasks), strict=True):
+            by_number[number] = replace(by_number[number], full=full, violations=violations(self.spec, full))
+        return tuple(by_number.values())
+
+    def _do(self, tasks: Sequence[ProposalTask]) -> list[Proposal]:
+        reasons = run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
+        store = ArtefactStore(self.out / "store")
+        return [
+            Proposal(task.skin, task.material, problem=reasons[task.recipe.key])
+            if task.recipe.key in reasons
+            else Proposal.from_data(json.loads(find_made(store, task).read_text("utf-8")))
+            for task in tasks
+        ]
+
+    def _values(self, proposal: Proposal) -> tuple[float, ...]:
+        best = proposal.best(self.spec.markers)
+        known = {
+            "error": math.log10(best.figure.worst_deg if best else _HOPELESS_DEG),
+            "force": math.log10(max(proposal.force_n, 1e-3)),
+            "size": proposal.size_mm,
+        }
+        return tuple(known[name] for name in self.spec.objectives if name in known) or (known["error"],)
+
+
+def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
+    """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
+    asked = {**spec.model_dump(mode="json"), "sampler": sampler}
+    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name"}
+    if file.exists():
+        before = json.loads(file.read_text("utf-8"))
+        other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))
+        if other:
+            raise PalpateError(
+                f"{out} holds a search of other requirements: {', '.join(other)}.", "Give another --out."
+            )
+    file.write_text(json.dumps(asked, indent=2) + "\n", "utf-8")

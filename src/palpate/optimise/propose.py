@@ -1,0 +1,206 @@
+"""Judge one skin: press it a little coarsely, make its twin, choose its rings and camera, foresee its units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from palpate.built import BuiltFigure, ForeseeSpec, foresee
+from palpate.camera import Camera, build_camera
+from palpate.core import ArtefactStore, PalpateError, Recipe
+from palpate.design import Finding, MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers
+from palpate.fabricate import check_process
+from palpate.fea import Branch, Press, read_press
+from palpate.material import get_material
+from palpate.mesh import MeshSpec
+from palpate.optimise.choose_rings import PrintLimits, RingPlaces, choose_rings, place_rings
+from palpate.optimise.proposal import Proposal, Variant
+from palpate.optimise.spec import CameraChoice, RequirementsSpec
+from palpate.study import (
+    BuiltSpec,
+    MaterialSpec,
+    PressTask,
+    Study,
+    Task,
+    TwinTask,
+    find_made,
+    plan_twin,
+    write_json,
+)
+from palpate.twin import Twin, read_twin
+
+PROPOSE_VERSION = "1"
+"""Version of the code that decides what is proposed; part of an artefact's key."""
+_COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
+"""Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
+of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
+_JUDGED_BY = (
+    "seed",
+    "known",
+    "least_depth",
+    "depth",
+    "max_tilt_deg",
+    "markers",
+    "dot",
+    "cameras",
+    "tolerance",
+    "process",
+)
+"""Requirements that decide what is found of a skin; the others decide what is made of that."""
+_DISTANCES, _POSES = 4, 24
+"""Distances of a camera that are tried, and poses by which rings are chosen."""
+
+
+@dataclass(frozen=True)
+class ProposalTask(Task):
+    """Choose rings and camera on one skin, and foresee its units."""
+
+    twin: TwinTask
+    inverted: PressTask | None
+    spec: RequirementsSpec
+    material: str
+
+    suffix = ".json"
+
+    @property
+    def skin(self) -> SkinSpec:
+        """The skin that is judged."""
+        return self.twin.presses[0].skin
+
+    @property
+    def name(self) -> str:
+        return f"proposal {self.skin.build().name}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
+        inputs = (self.twin.recipe.key, *((self.inverted.recipe.key,) if self.inverted else ()))
+        return Recipe(kind="proposal", spec=spec, inputs=inputs, version=PROPOSE_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.twin, *((self.inverted,) if self.inverted else ()))
+
+    @property
+    def cost(self) -> float:
+        return 15.0 * len(self.spec.cameras)
+
+    def make(self, store: ArtefactStore) -> None:
+        presses = [read_press(find_made(store, press)) for press in self.twin.presses]
+        force = max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses)
+        twin = read_twin(find_made(store, self.twin))
+        second = second_state(read_press(find_made(store, self.inverted))) if self.inverted else None
+        proposal = propose(twin, self.skin, self.material, self.spec, force, second)
+        store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
+
+
+def plan_proposal(spec: RequirementsSpec, skin: SkinSpec, material: str, *, full: bool = False) -> ProposalTask:
+    """The tasks that judge a skin; `full`: with the presses of a study's twin instead of fewer, coarser ones."""
+    tilts = 7 if full else _COARSE_TILTS
+    step = spec.depth / (10.0 if full else 5.0)
+    study = Study(
+        name=spec.name,
+        material=MaterialSpec(name=material),
+        mesh=MeshSpec() if full else MeshSpec(cells=_COARSE_CELLS),
+        tilts_deg=tuple(round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, tilts)),
+        built=BuiltSpec(tolerance=spec.tolerance) if full else BuiltSpec(contacts=_COARSE_CONTACTS),
+    )
+    study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "image_step": step})})
+    twin = plan_twin(study, skin)
+    straight = twin.presses[0]
+    plain = straight.solver.model_copy(update={"derivatives": ()})
+    inverted = PressTask(skin, straight.mesh, straight.material, straight.wall, plain, Branch.INVERTED)
+    return ProposalTask(twin, inverted if spec.single_state else None, spec, material)
+
+
+def propose(
+    twin: Twin, skin: SkinSpec, material: str, spec: RequirementsSpec, force_n: float, second_state_mm: float | None
+) -> Proposal:
+    """Choose markers and camera on the skin of a twin, for every number of rings, and foresee its units.
+
+    A skin on which nothing can be printed, or that cannot be made, gives a proposal with that problem.
+    """
+    known = Proposal(skin, material, float(twin.reach_mm.min()), force_n, second_state_mm)
+    try:
+        options = tuple(_choose(twin, material, spec))
+    except PalpateError as error:
+        return Proposal(known.skin, material, known.reach_mm, force_n, second_state_mm, problem=str(error.what))
+    return Proposal(known.skin, material, known.reach_mm, force_n, second_state_mm, options)
+
+
+def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Variant]:
+    """The best option of each camera and number of rings."""
+    limits = PrintLimits(
+        most=spec.markers,
+        dot=spec.dot,
+        gap=spec.process.smallest_gap,
+        steepest_deg=spec.process.steepest_deg,
+        on_arc=spec.process.mapping == "arc",
+    )
+    problems = []
+    for choice in spec.cameras:
+        found = _place_camera(twin, spec, choice, limits)
+        if isinstance(found, PalpateError):
+            problems.append(found)
+            continue
+        distance, places = found
+        camera = build_camera(choice.camera.model_copy(update={"distance": distance}))
+        for rings in range(1, limits.rings + 1):
+            try:
+                markers = choose_rings(places, markers_in_rings(rings)).markers
+            except PalpateError:
+                break
+            layout = place_markers(twin.skin, markers)
+            findings = check_process(twin.skin, layout, get_material(material), camera, spec.process)
+            error = next((finding for finding in findings if finding.severity is Severity.ERROR), None)
+            if error is not None:
+                problems.append(_as_error(error))
+                break
+            yield Variant(markers, choice.name, distance, choice.price, _foresee(twin, markers, camera, spec))
+    if len(problems) == len(spec.cameras):
+        raise problems[0]
+
+
+def second_state(press: Press) -> float | None:
+    """Depth in mm from which a press shows the inverted state; `None` where it shows none."""
+    inverted = press.depth[press.branch == Branch.INVERTED]
+    return float(inverted.min()) if len(inverted) else None
+
+
+def _place_camera(
+    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, limits: PrintLimits
+) -> tuple[float, RingPlaces] | PalpateError:
+    """The distance of a camera at which the most rings that fit read best, and the rings there."""
+    least, most = choice.distances
+    found: list[tuple[int, float, float, RingPlaces]] = []
+    problem = PalpateError(f"The camera {choice.name} sees no ring of the skin.", "Allow a greater distance.")
+    for distance in np.linspace(least, most, _DISTANCES if most > least else 1):
+        camera = build_camera(choice.camera.model_copy(update={"distance": float(distance)}))
+        places = place_rings(twin, camera, spec.tolerance, replace(_foresee_spec(spec), poses=_POSES), limits)
+        for rings in range(limits.rings, 0, -1):
+            try:
+                chosen = choose_rings(places, markers_in_rings(rings))
+            except PalpateError as error:
+                problem = error
+                continue
+            found.append((-rings, chosen.rmse_deg, round(float(distance), 2), places))
+            break
+    if not found:
+        return problem
+    _, _, best, places = min(found, key=lambda row: row[:2])
+    return best, places
+
+
+def _foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
+    return ForeseeSpec(known=spec.known, least_depth=spec.least_depth, max_tilt_deg=spec.max_tilt_deg, seed=spec.seed)
+
+
+def _foresee(twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec) -> BuiltFigure:
+    return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, _foresee_spec(spec))
+
+
+def _as_error(finding: Finding) -> PalpateError:
+    return PalpateError(finding.message, finding.remedy)

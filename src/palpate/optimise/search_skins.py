@@ -1,0 +1,180 @@
+"""Search by a Gaussian process: which skins to try next, given what was found of those tried.
+
+Skins are proposed in batches whose size and seeds do not depend on how many workers there are, and everything is in a
+journal: a search that was stopped proposes what it would have proposed, and what was begun is finished first.
+"""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from palpate.core import MissingExtraError, child_seed
+from palpate.optimise.space import Place, SkinSpace
+
+if TYPE_CHECKING:
+    import optuna
+
+BATCH = 4
+"""Places that are proposed together."""
+_STARTUP = 8
+"""Places drawn at random before the process is fitted."""
+Sampler = Literal["gp", "random"]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What was found of one place.
+
+    Attributes
+    ----------
+    values
+        What is made least.
+    violations
+        Constraints by name: above 0 where one is not met.
+    note
+        Anything that is to be kept with it.
+    """
+
+    values: tuple[float, ...]
+    violations: Mapping[str, float]
+    note: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A place that was tried, and what was found; `number` in the order in which they were proposed."""
+
+    number: int
+    place: Place
+    judged: Judged
+
+
+@dataclass(frozen=True)
+class SearchPlan:
+    """How a search goes.
+
+    Attributes
+    ----------
+    trials
+        How many places are tried, those of earlier runs with the same journal counted.
+    seed, sampler
+        Of the proposals; ``"random"`` is the control.
+    first
+        Places to begin with.
+    objectives
+        How many values there are.
+    hours
+        Time after which no further batch is begun.
+    """
+
+    trials: int
+    seed: int = 0
+    sampler: Sampler = "gp"
+    first: tuple[Place, ...] = ()
+    objectives: int = 1
+    hours: float = 1e9
+
+
+def search_skins(
+    space: SkinSpace, judge: Callable[[Sequence[Place]], Sequence[Judged]], plan: SearchPlan, journal: Path
+) -> tuple[Tried, ...]:
+    """Try places of a space and return all that were tried, in their order.
+
+    Parameters
+    ----------
+    space
+        Ranges of the variables.
+    judge
+        Finds values and violations of several places at once.
+    plan
+        How many, by whom they are proposed, and where to begin.
+    journal
+        File of the search; what it holds is not judged again.
+
+    Raises
+    ------
+    MissingExtraError
+        If optuna or torch is not installed.
+    """
+    study, begun = _open(journal, plan.objectives), time.monotonic()
+    if not study.trials:
+        for place in plan.first:
+            study.enqueue_trial(dict(place))
+    for start in range(0, plan.trials, BATCH):
+        numbers = range(start, min(start + BATCH, plan.trials))
+        there = study.get_trials(deepcopy=False)[start : numbers.stop]
+        if len([trial for trial in there if trial.state.name == "COMPLETE"]) == len(numbers):
+            continue
+        if time.monotonic() - begun > 3600.0 * plan.hours:
+            break
+        asked = [trial for number in numbers if (trial := _ask(study, space, number, plan)) is not None]
+        for trial, found in zip(asked, judge([trial.params for trial in asked]), strict=True):
+            _tell(study, trial, found)
+    done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
+    return tuple(Tried(trial.number, trial.params, _judged(trial)) for trial in done)
+
+
+def _open(journal: Path, objectives: int) -> optuna.Study:
+    try:
+        import optuna
+        import torch  # noqa: F401  (the Gaussian process is on it)
+        from optuna.storages import JournalStorage
+        from optuna.storages.journal import JournalFileBackend
+    except ImportError as error:
+        raise MissingExtraError(error.name or "optuna", "learn") from error
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    return optuna.create_study(
+        storage=JournalStorage(JournalFileBackend(str(journal))),
+        study_name="skins",
+        directions=["minimize"] * objectives,
+        load_if_exists=True,
+    )
+
+
+def _ask(study: optuna.Study, space: SkinSpace, number: int, plan: SearchPlan) -> optuna.Trial | None:
+    """The trial of a number, new or interrupted; `None` where it has ended.
+
+    Each has a seed of its own, so that a search that goes on proposes the same.
+    """
+    import optuna
+
+    study.sampler = _sampler(plan.sampler, child_seed(plan.seed, "skin", number) % 2**32)
+    there = study.get_trials(deepcopy=False)[number : number + 1]
+    if there and there[0].state.name == "COMPLETE":
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        begun = there and there[0].state.name == "RUNNING"
+        trial = optuna.trial.Trial(study, there[0]._trial_id) if begun else study.ask()
+        for name, (low, high) in space.ranges.items():
+            trial.suggest_float(name, low, high)
+        if len(space.materials) > 1:
+            trial.suggest_categorical("material", space.materials)
+    return trial
+
+
+def _sampler(kind: Sampler, seed: int) -> optuna.samplers.BaseSampler:
+    import optuna
+
+    if kind == "random":
+        return optuna.samplers.RandomSampler(seed=seed)
+    return optuna.samplers.GPSampler(seed=seed, n_startup_trials=_STARTUP)
+
+
+def _tell(study: optuna.Study, trial: optuna.Trial, found: Judged) -> None:
+    """Leave what was found in the journal."""
+    for name, value in found.violations.items():
+        trial.set_constraint(name, value)
+    trial.set_user_attr("violations", dict(found.violations))
+    trial.set_user_attr("note", dict(found.note))
+    study.tell(trial, list(found.values))
+
+
+def _judged(trial: optuna.trial.FrozenTrial) -> Judged:
+    values, attributes = tuple(trial.values or ()), trial.user_attrs
+    return Judged(values, attributes["violations"], attributes["note"])

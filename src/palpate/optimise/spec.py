@@ -1,0 +1,169 @@
+"""Requirements: what a sensor must do, and what the workshop can make."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from palpate.built import ToleranceSpec
+from palpate.camera import CameraSpec
+from palpate.core import PAPER, PalpateError, Spec, parameter
+from palpate.fabricate import ProcessSpec
+from palpate.material import get_material
+from palpate.study import read_spec
+
+Range = tuple[float, float]
+PRESET = "paper_task"
+"""Requirements that come with the package."""
+_HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
+Objective = Literal["error", "force", "markers", "price", "size"]
+FIELDS = {"heights": "height", "base_radii": "base_radius", "thicknesses": "thickness", "aspects": "aspect"}
+"""Ranges of the search, and what each is of a skin."""
+
+
+class CameraChoice(Spec):
+    """A camera that may be built in."""
+
+    name: str = parameter("davis346", unit="", meaning="name of the camera")
+    price: float = parameter(0.0, unit="1", meaning="price in any currency, the same for all cameras", ge=0)
+    camera: CameraSpec = CameraSpec()
+    distances: Range = parameter((40.0, 54.0), unit="mm", meaning="least and greatest distance below the base plane")
+
+    @field_validator("distances")
+    @classmethod
+    def _grows(cls, given: Range) -> Range:
+        return _growing(given, 1.0, 1000.0, "mm")
+
+
+class RequirementsSpec(Spec):
+    """What the sensor must do, within which limits, and what is made least."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", description="name of the search and its folder")
+    seed: int = parameter(0, unit="1", meaning="seed of everything drawn at random", ge=0)
+    error_deg: float = parameter(
+        0.5, unit="deg", meaning="greatest error of rx or ry that 19 of 20 built units are to stay below", gt=0, le=45
+    )
+    known: int = parameter(
+        5, unit="1", meaning="known presses by which each unit is identified before it is used", ge=0, le=100
+    )
+    least_depth: float = parameter(2.4, unit="mm", meaning="least depth at which it is read", source=PAPER, ge=0.2)
+    depth: float = parameter(8.0, unit="mm", meaning="depth to which it is pressed", source=PAPER, gt=0, le=40)
+    max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt of the wall", source=PAPER, ge=2, le=30)
+    force_n: float | None = parameter(
+        None, unit="N", meaning="greatest force on the workpiece at full depth; empty: any", gt=0
+    )
+    single_state: bool = parameter(
+        False, unit="", meaning="whether the skin must have no second, inverted state up to full depth"
+    )
+    heights: Range = parameter((10.0, 30.0), unit="mm", meaning="least and greatest height of the inner surface")
+    base_radii: Range = parameter((15.0, 20.0), unit="mm", meaning="least and greatest radius of its rim")
+    thicknesses: Range = parameter((1.0, 4.0), unit="mm", meaning="least and greatest thickness of the wall")
+    aspects: Range = parameter(
+        (0.6, 1.6), unit="1", meaning="least and greatest ratio of a meridian's semi-axes; 1: part of a sphere"
+    )
+    markers: int = parameter(169, unit="1", meaning="markers at most", ge=7, le=397)
+    dot: float = parameter(1.0, unit="mm", meaning="diameter of a dot", gt=0, le=5)
+    cameras: tuple[CameraChoice, ...] = (CameraChoice(),)
+    materials: tuple[str, ...] = parameter(
+        ("zaid_2024_ecoflex_00_30",), unit="", meaning="elastomers that may be cast, as in a study's material"
+    )
+    objectives: tuple[Objective, ...] = parameter(
+        ("error",), unit="", meaning="what is made least: error, force, markers, price, size; a front where several"
+    )
+    skins: int = parameter(60, unit="1", meaning="skins that are tried", ge=1, le=100000)
+    hours: float = parameter(4.0, unit="h", meaning="time after which no further skin is begun", gt=0, le=10000)
+    finalists: int = parameter(3, unit="1", meaning="best skins that are pressed at full fidelity", ge=0, le=20)
+    tolerance: ToleranceSpec = ToleranceSpec()
+    process: ProcessSpec = ProcessSpec()
+
+    @field_validator("heights", "base_radii", "thicknesses", "aspects")
+    @classmethod
+    def _ranges_grow(cls, given: Range, info: object) -> Range:
+        bounds = {"heights": (2, 60), "base_radii": (5, 60), "thicknesses": (0.2, 15), "aspects": (0.2, 5)}
+        name = str(getattr(info, "field_name", ""))
+        return _growing(given, *bounds[name], "" if name == "aspects" else "mm")
+
+    @field_validator("cameras", "materials", "objectives")
+    @classmethod
+    def _at_least_one(cls, given: tuple[object, ...]) -> tuple[object, ...]:
+        if not given:
+            raise PydanticCustomError("empty_list", "the list is empty; give at least one.", {})
+        names = [item.name if isinstance(item, CameraChoice) else item for item in given]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise PydanticCustomError("twice", "{name} stands there twice; keep one.", {"name": str(twice)})
+        return given
+
+    @field_validator("materials")
+    @classmethod
+    def _are_known(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        for name in names:
+            try:
+                get_material(name)
+            except PalpateError as error:
+                raise PydanticCustomError("unknown_material", "{says}", {"says": str(error)}) from None
+        return names
+
+    @model_validator(mode="after")
+    def _can_be_met(self) -> RequirementsSpec:
+        """Refuse what contradicts itself; the numbers are named."""
+        if self.least_depth >= self.depth:
+            _refuse(
+                f"least_depth is {self.least_depth:g} mm and depth {self.depth:g} mm; read at less than full depth."
+            )
+        if self.heights[1] <= self.depth:
+            _refuse(
+                f"no height up to {self.heights[1]:g} mm can be pressed by {self.depth:g} mm; allow higher skins."
+            )
+        if self.thicknesses[0] >= self.base_radii[1]:
+            _refuse(f"walls of {self.thicknesses[0]:g} mm do not fit into a radius of {self.base_radii[1]:g} mm.")
+        if self.dot < self.process.smallest_dot:
+            _refuse(f"dot is {self.dot:g} mm, less than process.smallest_dot, {self.process.smallest_dot:g} mm.")
+        if "price" in self.objectives and len(self.cameras) == 1:
+            _refuse("price is made least, but there is only one camera; give several or leave price out.")
+        return self
+
+
+def read_requirements(source: str | Path) -> RequirementsSpec:
+    """Read requirements.
+
+    Parameters
+    ----------
+    source
+        Path of a YAML file, or ``"paper_task"``, the task of the paper.
+
+    Raises
+    ------
+    PalpateError
+        If it cannot be read or asks for what cannot be; the message names file and line.
+    """
+    path = Path(source)
+    if not path.exists() and str(source) == PRESET:
+        text = (resources.files("palpate.optimise") / "presets" / f"{PRESET}.yaml").read_text("utf-8")
+        return read_spec(Path(f"{PRESET}.yaml"), text, RequirementsSpec, _HINT)
+    try:
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise PalpateError(f"The requirements {path} cannot be read: {error.strerror}.", _HINT) from error
+    except UnicodeDecodeError as error:
+        raise PalpateError(f"{path} is not a text file.", "Give a YAML file in UTF-8.") from error
+    return read_spec(path, text, RequirementsSpec, _HINT)
+
+
+def _growing(given: Range, least: float, most: float, unit: str) -> Range:
+    low, high = given
+    if not least <= low <= high <= most:
+        raise PydanticCustomError(
+            "no_range",
+            "{given} is no range within {bounds}; give the least and the greatest.",
+            {"given": f"{low:g} to {high:g}", "bounds": f"{least:g} to {most:g} {unit}".strip()},
+        )
+    return given
+
+
+def _refuse(sentence: str) -> None:
+    raise PydanticCustomError("contradiction", "{sentence}", {"sentence": sentence})

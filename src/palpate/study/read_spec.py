@@ -1,0 +1,151 @@
+"""From a YAML file to a spec, with errors that name file, line, bound and the nearest valid key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+from palpate.core import PalpateError, Spec, parameters
+
+MOST_ERRORS = 8
+"""More errors than these do not fit on one screen."""
+
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+
+Place = tuple[str | int, ...]
+Given = TypeVar("Given", bound=Spec)
+
+
+def read_spec(
+    path: Path, text: str, spec: type[Given], hint: str, resolve: Callable[[CommentedMap], None] | None = None
+) -> Given:
+    """Read a spec from the text of a YAML file.
+
+    Parameters
+    ----------
+    path
+        Where the text is from, for messages.
+    text
+        The file's content.
+    spec
+        What it is to be.
+    hint
+        Where a person finds a valid one.
+    resolve
+        Changes the file's tree before it is judged, as where it names other files.
+
+    Raises
+    ------
+    PalpateError
+        If the file is no valid one; the message names file and line.
+    """
+    name = spec.__name__.removesuffix("Spec").lower()
+    try:
+        tree = YAML(typ="rt").load(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f":{mark.line + 1}" if mark is not None else ""
+        problem = str(error.problem or error.context).splitlines()[0]
+        raise PalpateError(f"{path}{line}: this is not YAML: {problem}.", "Mend the line.") from error
+    except YAMLError as error:
+        raise PalpateError(f"{path}: this is not YAML: {error}.", "Mend the file.") from error
+    except RecursionError:
+        raise PalpateError(f"{path} is nested too deeply.", hint) from None
+    if not isinstance(tree, CommentedMap):
+        raise PalpateError(f"{path}:1: a {name} is a mapping of keys.", hint)
+    if resolve is not None:
+        resolve(tree)
+    try:
+        return spec.model_validate(_plain(tree))
+    except ValidationError as error:
+        errors = sorted(error.errors(), key=lambda details: _line(tree, tuple(details["loc"])))
+        lines = [_say(path, tree, details, spec) for details in errors]
+        more = [f"… and {len(lines) - MOST_ERRORS} more"] if len(lines) > MOST_ERRORS else []
+        raise PalpateError("\n".join([*lines[:MOST_ERRORS], *more])) from None
+
+
+def _plain(node: Any) -> Any:
+    """Mappings, lists and scalars without what the reader attached to them."""
+    if isinstance(node, CommentedMap):
+        return {str(key): _plain(value) for key, value in node.items()}
+    if isinstance(node, CommentedSeq):
+        return [_plain(value) for value in node]
+    for kind in (bool, int, float, str):
+        if isinstance(node, kind):
+            return kind(node)
+    return node
+
+
+def _say(path: Path, tree: CommentedMap, details: ErrorDetails, spec: type[Spec]) -> str:
+    place = tuple(_written_place(tree, details["loc"]))
+    key = ".".join(str(part) for part in place) or spec.__name__.removesuffix("Spec").lower()
+    where = f"{path}:{_line(tree, place)}: {key}"
+    if details["type"] == "extra_forbidden":
+        valid = list(_spec_at(spec, details["loc"][:-1]).model_fields)
+        near = get_close_matches(str(place[-1]), valid, n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]}?" if near else f"valid keys: {', '.join(valid)}."
+        return f"{where}: there is no such key; {hint}"
+    if details["type"] == "missing":
+        return f"{where} is missing."
+    given, message = details["input"], details["msg"].rstrip(".")
+    shown = f" (given {given})" if isinstance(given, str | int | float) and str(given) not in message else ""
+    unit = _unit(spec, details["loc"]) if "ctx" in details and details["type"] in _BOUNDS else ""
+    return f"{where}: {message}{unit}{shown}."
+
+
+def _written_place(tree: CommentedMap, place: Sequence[str | int]) -> Iterator[str | int]:
+    """The part of an error's place that stands in the file; the rest is how validation names its branches."""
+    node: Any = tree
+    for part in place:
+        known = isinstance(node, CommentedMap) and part in node
+        if not known and not (isinstance(node, CommentedSeq) and isinstance(part, int) and part < len(node)):
+            if isinstance(node, CommentedMap) and len(place) == 1:
+                yield part
+            return
+        yield part
+        node = node[part]
+
+
+def _line(tree: CommentedMap, place: Place) -> int:
+    line, node = 0, tree
+    for part in place:
+        try:
+            line = node.lc.key(part)[0] if isinstance(node, CommentedMap) else node.lc.item(part)[0]
+            node = node[part]
+        except (AttributeError, KeyError, IndexError, TypeError):
+            break
+    return int(line) + 1
+
+
+def _spec_at(root: type[BaseModel], place: Sequence[str | int]) -> type[BaseModel]:
+    """The spec that declares the keys at `place`."""
+    spec = root
+    for part in place:
+        field = spec.model_fields.get(str(part))
+        if field is not None:
+            spec = next(_specs_in(field.annotation), spec)
+    return spec
+
+
+def _specs_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _specs_in(inner)
+
+
+def _unit(root: type[BaseModel], place: Sequence[str | int]) -> str:
+    names = [part for part in place if isinstance(part, str)]
+    for depth in range(len(names), 0, -1):
+        for note in parameters(_spec_at(root, names[: depth - 1])):
+            if note.name == names[depth - 1]:
+                return f" {note.unit}" if note.unit not in ("", "1") else ""
+    return ""

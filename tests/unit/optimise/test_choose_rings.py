@@ -1,0 +1,90 @@
+"""Rings chosen by exchange, held against every choice there is, against `foresee`, and against their bound."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from palpate.built import ForeseeSpec, ToleranceSpec, foresee, measure_rings
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import PalpateError
+from palpate.design import MarkerSpec, place_markers
+from palpate.optimise import PrintLimits, RingPlaces, bound_rings, choose_rings, place_rings
+from palpate.twin import Twin, read_twin
+from small_chain import write_small_twin
+
+CAMERA = build_camera(CameraSpec())
+TOLERANCE = ToleranceSpec()
+LIMITS = PrintLimits(most=61, places=14)
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
+    return read_twin(write_small_twin(tmp_path_factory.mktemp("twin") / "small.h5"))
+
+
+@pytest.fixture(scope="module", params=[0, 4])
+def places(twin: Twin, request: pytest.FixtureRequest) -> RingPlaces:
+    spec = ForeseeSpec(known=request.param, max_tilt_deg=9.0, poses=20)
+    return place_rings(twin, CAMERA, TOLERANCE, spec, LIMITS)
+
+
+@pytest.mark.parametrize("rings", [1, 2, 3])
+def test_no_choice_of_all_that_can_be_printed_is_better_by_two_hundredths(places: RingPlaces, rings: int) -> None:
+    chosen = choose_rings(places, 1 + 3 * rings * (rings + 1))
+    every = [np.array(choice) for choice in combinations(range(LIMITS.places), rings)]
+    errors = [places.information.variance(places.share(one)) for one in every if places.may_be(one)]
+    assert len(errors) >= 10
+    assert chosen.rmse_deg <= 1.02 * np.sqrt(min(errors))
+    assert chosen.rmse_deg < 0.95 * np.sqrt(np.median(errors)), "there is something to choose"
+
+
+@pytest.mark.parametrize("rings", [1, 3])
+def test_the_bound_is_below_every_choice_and_not_idle(places: RingPlaces, rings: int) -> None:
+    markers = 1 + 3 * rings * (rings + 1)
+    least, bound = choose_rings(places, markers).rmse_deg, bound_rings(places, markers)
+    assert 0.6 * least < bound <= least
+
+
+@pytest.mark.parametrize(("known", "count"), [(0, 91), (0, 37), (4, 91)])
+def test_information_that_is_added_up_is_what_units_that_are_drawn_show(twin: Twin, known: int, count: int) -> None:
+    layout = place_markers(twin.skin, MarkerSpec(count=count))
+    spec = ForeseeSpec(known=known, max_tilt_deg=9.0, units=400)
+    group = np.arange(len(layout)) % 5
+    found = measure_rings(twin, layout, group, CAMERA, TOLERANCE, spec).variance(np.ones(5))
+    assert np.sqrt(found) == pytest.approx(foresee(twin, layout, CAMERA, TOLERANCE, spec).rmse_deg, rel=0.15)
+
+
+def test_information_does_not_depend_on_how_dots_are_grouped(twin: Twin) -> None:
+    layout, spec = place_markers(twin.skin, MarkerSpec(count=37)), ForeseeSpec(known=2, max_tilt_deg=9.0, poses=8)
+    one, many = (
+        measure_rings(twin, layout, group, CAMERA, TOLERANCE, spec).variance(np.ones(group.max() + 1))
+        for group in (np.zeros(37, dtype=int), np.arange(37))
+    )
+    assert one == pytest.approx(many, rel=1e-9)
+
+
+def test_rings_can_be_printed_and_told_apart(places: RingPlaces, twin: Twin) -> None:
+    layout = place_markers(twin.skin, choose_rings(places, 61).markers)
+    points, pixels = layout.positions, CAMERA.project(layout.positions)
+    apart = [np.linalg.norm(each[:, None] - each[None], axis=-1) + 99 * np.eye(61) for each in (points, pixels)]
+    assert apart[0].min() >= LIMITS.dot + LIMITS.gap - 1e-3
+    assert apart[1].min() >= 0.95 * LIMITS.apart_px
+    assert np.degrees(np.arccos(twin.skin.normal(points)[:, 2])).max() <= LIMITS.steepest_deg + 0.1
+    assert CAMERA.visible(points, twin.skin).all()
+
+
+def test_more_than_fit_are_refused_with_the_number(twin: Twin) -> None:
+    limits = PrintLimits(most=169, dot=2.5, places=14)
+    places = place_rings(twin, CAMERA, TOLERANCE, ForeseeSpec(max_tilt_deg=9.0, poses=4), limits)
+    with pytest.raises(PalpateError, match="169 markers cannot be printed"):
+        choose_rings(places, 169)
+    with pytest.raises(PalpateError, match="20 markers are no rings"):
+        choose_rings(places, 20)
+
+
+def test_a_camera_too_near_sees_fewer_rings(twin: Twin) -> None:
+    near = build_camera(CameraSpec(distance=20.0))
+    spec = ForeseeSpec(max_tilt_deg=9.0, poses=4)
+    far, close = (place_rings(twin, camera, TOLERANCE, spec, LIMITS).allowed.sum() for camera in (CAMERA, near))
+    assert close < far

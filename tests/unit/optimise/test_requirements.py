@@ -1,0 +1,142 @@
+"""Requirements that contradict themselves or the workshop, and fronts by hand."""
+
+from pathlib import Path
+
+import pytest
+
+from palpate.built import BuiltFigure
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec
+from palpate.optimise import (
+    Front,
+    Proposal,
+    RequirementsSpec,
+    TriedSkin,
+    Variant,
+    find_influences,
+    read_requirements,
+)
+from palpate.optimise.optimise_design import violations
+from palpate.optimise.space import SkinSpace
+from palpate.optimise.write_front import report, winner_study, write_front
+from palpate.study import read_study
+
+WRONG = {
+    "heights: [20, 10]": "20 to 10 is no range within 2 to 60 mm",
+    "heights: [10, 90]": "no range within 2 to 60 mm",
+    "depth: 12\nheights: [5, 11]": "no height up to 11 mm can be pressed by 12 mm",
+    "least_depth: 8": "least_depth is 8 mm and depth 8 mm",
+    "dot: 0.2": "less than process.smallest_dot, 0.4 mm",
+    "materials: [cheese]": "cheese",
+    "cameras: []": "the list is empty",
+    "objectives: [error, error]": "error stands there twice",
+    "objectives: [price]": "there is only one camera",
+    "objectives: [beauty]": "Input should be",
+    "cameras:\n- name: eye\n  distances: [60, 40]": "60 to 40 is no range",
+    "cameras:\n- name: eye\n  camera: {width_px: 0}": "width_px",
+    "makrers: 37": "did you mean markers?",
+    "force_n: -1": "greater than 0",
+    "thicknesses: [2]": "thicknesses",
+}
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_bad_requirements_are_one_sentence_with_the_line(tmp_path: Path, line: str) -> None:
+    file = tmp_path / "wanted.yaml"
+    file.write_text(f"name: wanted\n{line}\n")
+    with pytest.raises(PalpateError) as caught:
+        read_requirements(file)
+    assert WRONG[line] in str(caught.value).replace("\n", " ")
+    assert f"{file}:" in str(caught.value)
+
+
+def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
+    for name, content in (("none", None), ("bytes", b"\xff\xfe"), ("list", b"- 1\n"), ("empty", b"")):
+        file = tmp_path / name
+        if content is not None:
+            file.write_bytes(content)
+        with pytest.raises(PalpateError, match=str(file)):
+            read_requirements(file)
+
+
+def option(markers: int, worst: float) -> Variant:
+    rings = {7: (20.0,), 19: (10.0, 20.0), 37: (10.0, 20.0, 28.0)}[markers]
+    figure = BuiltFigure(5, worst / 4, worst, 0.01, worst / 8)
+    return Variant(MarkerSpec(ring_diameters=rings), "davis346", 44.0, 0.0, figure)
+
+
+def skin(number: int, height: float, force: float, *worst: float, reach: float = 8.0) -> TriedSkin:
+    options = tuple(option(count, each) for count, each in zip((7, 19, 37), worst, strict=False))
+    proposal = Proposal(DomeSpec(height=height), "zaid_2024_ecoflex_00_30", reach, force, None, options)
+    return TriedSkin(number, proposal, violations(SPEC, proposal))
+
+
+SPEC = RequirementsSpec(name="wanted", force_n=0.6, error_deg=0.2)
+TRIED = (
+    skin(0, 20, 0.5, 0.5, 0.3, 0.25),
+    skin(1, 18, 0.55, 0.4, 0.2, 0.15),
+    skin(2, 16, 0.7, 0.3, 0.1, 0.05),
+    skin(3, 14, 0.4, 0.6, 0.5, 0.4, reach=7.0),
+)
+
+
+def test_the_winner_has_the_least_error_of_those_within_the_limits() -> None:
+    front = Front(SPEC, TRIED)
+    assert front.winner is not None
+    assert (front.winner.tried.number, front.winner.option.markers.count) == (1, 37)
+    assert front.shortfall == ""
+
+
+def test_a_front_of_two_has_what_nothing_beats() -> None:
+    front = Front(SPEC.model_copy(update={"objectives": ("error", "markers")}), TRIED)
+    assert [(entry.tried.number, entry.option.markers.count) for entry in front.best] == [(1, 37), (1, 19), (1, 7)]
+    forces = Front(SPEC.model_copy(update={"objectives": ("error", "force")}), TRIED)
+    assert [entry.tried.number for entry in forces.best] == [1, 0]
+
+
+def test_what_cannot_be_met_is_told_with_what_stands_in_the_way() -> None:
+    hard = SPEC.model_copy(update={"error_deg": 0.1})
+    assert Front(hard, TRIED).shortfall == "The least error found is 0.150°, and 0.1° is wanted."
+    none = Front(SPEC, (TRIED[2], TRIED[2], TRIED[3]))
+    assert none.winner is None
+    assert "of 2 the force on the workpiece is too great" in none.shortfall
+    assert "number 3, over by 12 %" in none.shortfall
+
+
+def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Path) -> None:
+    front = Front(SPEC, TRIED)
+    write_front(tmp_path, front, "palpate optimise wanted.yaml")
+    assert {file.name for file in tmp_path.iterdir()} == {
+        *("report.md", "front.csv", "tried.csv", "front.json", "search.svg", "front.svg", "winner.yaml")
+    }
+    study = read_study(tmp_path / "winner.yaml")
+    (dome,) = study.designs.skins()
+    assert (dome.height, study.designs.markers[0].count, study.camera.distance) == (18.0, 37, 44.0)
+    assert winner_study(front, front.winner) == (tmp_path / "winner.yaml").read_text()
+    page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
+    assert "The requirements are met." in page
+    assert "Too few skins were tried to say what matters." in page
+    assert "4 skins were tried, 2 meet the limits" in page
+
+
+def test_what_matters_is_found_where_it_is_known() -> None:
+    """Error by height alone, as a law says it: thickness and radius have no share."""
+    spec = SPEC.model_copy(update={"aspects": (1.0, 1.0)})
+    space, tried = SkinSpace.of(spec), []
+    for number in range(60):
+        share = [(number * step) % 1.0 for step in (0.618, 0.414, 0.732)]
+        place = {
+            name: low + part * (high - low)
+            for part, (name, (low, high)) in zip(share, space.ranges.items(), strict=True)
+        }
+        proposal = Proposal(space.skin(place), "m", 8.0, 0.5, None, (option(37, 10 ** (place["height"] / 20 - 2)),))
+        tried.append(TriedSkin(number, proposal, {}))
+    found = find_influences(tried, space, 169)
+    assert found.explained > 0.98
+    assert found.variables[0].name == "height"
+    assert found.variables[0].together == pytest.approx(1.0, abs=0.05)
+    assert all(abs(one.together) < 0.05 for one in found.variables[1:])
+    assert (
+        found.sentence == "What matters most: height. What hardly matters: base_radius, thickness."
+        or "thickness" in found.sentence
+    )

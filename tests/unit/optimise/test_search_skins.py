@@ -1,0 +1,97 @@
+"""The search on a stand-in whose optimum is known: against chance, cut off and gone on with."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.optimise import Judged, SearchPlan, SkinSpace, search_skins
+from palpate.optimise.space import Place
+
+pytest.importorskip("optuna")
+pytest.importorskip("torch")
+
+SPACE = SkinSpace(
+    {"height": (10.0, 30.0), "thickness": (1.0, 4.0), "aspect": (0.6, 1.6)}, {"base_radius": 20.0}, ("a",)
+)
+LEAST = 0.02
+"""Value of the stand-in at its optimum, which lies on the edge of what its constraint allows."""
+
+
+def error(place: Place) -> float:
+    x = np.array([(place["height"] - 17) / 20, (place["thickness"] - 1.6) / 3, place["aspect"] - 1.2])
+    return LEAST + float(x @ x) + 0.3 * abs(float(x[0] * x[2])) + 0.3 * max(0.0, 2.0 - float(place["thickness"]))
+
+
+def judge(places: Sequence[Place]) -> list[Judged]:
+    return [
+        Judged((float(np.log10(error(place))),), {"force": float(1.6 - place["thickness"])}, {}) for place in places
+    ]
+
+
+def least(tried) -> float:
+    return min(10 ** one.judged.values[0] for one in tried if one.judged.violations["force"] <= 0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_it_finds_more_than_chance_at_the_same_cost(tmp_path: Path, seed: int) -> None:
+    found = [
+        least(search_skins(SPACE, judge, SearchPlan(36, seed, sampler), tmp_path / sampler))
+        for sampler in ("gp", "random")
+    ]
+    assert found[0] < found[1]
+
+
+def test_it_comes_within_a_twentieth_of_a_search_ten_times_as_long(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    drawn = rng.uniform(*np.array(list(SPACE.ranges.values())).T, (200_000, 3))
+    true = min(error(dict(zip(SPACE.ranges, row, strict=True))) for row in drawn[drawn[:, 1] >= 1.6][:20_000])
+    assert least(search_skins(SPACE, judge, SearchPlan(44), tmp_path / "journal")) <= 1.05 * true
+
+
+class CutError(Exception):
+    pass
+
+
+@pytest.mark.parametrize("when", [1, 2, 4])
+def test_a_search_that_was_cut_off_tries_what_it_would_have_tried(tmp_path: Path, when: int) -> None:
+    plan = SearchPlan(18, seed=3, first=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
+    whole = search_skins(SPACE, judge, plan, tmp_path / "whole")
+    calls = []
+
+    def cut(places: Sequence[Place]) -> list[Judged]:
+        calls.append(list(places))
+        if len(calls) == when + 1:
+            raise CutError
+        return judge(places)
+
+    with pytest.raises(CutError):
+        search_skins(SPACE, cut, plan, tmp_path / "cut")
+    again = search_skins(SPACE, judge, plan, tmp_path / "cut")
+    assert [one.place for one in again] == [one.place for one in whole]
+    assert whole[0].place == plan.first[0]
+
+
+def test_nothing_is_judged_twice_and_a_longer_search_goes_on(tmp_path: Path) -> None:
+    judged = []
+
+    def count(places: Sequence[Place]) -> list[Judged]:
+        judged.extend(places)
+        return judge(places)
+
+    short = search_skins(SPACE, count, SearchPlan(8), tmp_path / "journal")
+    longer = search_skins(SPACE, count, SearchPlan(14), tmp_path / "journal")
+    assert len(judged) == len(longer) == 14
+    assert longer[:8] == short
+
+
+def test_rounded_places_are_skins_that_can_be_drawn() -> None:
+    skin = SPACE.skin({"height": 17.123, "thickness": 1.618, "aspect": 1.234})
+    assert skin.model_dump(exclude={"kind"}) == {
+        "height": 17.1,
+        "base_radius": 20.0,
+        "thickness": 1.6,
+        "aspect": 1.24,
+    }
+    assert "kind" not in SPACE.skin({"height": 17.0, "thickness": 1.6, "aspect": 1.004}).model_dump()
