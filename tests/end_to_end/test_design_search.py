@@ -82,7 +82,7 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     assert found["winner"]["markers"] <= 37
     (skin,) = read_study(tmp_path / "out" / "winner.yaml").designs.skins()
     assert skin.height == found["winner"]["height_mm"]
+    (tmp_path / "other.yaml").write_text(WANTED + "dot: 1.2\n")
     with pytest.raises(SystemExit) as left:
-        (tmp_path / "other.yaml").write_text(WANTED + "dot: 1.2\n")
         main(["optimise", str(tmp_path / "other.yaml"), "--out", str(tmp_path / "out")])
     assert left.value.code == 2

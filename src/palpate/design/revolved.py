@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from palpate.cad import Outline, SmoothCurve
 from palpate.core import FloatArray
@@ -22,8 +23,10 @@ _TABLE = 2001
 _BEYOND = 1.25
 """Parameter to which the tables reach."""
 _NEWTON = 8
-_MARCH = 60
-"""Steps along a ray, each as long as the distance to the surface."""
+_FIRST, _MARCH = 4, 60
+"""Steps along a ray, each as long as the distance to the surface: before Newton's, and where these fail."""
+_GRAZING, _HIT_MM = 0.05, 1e-9
+"""Least slope of the distance along a ray that a step is taken by, and distance at which a ray has hit."""
 _SECTION = 33
 """Points of the curve that the CAD kernel is given."""
 
@@ -50,6 +53,11 @@ class RevolvedSkin(Skin):
         curve, speed = self.curve(t), np.linalg.norm(self.curve(t, 1), axis=1)
         steps = np.diff(t) * (speed[1:] + speed[:-1]) / 2
         return t, curve, np.concatenate([[0.0], np.cumsum(steps)])
+
+    @cached_property
+    def _near(self) -> cKDTree:
+        """Finds the nearest of every tenth point of the table."""
+        return cKDTree(self._table[1][::10])
 
     @property
     def widest(self) -> tuple[float, float]:
@@ -87,8 +95,7 @@ class RevolvedSkin(Skin):
         rho = np.hypot(points[:, 0], points[:, 1])
         direction = np.divide(points[:, :2], rho[:, None], out=np.zeros((len(points), 2)), where=rho[:, None] > 0)
         place = np.column_stack([rho, points[:, 2]])
-        knots, curve, _ = self._table
-        t = knots[((place[:, None] - curve[::10]) ** 2).sum(axis=-1).argmin(axis=1) * 10]
+        t = self._table[0][10 * self._near.query(place)[1]]
         for _ in range(_NEWTON):
             gap, slope = place - self.curve(t), self.curve(t, 1)
             fall = (slope**2).sum(axis=1) - (gap * self.curve(t, 2)).sum(axis=1)
@@ -127,8 +134,13 @@ class RevolvedSkin(Skin):
 
     def distance(self, points: ArrayLike) -> FloatArray:
         points = np.asarray(points, float)
-        gap = points - self.nearest(points)
-        return np.asarray((gap * self.normal(points)).sum(axis=-1))
+        return self._gap(points.reshape(-1, 3))[0].reshape(points.shape[:-1])
+
+    def _gap(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Distance (n,) of points (n, 3) from the surface, positive outside, and its normals (n, 3) there."""
+        t, direction = self._foot(points)
+        normals = self._spread(self._normals(t), direction)
+        return ((points - self._spread(self.curve(t), direction)) * normals).sum(axis=1), normals
 
     def distance_to_rim(self, points: ArrayLike) -> FloatArray:
         points = np.asarray(points, float)
@@ -145,7 +157,10 @@ class RevolvedSkin(Skin):
         return np.asarray(self.curve(np.interp(length, lengths, knots))[:, 0])
 
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
-        """March along each ray from inside by the distance to the surface (Hart 1996, sphere tracing)."""
+        """Along each ray from inside: by the distance to the surface (Hart 1996, sphere tracing), then by Newton.
+
+        The distance is as steep along a ray as the normal leans to it; where that does not end, by marching alone.
+        """
         unit = rays / np.linalg.norm(rays, axis=1)[:, None]
         points = np.tile(np.asarray(origin, float), (len(rays), 1))
         enter = np.where(points[:, 2] < 0, -points[:, 2] / np.where(unit[:, 2] > 0, unit[:, 2], np.nan), 0.0)
@@ -153,8 +168,15 @@ class RevolvedSkin(Skin):
         inside = np.hypot(points[:, 0], points[:, 1]) <= self.base_radius
         points[~(inside & np.isfinite(points[:, 2]))] = np.nan
         found = np.isfinite(points[:, 0])
-        for _ in range(_MARCH):
-            points[found] -= self.distance(points[found])[:, None] * unit[found]
+        start = points.copy()
+        for step in range(_FIRST + _NEWTON):
+            gap, normals = self._gap(points[found])
+            steep = (normals * unit[found]).sum(axis=1) if step >= _FIRST else np.ones(len(gap))
+            points[found] -= (gap / np.maximum(steep, _GRAZING))[:, None] * unit[found]
+        astray = np.flatnonzero(found)[np.abs(self.distance(points[found])) > _HIT_MM]
+        points[astray] = start[astray]
+        for _ in range(_MARCH if len(astray) else 0):
+            points[astray] -= self.distance(points[astray])[:, None] * unit[astray]
         return points
 
     def touch(self, normal: FloatArray) -> FloatArray:

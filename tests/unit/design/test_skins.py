@@ -49,3 +49,21 @@ def test_the_wall_falls_to_the_right_of_its_axis_of_rotation() -> None:
         assert wall_normal(rx, ry) == pytest.approx(turn @ [0, 0, 1])
     assert wall_normal(0.1, 0.0)[1] < 0
     assert turn_about_axis(np.pi / 2) @ [1, 0, 0] == pytest.approx([0, 1, 0])
+
+
+@pytest.mark.parametrize(("height", "base", "aspect"), [(20, 20, 1.3), (30, 15, 0.7), (12, 20, 0.6), (28, 16, 1.6)])
+def test_rays_hit_an_ellipsoid_where_its_quadric_says(height: float, base: float, aspect: float) -> None:
+    """Scaled along its axis it is a sphere, whose farther crossing has a closed form; rays that graze it are there."""
+    skin, rng = Ellipsoid(height, base, 2.0, aspect), np.random.default_rng(3)
+    origin = np.array([1.0, -0.5, -40.0])
+    rays = np.column_stack([rng.uniform(-0.6, 0.6, (400, 2)), np.ones(400)])
+    scale, centre = np.array([1.0, 1.0, 1.0 / aspect]), np.array([0.0, 0.0, skin.centre_height])
+    start, along = (origin - centre) * scale, rays * scale
+    half, square = along @ start, (along**2).sum(axis=1)
+    far = (-half + np.sqrt(np.maximum(half**2 - square * (start @ start - skin.semi_axis**2), 0))) / square
+    opening = origin + (40.0 / rays[:, 2:]) * rays
+    passes = np.hypot(opening[:, 0], opening[:, 1]) <= base
+    found = skin.hit(origin, rays)
+    assert passes.sum() > 100
+    assert found[passes] == pytest.approx((origin + far[:, None] * rays)[passes], abs=1e-9)
+    assert np.isnan(found[~passes]).all()
