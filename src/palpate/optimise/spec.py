@@ -42,7 +42,9 @@ class CameraChoice(Spec):
 class RequirementsSpec(Spec):
     """What the sensor must do, within which limits, and what is made least."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", description="name of the search and its folder")
+    name: str = Field(
+        "search", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", description="name of the search and its folder"
+    )
     seed: int = parameter(0, unit="1", meaning="seed of everything drawn at random", ge=0)
     error_deg: float = parameter(
         0.5, unit="deg", meaning="greatest error of rx or ry that 19 of 20 built units are to stay below", gt=0, le=45

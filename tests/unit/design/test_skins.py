@@ -53,7 +53,7 @@ def test_the_wall_falls_to_the_right_of_its_axis_of_rotation() -> None:
 
 @pytest.mark.parametrize(("height", "base", "aspect"), [(20, 20, 1.3), (30, 15, 0.7), (12, 20, 0.6), (28, 16, 1.6)])
 def test_rays_hit_an_ellipsoid_where_its_quadric_says(height: float, base: float, aspect: float) -> None:
-    """Scaled along its axis it is a sphere, whose farther crossing has a closed form; rays that graze it are there."""
+    """Scaled along its axis it is a sphere, whose farther crossing has a closed form; some graze."""
     skin, rng = Ellipsoid(height, base, 2.0, aspect), np.random.default_rng(3)
     origin = np.array([1.0, -0.5, -40.0])
     rays = np.column_stack([rng.uniform(-0.6, 0.6, (400, 2)), np.ones(400)])
