@@ -49,12 +49,13 @@ STAGES = [
     "study",
     "grid",
     "claims",
+    "robot",
     "verify",
     "testing",
 ]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live learn bench accept verify doctor".split()
+    "calibrate find inspect live learn bench align accept verify doctor".split()
 )
 
 

@@ -176,6 +176,20 @@ ROWS = {
             "--from {twin}",
         ),
     ),
+    "align": Row(
+        f"--model {{twin}} --out new {BUILT} --walls 1",
+        ("--model", "--layout"),
+        ("--out",),
+        (
+            "--walls 0",
+            "--known 9",
+            "--tolerance 0",
+            "--force 0.000001",
+            "--model {model}",
+            "--height 10",
+            "--level 2",
+        ),
+    ),
     "accept": Row(
         f"--truth {{truth}} --model {{model}} {BUILT} --no-zero --least-depth 0",
         ("--truth", "--model", "--readings", "--layout", "--lens", "--unit"),
