@@ -152,7 +152,8 @@ class PlayedUnit:
     def _pressed(self, scene: Scene) -> TouchedDome:
         play = self.play
         if play.solved:
-            return DomeBySolver(play.dome, play.material, scene.edges, self.deviation, float(play.twin.depths_mm[-1]))
+            deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
+            return DomeBySolver(play.dome, play.material, scene.edges, self.deviation, deepest)
         return DomeByTwin(play.twin, scene.edges, self.deviation)
 
     def _identify(self) -> None:
