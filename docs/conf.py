@@ -55,7 +55,7 @@ STAGES = [
 ]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live learn bench align accept verify doctor".split()
+    "calibrate find inspect live serve learn bench align accept verify doctor".split()
 )
 
 

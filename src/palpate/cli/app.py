@@ -33,6 +33,7 @@ app.command("palpate.cli.limit:limit", name="limit", help="How good any estimato
 app.command("palpate.cli.grid:app", name="grid", help="Look at a specification grid.")
 app.command("palpate.cli.twin:twin", name="twin", help="Twins of designs, and how good built units will be.")
 app.command("palpate.cli.view:view", name="view", help="Look at results in a browser, design and press a dome.")
+app.command("palpate.cli.serve:serve", name="serve", help="Readings of a sensor for other programs, by websocket.")
 app.command("palpate.cli.claims:claims", name="claims", help="Hold finished studies against the paper's claims.")
 app.command("palpate.cli.make:make", name="make", help="Write mold, print pattern, enclosure and instructions.")
 app.command("palpate.cli.specimens:specimens", name="specimens", help="Write molds of test specimens.")

@@ -2,8 +2,10 @@
 
 from palpate.robot.align import OFFSET_TURNS, Aligner, NextImage
 from palpate.robot.alignment import Alignment, Ending, Touch
+from palpate.robot.broadcast import Broadcast
 from palpate.robot.placement import Placement, tilt_of
 from palpate.robot.play import Play, PlayedUnit, PlayedWall
+from palpate.robot.read_source import SourceReader
 from palpate.robot.robot import Robot
 from palpate.robot.simulated_robot import SimulatedRobot
 from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
@@ -16,6 +18,7 @@ __all__ = [
     "AlignSpec",
     "Aligner",
     "Alignment",
+    "Broadcast",
     "Ending",
     "NextImage",
     "Placement",
@@ -25,6 +28,7 @@ __all__ = [
     "Robot",
     "SimulatedRobot",
     "SimulatedRobotSpec",
+    "SourceReader",
     "Tool",
     "Touch",
     "describe_alignment",

@@ -129,6 +129,12 @@ ROWS = {
             "--material cheese",
         ),
     ),
+    "serve": Row(
+        f"--model {{model}} --source {{images}} {BUILT} --port 0",
+        ("--model", "--source", "--layout", "--lens", "--unit"),
+        (),
+        ("--token short", "--port 70000", "--host no.where", "--rest-images 99", "--markers 91"),
+    ),
     "inspect": Row(
         f"--image {{image}} {BUILT}",
         ("--image", "--layout", "--lens", "--unit"),
