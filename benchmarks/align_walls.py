@@ -10,6 +10,7 @@ bench; where the dots are is the twin's, or with --solved that of presses solved
 """
 
 import argparse
+import csv
 import json
 from pathlib import Path
 
@@ -87,6 +88,18 @@ def count(path: Path) -> None:
         print(f"{name}: {value}")
 
 
+def tabulate(path: Path) -> None:
+    """Walls as a table beside the file."""
+    names = ["unit", "wall", "tilt_deg", "friction", "touches", "images", "final_deg", "left_deg"]
+    names += ["left_half_width_deg", "most_force_n", "ending"]
+    with path.with_suffix(".csv").open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        for line in (line for line in read_lines(path) if "wall" in line):
+            cells = (line[name] for name in names)
+            writer.writerow([round(cell, 4) if isinstance(cell, float) else cell for cell in cells])
+
+
 def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
@@ -104,6 +117,7 @@ def main() -> None:
     if not chosen.count:
         play(chosen)
     count(chosen.out)
+    tabulate(chosen.out)
 
 
 if __name__ == "__main__":

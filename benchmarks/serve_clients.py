@@ -10,6 +10,7 @@ import asyncio
 import json
 import multiprocessing
 import resource
+import socket
 import time
 from pathlib import Path
 
@@ -70,7 +71,7 @@ def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
     door, listener = open_door(ServeSpec(port=0))
     bound_backlog(listener)
     app = Guard(build_readings_app(sensor, Feed(Camera)), door)
-    server = uvicorn.Server(uvicorn.Config(app, log_level="error", lifespan="on"))
+    server = uvicorn.Server(uvicorn.Config(app, log_level="error", lifespan="on", ws_per_message_deflate=False))
     told.put(door.port)
 
     async def run() -> None:
@@ -87,7 +88,11 @@ def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
 
 async def listen(port: int, until: float, stall: tuple[float, float] | None, rows: list) -> None:
     link = f"ws://127.0.0.1:{port}/readings"
-    async with websockets.connect(link, max_queue=4, open_timeout=30) as client:
+    line = socket.socket()
+    if stall:
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8192)  # else the system keeps minutes of readings for it
+    line.connect(("127.0.0.1", port))
+    async with websockets.connect(link, sock=line, max_queue=4, open_timeout=30) as client:
         try:
             while time.monotonic() < until:
                 if stall and stall[0] < time.monotonic() < stall[1]:

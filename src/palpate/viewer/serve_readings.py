@@ -149,7 +149,10 @@ def serve_readings(sensor: Sensor, feed: Feed, spec: ServeSpec, announce: Callab
     try:
         bound_backlog(listener)
         announce(link_of(door, "reading"))
-        config = uvicorn.Config(Guard(app, door), log_level="warning", server_header=False, lifespan="on")
+        # unpacked: packing costs time, and a client that stalls would have minutes of readings in the system
+        config = uvicorn.Config(
+            Guard(app, door), log_level="warning", server_header=False, lifespan="on", ws_per_message_deflate=False
+        )
         uvicorn.Server(config).run(sockets=[listener])
     finally:
         listener.close()
