@@ -50,12 +50,13 @@ STAGES = [
     "grid",
     "claims",
     "optimise",
+    "robot",
     "verify",
     "testing",
 ]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims optimise fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live learn bench accept verify doctor".split()
+    "calibrate find inspect live serve learn bench align accept verify doctor".split()
 )
 
 

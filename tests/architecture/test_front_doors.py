@@ -139,6 +139,7 @@ FRONT_DOORS = {
     "fabricate": {"FabricationPack", "PackSpec", "ProcessSpec", "draw_artwork", "write_pack"},
     "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
     "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},
+    "robot": {"AlignSpec", "Aligner", "Alignment", "Ending", "Placement", "Robot", "Tool", "find_tool_offset"},
     "cli": {"main"},
 }
 

@@ -2,6 +2,7 @@
 
 from palpate.bench.bench import Bench, play_unit
 from palpate.bench.budget import run_budget
+from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.result import describe_bench, run_bench, write_bench
 from palpate.bench.simulate import SimulatedSource, draw_touches, simulate_sensor
 from palpate.bench.spec import VirtualBenchSpec
@@ -11,6 +12,7 @@ from palpate.built import Deviation, ToleranceSpec
 __all__ = [
     "Bench",
     "Deviation",
+    "Scene",
     "SimulatedSource",
     "ToleranceSpec",
     "VirtualBenchSpec",
@@ -20,6 +22,7 @@ __all__ = [
     "play_unit",
     "run_bench",
     "run_budget",
+    "set_scene",
     "simulate_sensor",
     "write_bench",
     "write_budget",

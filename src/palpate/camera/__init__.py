@@ -11,7 +11,7 @@ from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
-from palpate.camera.read_image import list_images, read_image
+from palpate.camera.read_image import decode_image, list_images, read_image
 from palpate.camera.render import RenderSpec, centre_bias, dot_edges, render, tangent_pair
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
@@ -33,6 +33,7 @@ __all__ = [
     "build_camera",
     "calibrate_camera",
     "centre_bias",
+    "decode_image",
     "dot_edges",
     "list_images",
     "list_presets",

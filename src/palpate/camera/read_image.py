@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -37,15 +38,41 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
     MissingExtraError
         If OpenCV or Pillow is not installed.
     """
-    width, height = _read_size(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise PalpateError(f"{path.name} cannot be read: {error}.", "Check the file.") from error
+    return decode_image(content, path.name, largest_mpx)
+
+
+def decode_image(content: bytes, name: str = "The image", largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
+    """Decode the content of an image file, as `read_image` does.
+
+    Parameters
+    ----------
+    content
+        The file.
+    name
+        What it is called in errors.
+    largest_mpx
+        Largest image that is read, in millions of pixels.
+
+    Raises
+    ------
+    PalpateError
+        If it is cut off, no image or too large.
+    MissingExtraError
+        If OpenCV or Pillow is not installed.
+    """
+    width, height = _read_size(content, name)
     if width * height > largest_mpx * 1e6:
         raise PalpateError(
-            f"{path.name} has {width} × {height} px, more than {largest_mpx:g} million.", "Shrink the image."
+            f"{name} has {width} × {height} px, more than {largest_mpx:g} million.", "Shrink the image."
         )
     cv2 = load_opencv()
-    image = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
+    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
     if image is None:
-        raise PalpateError(f"{path.name} cannot be decoded: it is cut off or damaged.", "Save it again.")
+        raise PalpateError(f"{name} cannot be decoded: it is cut off or damaged.", "Save it again.")
     return np.asarray(image)
 
 
@@ -65,16 +92,16 @@ def list_images(folder: Path) -> tuple[Path, ...]:
     return found
 
 
-def _read_size(path: Path) -> tuple[int, int]:
+def _read_size(content: bytes, name: str) -> tuple[int, int]:
     Image = load_extra("PIL.Image", "vision", "Pillow")
     UnidentifiedImageError = load_extra("PIL", "vision", "Pillow").UnidentifiedImageError
     limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None  # our own limit gives a better message
     try:
-        with Image.open(path) as image:
+        with Image.open(BytesIO(content)) as image:
             return int(image.size[0]), int(image.size[1])
     except UnidentifiedImageError as error:
-        raise PalpateError(f"{path.name} is not an image.", f"Known are {', '.join(SUFFIXES)}.") from error
+        raise PalpateError(f"{name} is not an image.", f"Known are {', '.join(SUFFIXES)}.") from error
     except (OSError, ValueError, SyntaxError) as error:
-        raise PalpateError(f"{path.name} cannot be read: {error}.", "Check the file.") from error
+        raise PalpateError(f"{name} cannot be read: {error}.", "Check the file.") from error
     finally:
         Image.MAX_IMAGE_PIXELS = limit

@@ -72,6 +72,11 @@ class Reader(ABC):
         """How far the untouched dots have drifted; `None` where nothing looks."""
         return None
 
+    @property
+    def twin_fit(self) -> PoseFitter | None:
+        """What fits the unit's twin; `None` where a network reads."""
+        return None
+
     @abstractmethod
     def read(self, sighting: Sighting) -> Estimate:
         """Estimate the pose from where markers are."""
@@ -145,6 +150,10 @@ class TwinReader(Reader):
     @property
     def rest(self) -> RestMotion | None:
         return self.watch.motion
+
+    @property
+    def twin_fit(self) -> PoseFitter | None:
+        return self.fitter
 
     def read(self, sighting: Sighting) -> Estimate:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)

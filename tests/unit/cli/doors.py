@@ -135,6 +135,12 @@ ROWS = {
             "--material cheese",
         ),
     ),
+    "serve": Row(
+        f"--model {{model}} --source {{images}} {BUILT} --port 0",
+        ("--model", "--source", "--layout", "--lens", "--unit"),
+        (),
+        ("--token short", "--port 70000", "--host no.where", "--rest-images 99", "--markers 91"),
+    ),
     "inspect": Row(
         f"--image {{image}} {BUILT}",
         ("--image", "--layout", "--lens", "--unit"),
@@ -180,6 +186,20 @@ ROWS = {
             "--correspondence x",
             "--held-out 0.7",
             "--from {twin}",
+        ),
+    ),
+    "align": Row(
+        f"--model {{twin}} --out new {BUILT} --walls 1",
+        ("--model", "--layout"),
+        ("--out",),
+        (
+            "--walls 0",
+            "--known 9",
+            "--tolerance 0",
+            "--force 0.000001",
+            "--model {model}",
+            "--height 10",
+            "--level 2",
         ),
     ),
     "accept": Row(

@@ -22,7 +22,7 @@ HEAVY = (
     ("viewer.guard", "Guard", "__init__"),
 )
 """What computes or serves: module, class, method."""
-SLOW = ("doctor", "make", "specimens", "calibrate", "identify")
+SLOW = ("doctor", "make", "specimens", "calibrate", "identify", "align")
 """Commands that take seconds where everything is right; their own tests call them."""
 LONGEST_S = 10.0
 """Longest time of a refusal; most take a tenth of a second."""

@@ -1,0 +1,132 @@
+"""`palpate align`: a drill that is squared to walls by touching them, on a simulated robot."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import check_folder, print_json, print_table
+from palpate.cli.unit import DesignFlags, ModelFlags
+from palpate.core import PalpateError
+from palpate.design import build_skin, place_markers
+from palpate.robot import (
+    AlignSpec,
+    Play,
+    PlayedUnit,
+    PlayedWall,
+    SimulatedRobotSpec,
+    describe_wall,
+    list_touches,
+    write_alignments,
+)
+from palpate.sensor import Unit, check_model, open_model
+from palpate.twin import Twin
+
+_OUT = "Folder for touches.csv and alignment.json."
+_WALLS = "Walls to square to, each of another tilt, friction and distance."
+_NUMBER = "Which virtual unit, from 1; it decides what is not as designed about it."
+_KNOWN = "Known presses at a jig by which the unit is identified first; 0: it is not."
+_SHOWN = ("touch", "rx_deg", "ry_deg", "depth_mm", "angle_deg", "half_width_deg", "turned_deg", "force_n", "friction")
+_SEED = "Seed of units, walls and the robot's errors."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class AlignFlags:
+    """Which unit is played, how many walls, and where to."""
+
+    walls: Annotated[int, Parameter(help=_WALLS)] = 3
+    unit_number: Annotated[int, Parameter(help=_NUMBER)] = 1
+    known: Annotated[int, Parameter(help=_KNOWN)] = 5
+    seed: Annotated[int, Parameter(help=_SEED)] = 0
+    out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None
+
+    def check(self) -> None:
+        """Refuse what cannot be played, with a `PalpateError`."""
+        if self.walls < 1 or self.unit_number < 1 or not 0 <= self.known <= 5 or self.seed < 0:
+            raise PalpateError(
+                f"{self.walls} walls, unit {self.unit_number}, {self.known} known presses, seed {self.seed}.",
+                "Give 1 wall or more, a unit from 1, 0 to 5 known presses, and a seed of 0 or more.",
+            )
+        check_folder(self.out)
+
+
+def align(
+    *,
+    design: DesignFlags = DesignFlags(),
+    reads: ModelFlags = ModelFlags(),
+    spec: Annotated[AlignSpec, flags_of(AlignSpec, group="Touches")] = AlignSpec(),
+    robot: Annotated[
+        SimulatedRobotSpec, flags_of(SimulatedRobotSpec, group="Simulated robot")
+    ] = SimulatedRobotSpec(),
+    run: AlignFlags = AlignFlags(),
+    json: JsonFlag = False,
+) -> None:
+    """Touch, read, turn and touch again until a drill is square: a virtual unit on a simulated robot.
+
+    On a robot of your own: `palpate.robot.Aligner`.
+    """
+    run.check()
+    skin = build_skin(design.skin_spec())
+    layout = place_markers(skin, design.markers)
+    twin = open_model(reads.find(design), skin)
+    if not isinstance(twin, Twin):
+        raise PalpateError("A network tells no force for a limit.", "Give the design's twin, see `palpate twin`.")
+    check_model(twin, Unit(skin, layout))
+    play = Play(
+        twin,
+        layout,
+        design.skin_spec(),
+        reads.material.material(),
+        align=spec,
+        robot=robot,
+        known=run.known,
+        seed=run.seed,
+    )
+    unit = PlayedUnit(play, run.unit_number)
+    print(
+        f"Tool's offset told by {unit.offset_touches} touches; it is off by {unit.offset_error_deg:.3f}°.",
+        file=sys.stderr,
+    )
+    walls = [unit.square(number) for number in range(run.walls)]
+    facts = {
+        "align": spec.model_dump(mode="json"),
+        "robot": robot.model_dump(mode="json"),
+        "unit": unit.deviation.as_dict(),
+        "known": run.known,
+        "seed": run.seed,
+        "offset_error_deg": unit.offset_error_deg,
+        "images_by": "the twin of the design",
+    }
+    if run.out is not None:
+        write_alignments(run.out, walls, facts)
+    if json:
+        touches = [list_touches(wall.alignment) for wall in walls]
+        described = (describe_wall(wall) for wall in walls)
+        print_json(facts | {"walls": [wall | {"each": each} for wall, each in zip(described, touches, strict=True)]})
+        return
+    _print(walls)
+
+
+def _print(walls: list[PlayedWall]) -> None:
+    rows = [
+        [str(number), *(_text(row[name]) for name in _SHOWN)]
+        for number, wall in enumerate(walls, start=1)
+        for row in list_touches(wall.alignment)
+    ]
+    print_table("touches", ["wall", *_SHOWN], rows)
+    for number, wall in enumerate(walls, start=1):
+        said = wall.alignment
+        print(
+            f"Wall {number}: {said.ending}; {wall.final_deg:.3f}° is left in truth (said: {said.left_deg:.3f} ± "
+            f"{said.left_half_width_deg:.3f}), greatest force {wall.most_force_n:.3f} N."
+        )
+
+
+def _text(value: object) -> str:
+    return f"{value:.3f}" if isinstance(value, float) else str(value or "")

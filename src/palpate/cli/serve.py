@@ -1,0 +1,60 @@
+"""`palpate serve`: readings of a sensor for other programs, over a websocket and HTTP."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from palpate.camera import open_source
+from palpate.cli.flag import flags_of
+from palpate.cli.unit import ModelFlags, UnitFlags
+from palpate.core import PalpateError
+from palpate.sensor import RigSpec
+
+_SOURCE = "Number of a camera, a video or a folder of images; the first images show the untouched dome."
+_HOST = "Address to listen at; any but this machine's own asks every visitor for a token."
+_PORT = "Port to listen at; 0 takes any that is free."
+_TOKEN = "What every visitor must bring, 16 letters and digits or more; without one, it is made where it is needed."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class DoorFlags:
+    """Where the server listens."""
+
+    host: Annotated[str, Parameter(help=_HOST)] = "127.0.0.1"
+    port: Annotated[int, Parameter(help=_PORT)] = 8760
+    token: Annotated[str, Parameter(help=_TOKEN)] = ""
+
+
+def serve(
+    *,
+    source: Annotated[str, Parameter(help=_SOURCE)],
+    reads: ModelFlags = ModelFlags(),
+    built: UnitFlags = UnitFlags(),
+    rig: Annotated[RigSpec, flags_of(RigSpec, group="Readings")] = RigSpec(),
+    door: DoorFlags = DoorFlags(),
+) -> None:
+    """Read a sensor and send every reading to all who listen; other programs may send images as well."""
+    from palpate.sensor import open_model, open_sensor
+    from palpate.viewer import Feed, ServeSpec, serve_readings
+
+    unit = built.unit()
+    model = open_model(reads.find(built), unit.skin)
+    with open_source(source) as opened:
+        rest = list(islice(opened.images(), rig.rest_images))
+    images = [image for image in rest if not isinstance(image, PalpateError)]
+    if len(images) < rig.rest_images:
+        raise PalpateError(f"{rig.rest_images} images at rest of {len(images)} cannot be read.", "Record more.")
+    sensor = open_sensor(images, unit, model, rig)
+    feed = Feed(lambda: open_source(source), again=not Path(source).exists())
+    serve_readings(sensor, feed, ServeSpec(door.host, door.port, door.token), _announce)
+
+
+def _announce(link: str) -> None:
+    print(f"The newest reading: {link}; all of them: a websocket at /readings.", file=sys.stderr, flush=True)

@@ -1,0 +1,241 @@
+"""Virtual units on a simulated robot: identified at a jig, mounted askew, their offset told, and squared to walls.
+
+A unit is drawn within the workshop's tolerances, as on the bench; its images are rendered and spoiled as there, and
+go through detection, naming and fit. Walls differ in tilt, distance and friction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from palpate.bench import Scene, set_scene
+from palpate.built import (
+    KNOWN_TILTS,
+    KNOWN_TURN_DEG,
+    Deviation,
+    PoseFitter,
+    RobotSpec,
+    ToleranceSpec,
+    draw_deviation,
+)
+from palpate.camera import CameraSpec, RenderSpec
+from palpate.core import FloatArray, PalpateError, generator
+from palpate.design import MarkerLayout, SkinSpec, build_skin, wall_normal
+from palpate.material import Material
+from palpate.robot.align import Aligner
+from palpate.robot.alignment import Alignment
+from palpate.robot.placement import Placement, turn_by
+from palpate.robot.simulated_cell import BuiltUnit, FlatWall, SimulatedCell
+from palpate.robot.simulated_robot import SimulatedRobot
+from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
+from palpate.robot.tool import Tool
+from palpate.robot.touched_dome import DomeBySolver, DomeByTwin, TouchedDome
+from palpate.sensor import RigSpec, Unit, identify_unit, open_sensor
+from palpate.twin import Twin
+
+LIGHT = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
+"""Light, lens and sensor, as on the bench."""
+WALLS = ToleranceSpec(friction=0.2, friction_most=10.0, lateral=0.2)
+"""Tolerances of units, with every friction of walls from 0.2 up and a robot that errs sideways in a touch."""
+_LENGTH_MM = 120.0
+"""From the flange to the middle of the dome's base."""
+_STANDOFF_MM = 5.0
+"""From where the wall is believed, at the start of an alignment."""
+_JIG = RobotSpec(0.02, 0.02)
+_REFERENCE_DEG = 2.0
+"""Tilt of the wall by which the tool's offset is told."""
+_DEPTHS = (2.5, 4.0, 5.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Play:
+    """What is played.
+
+    Attributes
+    ----------
+    twin, layout
+        The design's twin and its print; the twin reads.
+    dome, material
+        The design, for presses that are solved anew.
+    camera
+        As designed.
+    align, robot, tolerance
+        How walls are touched, how well the robot does, and how far units and walls may be from the design.
+    max_tilt_deg
+        Greatest tilt of a wall.
+    known
+        Presses at a jig by which each unit is identified; 0: none.
+    solved
+        Whether touches are solved anew, in place of the twin.
+    seed
+        Of units, walls and the robot's errors.
+    """
+
+    twin: Twin
+    layout: MarkerLayout
+    dome: SkinSpec
+    material: Material
+    camera: CameraSpec = field(default_factory=CameraSpec)
+    align: AlignSpec = field(default_factory=AlignSpec)
+    robot: SimulatedRobotSpec = field(default_factory=SimulatedRobotSpec)
+    tolerance: ToleranceSpec = WALLS
+    max_tilt_deg: float = 10.0
+    known: int = 5
+    solved: bool = False
+    seed: int = 0
+
+
+class PlayedWall(NamedTuple):
+    """One wall, squared to.
+
+    Attributes
+    ----------
+    tilt_deg, friction
+        Of the wall, against where the drill was at the start.
+    alignment
+        What the aligner said.
+    final_deg
+        True angle between drill and wall's normal at the end.
+    most_force_n
+        Greatest true force on the way.
+    """
+
+    tilt_deg: float
+    friction: float
+    alignment: Alignment
+    final_deg: float
+    most_force_n: float
+
+
+class PlayedUnit:
+    """A virtual unit, opened, identified if asked for, mounted, and its tool's offset told.
+
+    Parameters
+    ----------
+    play
+        What is played.
+    number
+        Of the unit, from 1.
+
+    Attributes
+    ----------
+    deviation
+        What is not as designed about it.
+    tool
+        As it was told.
+    offset_error_deg
+        Angle between the drill's axis as told and as the sensor would have to say it, deg.
+    offset_touches
+        Touches that it took.
+
+    Raises
+    ------
+    PalpateError
+        If the sensor cannot be opened or identified, or the offset not be told.
+    """
+
+    def __init__(self, play: Play, number: int) -> None:
+        self.play, self.number = play, number
+        self.deviation = draw_deviation(play.tolerance, play.seed, number)
+        skin = build_skin(play.dome)
+        self._scene = set_scene(skin, play.layout, self.deviation, play.camera, LIGHT)
+        self._unit = BuiltUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
+        unit = Unit(skin, play.layout, nominal=play.camera, tolerance=play.tolerance)
+        self._sensor = open_sensor([self._scene.at_rest()], unit, play.twin, RigSpec())
+        if play.known:
+            self._identify()
+        self._mount()
+
+    def _pressed(self, scene: Scene) -> TouchedDome:
+        play = self.play
+        if play.solved:
+            deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
+            return DomeBySolver(play.dome, play.material, scene.edges, self.deviation, deepest)
+        return DomeByTwin(play.twin, scene.edges, self.deviation)
+
+    def _identify(self) -> None:
+        """Learn the unit from known presses at a jig that is well known; it then reads in the dome's frame."""
+        rng, deepest = generator(self.play.seed, "jig", self.number), float(self.play.twin.depths_mm[-1])
+        still = SimulatedRobotSpec(
+            place_mm=0.0, turn_deg=0.0, backlash_mm=0.0, backlash_deg=0.0, compliance=0.0, unreadable=0.0
+        )
+        presses = []
+        for press in range(self.play.known):
+            tilt = KNOWN_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
+            turn = np.radians(KNOWN_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
+            truth = tilt * np.array([np.cos(turn), np.sin(turn)])
+            poses, images = [], []
+            off = rng.normal(0.0, [_JIG.tilt_deg, _JIG.tilt_deg, _JIG.depth])
+            cell = self._cell(FlatWall(np.zeros(3), wall_normal(*np.radians(truth)), 1.0), Placement(), 0.0, rng)
+            start = Placement(position=np.array([0.0, 0.0, -cell.depth_at(Placement())]))
+            cell.robot = SimulatedRobot(start, still, rng, cell.push)
+            for depth in _DEPTHS:
+                if depth < deepest:
+                    cell.robot.move(start.moved(np.array([0.0, 0.0, depth])))
+                    image = cell.next_image()
+                    assert not isinstance(image, PalpateError), "none is torn at the jig"
+                    images.append(image)
+                    poses.append(np.array([*truth, depth]) + off)
+            presses.append((np.array(poses), images, np.full(len(poses), np.nan)))
+        identify_unit(self._sensor, presses, _JIG)
+        reader: Any = self._sensor.reader
+        known: PoseFitter = reader.fitter
+        reader.fitter = PoseFitter(known.model, known.noise_px, None, known.scale)
+
+    def _cell(self, wall: FlatWall, mounted: Placement, unreadable: float, rng: np.random.Generator) -> SimulatedCell:
+        return SimulatedCell(self._unit, wall, mounted, unreadable, rng)
+
+    def _mount(self) -> None:
+        """Put the unit on the robot askew, and tell its offset by touching a reference wall."""
+        play, rng = self.play, generator(self.play.seed, "mount", self.number)
+        askew = turn_by(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
+        along = np.array([0.0, 0.0, _LENGTH_MM])
+        self._mounted = Placement(askew @ _seating(self.deviation), along)
+        nominal = Tool(Placement(position=along))
+        turn = float(rng.uniform(0.0, 2.0 * np.pi))
+        tilt = _REFERENCE_DEG * np.array([np.cos(turn), np.sin(turn)])
+        cell, robot = self._before(tilt, 1.0, rng)
+        aligner = Aligner(robot, self._sensor, cell.next_image, nominal, play.align)
+        self.tool = aligner.find_offset()
+        self.offset_touches = 6
+        true = self._mounted.rotation.T @ self.tool.drill
+        self.offset_error_deg = _angle(true, self.tool.drill_in_sensor)
+
+    def _before(
+        self, tilt_deg: FloatArray, slip: float, rng: np.random.Generator
+    ) -> tuple[SimulatedCell, SimulatedRobot]:
+        """A cell whose wall is tilted against the drill, and a robot in front of it."""
+        spec = self.play.robot
+        start = Placement(turn_by(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
+        normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
+        wall = FlatWall(np.zeros(3), normal, slip)
+        cell = self._cell(wall, self._mounted, spec.unreadable, rng)
+        gap = _STANDOFF_MM + float(rng.uniform(-spec.approach_mm, spec.approach_mm))
+        way = (start @ self._mounted).rotation[:, 2]
+        start = start.moved(-(cell.depth_at(start) + gap) * way)
+        cell.robot = SimulatedRobot(start, spec, rng, cell.push)
+        return cell, cell.robot
+
+    def square(self, wall: int) -> PlayedWall:
+        """Square the drill to a wall of this number, which decides its tilt, friction, distance and all errors."""
+        play, rng = self.play, generator(self.play.seed, "wall", self.number, wall)
+        tilt, turn = play.max_tilt_deg * np.sqrt(rng.uniform()), float(rng.uniform(0.0, 2.0 * np.pi))
+        friction = play.tolerance.draw_friction(float(rng.uniform()))
+        cell, robot = self._before(tilt * np.array([np.cos(turn), np.sin(turn)]), 1.0 / friction, rng)
+        aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
+        said = aligner.align()
+        return PlayedWall(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.most_force_n)
+
+
+def _seating(deviation: Deviation) -> FloatArray:
+    """Rotation (3, 3) of the dome on its mount."""
+    return turn_by(np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])) @ turn_by(
+        np.array([0.0, 0.0, deviation.seating_turn_deg])
+    )
+
+
+def _angle(first: FloatArray, second: FloatArray) -> float:
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second)))

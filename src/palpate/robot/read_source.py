@@ -1,0 +1,89 @@
+"""Read a source in a thread of its own, through unplugging: a camera that is gone is said, and opened again."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from numpy.typing import NDArray
+
+from palpate.camera import Source
+from palpate.core import PalpateError
+from palpate.robot.broadcast import Row
+from palpate.sensor import Reading, Sensor, describe_reading
+
+THERE, GONE = "there", "gone"
+"""What `camera` of a row says: images come; the source has ended or cannot be opened."""
+
+
+class SourceReader:
+    """Reads images one by one, whoever gives them.
+
+    Parameters
+    ----------
+    sensor
+        Opened already; one image at a time is read.
+    publish
+        Gets every reading as plain data, from the thread that read it.
+    """
+
+    def __init__(self, sensor: Sensor, publish: Callable[[Row], None]) -> None:
+        self._sensor, self._publish = sensor, publish
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+
+    def read(self, image: NDArray[Any] | PalpateError) -> Row:
+        """Read one image, publish its reading and give it back."""
+        with self._lock:
+            taken = time.time()
+            row = _row(self._sensor.read(image), THERE, taken)
+            self._publish(row)
+        return row
+
+    def follow(self, open_again: Callable[[], Source], retry_s: float = 1.0, again: bool = True) -> None:
+        """Read a source until `stop`; where it ends or cannot be opened, say so once, and try again.
+
+        Parameters
+        ----------
+        open_again
+            Opens it.
+        retry_s
+            Time between two tries.
+        again
+            Whether it is tried again: cameras are, files are not.
+        """
+        told = False
+        while not self._stop.is_set():
+            reason = "The source has ended."
+            try:
+                with open_again() as source:
+                    for item in source.images():
+                        if self._stop.is_set():
+                            return
+                        if isinstance(item, PalpateError):
+                            reason = item.what
+                        else:
+                            told = False
+                        self.read(item)
+            except PalpateError as error:
+                reason = error.what
+            if not told:
+                self._gone(reason)
+                told = True
+            if not again or self._stop.wait(retry_s):
+                return
+
+    def stop(self) -> None:
+        """End `follow` after the image at hand."""
+        self._stop.set()
+
+    def _gone(self, reason: str) -> None:
+        with self._lock:
+            row = _row(self._sensor.read(PalpateError(reason, "Plug it in.")), GONE, time.time())
+            self._publish(row)
+
+
+def _row(reading: Reading, camera: str, taken: float) -> Row:
+    return describe_reading(reading) | {"camera": camera, "taken_s": taken}

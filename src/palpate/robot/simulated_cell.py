@@ -1,0 +1,174 @@
+"""A simulated workplace: a built unit on a robot that is not quite where it says, before a wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.bench import Scene
+from palpate.camera import render
+from palpate.core import FloatArray, PalpateError
+from palpate.design import Skin
+from palpate.robot.placement import Placement, tilt_of, turn_by
+from palpate.robot.simulated_robot import SimulatedRobot
+from palpate.robot.touched_dome import TouchedDome
+
+_RESTS = 12
+"""Images of the untouched dome, one of which is shown while nothing touches."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatWall:
+    """A flat wall in the base's frame.
+
+    Attributes
+    ----------
+    point
+        (3,) mm on it.
+    normal
+        (3,) unit vector into it, away from the robot.
+    slip
+        1/µ between it and the dome.
+    """
+
+    point: FloatArray
+    normal: FloatArray
+    slip: float
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltUnit:
+    """A built unit as it is, which nobody in the cell knows.
+
+    Attributes
+    ----------
+    skin
+        Its design.
+    thicker
+        By how much its wall is thicker, mm.
+    scene
+        Its dots, camera and light.
+    dome
+        What presses do to it.
+    """
+
+    skin: Skin
+    thicker: float
+    scene: Scene
+    dome: TouchedDome
+
+    @cached_property
+    def at_rest(self) -> list[NDArray[np.uint8]]:
+        """Images (h, w) of the untouched dome, each with noise of its own."""
+        scene = self.scene
+        specs = (scene.render.model_copy(update={"noise_seed": number}) for number in range(_RESTS))
+        return [render(scene.camera, scene.edges, spec) for spec in specs]
+
+
+class SimulatedCell:
+    """Wall, unit and camera; it gives images of where the robot truly is.
+
+    Parameters
+    ----------
+    unit
+        The unit.
+    wall
+        What is touched.
+    flange_from_sensor
+        Where the unit truly sits on the flange.
+    unreadable
+        Share of images that are torn.
+    rng
+        Of noise and torn images.
+
+    Attributes
+    ----------
+    robot
+        Who carries it; set once it is there.
+    most_force_n
+        Greatest force along the wall's normal so far.
+    """
+
+    robot: SimulatedRobot
+
+    def __init__(
+        self,
+        unit: BuiltUnit,
+        wall: FlatWall,
+        flange_from_sensor: Placement,
+        unreadable: float,
+        rng: np.random.Generator,
+    ) -> None:
+        self._unit, self._wall, self._mounted = unit, wall, flange_from_sensor
+        self._unreadable, self._rng = unreadable, rng
+        self._first: Placement | None = None
+        self.most_force_n = 0.0
+
+    def push(self, base_from_flange: Placement) -> FloatArray:
+        """Force (3,) N on the flange at a true placement, base's frame; it is kept where it is the greatest."""
+        sensor = base_from_flange @ self._mounted
+        pose = self._pose(sensor)
+        if pose[2] <= 0.0:
+            return np.zeros(3)
+        on_wall = sensor.rotation @ self._unit.dome.force(pose, self._wall.slip)
+        return -on_wall
+
+    def next_image(self) -> NDArray[Any] | PalpateError:
+        """An image (h, w) of where the robot is; torn ones come as errors."""
+        sensor = self.robot.true @ self._mounted
+        pose = self._pose(sensor)
+        unit, scene = self._unit, self._unit.scene
+        if pose[2] <= 0.0:
+            self._first = None
+        else:
+            self._first = self._first or sensor
+            self._weigh()
+        if self._rng.random() < self._unreadable:
+            return PalpateError("The image was torn.", "Look again.")
+        if pose[2] <= 0.0:
+            return unit.at_rest[int(self._rng.integers(len(unit.at_rest)))]
+        edges = unit.dome.edges(pose, self._wall.slip, self._drift(sensor, pose))
+        noise = int(self._rng.integers(2**31))
+        return render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
+
+    def angle_deg(self, drill: FloatArray) -> float:
+        """True angle between the drill (3,) of the flange's frame and the wall's normal."""
+        axis = self.robot.true.rotation @ drill
+        return float(
+            np.degrees(np.arctan2(np.linalg.norm(np.cross(axis, self._wall.normal)), axis @ self._wall.normal))
+        )
+
+    def depth_at(self, base_from_flange: Placement) -> float:
+        """Depth (mm) of the wall at a true placement of the flange; negative where it is not touched."""
+        return float(self._pose(base_from_flange @ self._mounted)[2])
+
+    def _weigh(self) -> None:
+        pressing = -float(self.push(self.robot.true) @ self._wall.normal)
+        self.most_force_n = max(self.most_force_n, pressing)
+
+    def _pose(self, sensor: Placement) -> FloatArray:
+        """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths do not touch."""
+        normal = sensor.rotation.T @ self._wall.normal
+        height = float(normal @ sensor.inverse().apply(self._wall.point))
+        reach = float(self._unit.skin.touch(normal) @ normal) + self._unit.thicker
+        return np.array([*tilt_of(normal), (reach - height) / normal[2]])
+
+    def _drift(self, sensor: Placement, pose: FloatArray) -> FloatArray:
+        """How far the wall has gone sideways and turned since first touch, in its own axes."""
+        before = self._first or sensor
+        moved = -sensor.rotation.T @ (sensor.position - before.position)
+        normal = sensor.rotation.T @ self._wall.normal
+        across = moved - (moved @ normal) / normal[2] * np.array([0.0, 0.0, 1.0])
+        axes = _turned_axes(pose)
+        relative = before.rotation.T @ sensor.rotation
+        twist = -np.degrees(np.arctan2(relative[1, 0], relative[0, 0]))
+        return np.array([across @ axes[:, 0], across @ axes[:, 1], twist])
+
+
+def _turned_axes(pose: FloatArray) -> FloatArray:
+    """The wall's x and y as columns (3, 2), in the dome's frame."""
+    return turn_by(np.array([pose[0], pose[1], 0.0]))[:, :2]

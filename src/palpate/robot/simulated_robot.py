@@ -1,0 +1,82 @@
+"""A robot that is not quite where it says: errors of each move, play, and a wall that pushes it back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from palpate.core import FloatArray
+from palpate.robot.placement import Placement, turn_by
+from palpate.robot.robot import Robot
+from palpate.robot.spec import SimulatedRobotSpec
+
+_SAME = 1e-9
+_ROUNDS = 30
+"""Rounds in which force and yield find each other; each takes most of what is left, where a robot is stiffer than
+a dome."""
+
+
+@final
+class SimulatedRobot(Robot):
+    """A robot whose true placement is known to the simulation alone.
+
+    It errs anew in place with every move, and in its turn whenever it is asked to turn: a straight press keeps the
+    error of its turn.
+
+    Parameters
+    ----------
+    start
+        Where it is, without error.
+    spec
+        How well it does.
+    rng
+        Of its errors.
+    push
+        Force (3,) N that a true placement would bring on the flange, base's frame.
+    """
+
+    def __init__(
+        self,
+        start: Placement,
+        spec: SimulatedRobotSpec,
+        rng: np.random.Generator,
+        push: Callable[[Placement], FloatArray],
+    ) -> None:
+        self._spec, self._rng, self._push = spec, rng, push
+        self._said = self._true = start
+        self._turn_error, self._side, self._turn_side = np.eye(3), np.zeros(3), np.zeros(3)
+
+    def move(self, base_from_flange: Placement) -> None:
+        spec, turned = self._spec, self._said.rotation.T @ base_from_flange.rotation
+        way = Rotation.from_matrix(turned).as_rotvec(degrees=True)
+        if np.abs(way).max() > _SAME:
+            self._turn_side = np.where(np.abs(way) > _SAME, np.sign(way), self._turn_side)
+            off = self._rng.normal(0.0, spec.turn_deg, 3) - 0.5 * spec.backlash_deg * self._turn_side
+            self._turn_error = turn_by(off)
+        along = base_from_flange.position - self._said.position
+        self._side = np.where(np.abs(along) > _SAME, np.sign(along), self._side)
+        off = self._rng.normal(0.0, spec.place_mm, 3) - 0.5 * spec.backlash_mm * self._side
+        self._said = base_from_flange
+        free = Placement(base_from_flange.rotation @ self._turn_error, base_from_flange.position + off)
+        self._true = self._yield(free)
+
+    def _yield(self, free: Placement) -> Placement:
+        """Where it stays under the force of what it presses on."""
+        back = np.zeros(3)
+        for _ in range(_ROUNDS):
+            again = self._spec.compliance * self._push(free.moved(back))
+            if np.abs(again - back).max() < _SAME:
+                break
+            back = again
+        return free.moved(back)
+
+    def where(self) -> Placement:
+        return self._said
+
+    @property
+    def true(self) -> Placement:
+        """Where it is."""
+        return self._true

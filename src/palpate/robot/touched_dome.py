@@ -1,0 +1,131 @@
+"""A built unit's dome under a wall: where the edges of its dots are and what the wall bears, twice over.
+
+By the twin, which takes a millisecond, so that whole studies can be played, and which shares the idea of what reads;
+and by presses that are solved for each touch, which does not.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+
+from palpate.built import Deviation
+from palpate.core import FloatArray
+from palpate.design import SkinSpec, build_skin, wall_normal
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.material import Material
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import PrintedTwin, Twin
+
+_STEP_MM = 0.25
+"""Travel between two solved images, between which places are interpolated."""
+
+
+class TouchedDome(ABC):
+    """A dome under a wall."""
+
+    @abstractmethod
+    def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
+        """Edges (m, k, 3) mm of the dots.
+
+        At rx, ry (degrees) and depth (mm), under 1/µ = `slip`; `drift` (3,) is how far the wall has travelled in its
+        plane (mm) and turned (degrees) since first touch.
+        """
+
+    @abstractmethod
+    def force(self, pose: FloatArray, slip: float) -> FloatArray:
+        """Force (3,) N on the wall, dome's frame."""
+
+
+@final
+class DomeByTwin(TouchedDome):
+    """A unit's dome as the twin of its design has it.
+
+    Parameters
+    ----------
+    twin
+        Of the design.
+    rest
+        (m, k, 3) mm, edges of the unit's dots.
+    deviation
+        The unit; its thickness and stiffness count, its stiffening does not.
+    """
+
+    def __init__(self, twin: Twin, rest: FloatArray, deviation: Deviation) -> None:
+        self._shape, self._deviation = rest.shape, deviation
+        self._edges: PrintedTwin = twin.print_dots(rest.reshape(-1, 3))
+        self._one: PrintedTwin = twin.print_dots(rest[0, :1])
+
+    def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
+        moved = self._edges.move(pose, slip, self._deviation.thickness, drift)
+        return moved.positions.reshape(self._shape)
+
+    def force(self, pose: FloatArray, slip: float) -> FloatArray:
+        stiff = 1.0 + self._deviation.modulus
+        return stiff * self._one.move(pose, slip, self._deviation.thickness).force
+
+
+@final
+@dataclass(eq=False)
+class DomeBySolver(TouchedDome):
+    """A unit's dome by presses that are solved for every tilt and friction it meets; drift is left out.
+
+    Attributes
+    ----------
+    dome, material
+        The design.
+    rest
+        (m, k, 3) mm, edges of the unit's dots.
+    deviation
+        The unit.
+    depth
+        To which it can be pressed, mm.
+    cells
+        Of the mesh, along a meridian; `None`: its own number.
+    """
+
+    dome: SkinSpec
+    material: Material
+    rest: FloatArray
+    deviation: Deviation
+    depth: float
+    cells: int | None = None
+    _solved: dict[tuple[float, float], Press] = field(default_factory=dict)
+
+    def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
+        press, azimuth_deg = self._press(pose, slip)
+        turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+        before, share = _between(press.depth, float(pose[2]))
+        both = replace(
+            turned,
+            **{name: getattr(turned, name)[before : before + 2] for name in ("depth", "displacement")},
+        ).positions(self.rest.reshape(-1, 3))
+        return ((1.0 - share) * both[0] + share * both[1]).reshape(self.rest.shape)
+
+    def force(self, pose: FloatArray, slip: float) -> FloatArray:
+        if pose[2] <= 0.0:
+            return np.zeros(3)
+        press, _ = self._press(pose, slip)
+        before, share = _between(press.depth, float(pose[2]))
+        size = press.force @ wall_normal(np.radians(press.wall.radial), 0.0)
+        pressing = (1.0 - share) * size[before] + share * size[before + 1]
+        return pressing * wall_normal(*np.radians(pose[:2]))
+
+    def _press(self, pose: FloatArray, slip: float) -> tuple[Press, float]:
+        tilt, azimuth_deg = float(np.hypot(*pose[:2])), float(np.degrees(np.arctan2(pose[1], pose[0])))
+        key = round(tilt, 3), round(slip, 6)
+        if key not in self._solved:
+            contact = 1.0 / slip if slip > 0 else "no-slip"
+            wall = WallSpec(tilt_deg=key[0], depth=self.depth, image_step=_STEP_MM, contact=contact)
+            mesh = mesh_skin(build_skin(self.deviation.dome(self.dome)), MeshSpec(cells=self.cells))
+            self._solved[key] = solve_press(mesh, self.deviation.material(self.material), wall)
+        return self._solved[key], azimuth_deg
+
+
+def _between(depths: FloatArray, depth: float) -> tuple[int, float]:
+    """The image before a depth, and how far it is on the way to the next."""
+    before = int(np.clip(np.searchsorted(depths, depth) - 1, 0, len(depths) - 2))
+    return before, float(np.clip((depth - depths[before]) / (depths[before + 1] - depths[before]), 0.0, 1.0))

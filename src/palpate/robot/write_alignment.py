@@ -1,0 +1,97 @@
+"""Alignments as plain data: touches as a table, and how all came about."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from palpate.core import provenance, written_whole
+from palpate.robot.alignment import Alignment
+from palpate.robot.play import PlayedWall
+
+COLUMNS = (
+    "touch",
+    "rx_deg",
+    "ry_deg",
+    "depth_mm",
+    "angle_deg",
+    "half_width_deg",
+    "turned_deg",
+    "force_n",
+    "force_most_n",
+    "friction",
+    "images",
+)
+
+
+def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
+    """A row a touch, by `COLUMNS`; friction is empty where nothing slips."""
+    columns = zip(
+        alignment.touches, alignment.angles_deg, alignment.half_widths_deg, alignment.turned_deg, strict=True
+    )
+    return [
+        {
+            "touch": number,
+            "rx_deg": float(touch.tilt_deg[0]),
+            "ry_deg": float(touch.tilt_deg[1]),
+            "depth_mm": touch.depth,
+            "angle_deg": angle,
+            "half_width_deg": half,
+            "turned_deg": turned,
+            "force_n": touch.force_n,
+            "force_most_n": touch.force_most_n,
+            "friction": 1.0 / touch.slip if touch.slip > 0 else None,
+            "images": touch.images,
+        }
+        for number, (touch, angle, half, turned) in enumerate(columns, start=1)
+    ]
+
+
+def describe_alignment(alignment: Alignment) -> dict[str, Any]:
+    """How an alignment ended, and what is left, as plain data."""
+    known = math.isfinite(alignment.left_deg)
+    return {
+        "square": alignment.square,
+        "ending": alignment.ending.name.lower(),
+        "reason": str(alignment.ending),
+        "touches": len(alignment.touches),
+        "images": alignment.images,
+        "left_deg": alignment.left_deg if known else None,
+        "left_half_width_deg": alignment.left_half_width_deg if known else None,
+    }
+
+
+def describe_wall(wall: PlayedWall) -> dict[str, Any]:
+    """A wall that was played, with the truth, as plain data."""
+    said = wall.alignment
+    return {
+        "tilt_deg": wall.tilt_deg,
+        "friction": wall.friction,
+        **describe_alignment(said),
+        "final_deg": wall.final_deg,
+        "most_force_n": wall.most_force_n,
+        "held": bool(wall.final_deg <= said.left_deg + said.left_half_width_deg),
+    }
+
+
+def write_alignments(folder: Path, walls: Sequence[PlayedWall], facts: dict[str, Any]) -> None:
+    """Write ``touches.csv``, a row a touch, and ``alignment.json``, a wall an entry with `facts` and versions.
+
+    Raises
+    ------
+    PalpateError
+        If a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with written_whole(folder / "touches.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, ["wall", *COLUMNS], lineterminator="\n")
+        writer.writeheader()
+        for number, wall in enumerate(walls, start=1):
+            writer.writerows({"wall": number, **row} for row in list_touches(wall.alignment))
+    content = facts | {"walls": [describe_wall(wall) for wall in walls], "made_by": provenance()}
+    with written_whole(folder / "alignment.json") as draft:
+        draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

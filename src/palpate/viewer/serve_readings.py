@@ -1,0 +1,158 @@
+"""Readings over HTTP and a websocket, behind the same guard as the viewer.
+
+GET  /reading    the newest reading, 204 before the first
+POST /image      an image file (PNG, JPEG) is read as the next one; answers its reading
+WS   /readings   every reading as it comes; `lost` says how many made way for a client that was too slow
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from typing import Any
+
+from palpate.camera import Source, decode_image
+from palpate.core import PalpateError, load_extra
+from palpate.robot import Broadcast, SourceReader
+from palpate.sensor import Sensor
+from palpate.viewer.guard import Guard
+from palpate.viewer.server import ServeSpec, link_of, open_door
+
+_BACKLOG_BYTES = 32_768
+"""Some fifty readings, that the system keeps for each client."""
+
+
+@dataclass(frozen=True)
+class Feed:
+    """Where a server's images come from, beside those that clients send.
+
+    Attributes
+    ----------
+    open_source
+        Opens it; `None` where clients alone send images.
+    again
+        Whether it is opened again where it ends.
+    retry_s
+        Time between two tries, s.
+    """
+
+    open_source: Callable[[], Source] | None = None
+    again: bool = True
+    retry_s: float = 1.0
+
+
+def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
+    """The application of an open sensor (ASGI), unguarded.
+
+    Raises
+    ------
+    MissingExtraError
+        If Starlette is not installed.
+    """
+    load_extra("starlette", "web", "Starlette")
+    from starlette.applications import Starlette
+    from starlette.concurrency import run_in_threadpool
+    from starlette.requests import Request
+    from starlette.responses import JSONResponse, Response
+    from starlette.routing import Route, WebSocketRoute
+    from starlette.websockets import WebSocket, WebSocketDisconnect
+
+    hub = Broadcast()
+    loops: list[asyncio.AbstractEventLoop] = []
+    reader = SourceReader(sensor, lambda row: _hand_over(loops, hub, row))
+
+    @asynccontextmanager
+    async def live(_: Any) -> AsyncIterator[None]:
+        loops.append(asyncio.get_running_loop())
+        if feed.open_source is not None:
+            words = (feed.open_source, feed.retry_s, feed.again)
+            threading.Thread(target=reader.follow, args=words, daemon=True).start()
+        yield
+        reader.stop()
+
+    async def newest(_: Request) -> Response:
+        return JSONResponse(hub.last) if hub.last else Response(status_code=204)
+
+    async def take_image(request: Request) -> Response:
+        try:
+            image = decode_image(await request.body())
+        except PalpateError as error:
+            return JSONResponse({"error": error.what, "remedy": error.remedy}, status_code=400)
+        return JSONResponse(await run_in_threadpool(reader.read, image))
+
+    async def tell(socket: WebSocket) -> None:
+        await socket.accept()
+        with hub.listen() as listener, suppress(WebSocketDisconnect, RuntimeError):
+            gone = asyncio.ensure_future(_until_gone(socket))
+            try:
+                while not gone.done():
+                    waiting = asyncio.ensure_future(listener.take())
+                    await asyncio.wait({gone, waiting}, return_when=asyncio.FIRST_COMPLETED)
+                    if not waiting.done():
+                        waiting.cancel()
+                        break
+                    await socket.send_json(waiting.result())
+            finally:
+                gone.cancel()
+
+    routes = [
+        Route("/reading", newest),
+        Route("/image", take_image, methods=["POST"]),
+        WebSocketRoute("/readings", tell),
+    ]
+    return Starlette(routes=routes, lifespan=live)
+
+
+async def _until_gone(socket: Any) -> None:
+    """Return when a client closes; what it says is not listened to."""
+    while (await socket.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+def _hand_over(loops: list[asyncio.AbstractEventLoop], hub: Broadcast, row: dict[str, Any]) -> None:
+    """Publish in the loop of the server, from the thread that read."""
+    with suppress(RuntimeError):  # the server has been closed meanwhile
+        loops[-1].call_soon_threadsafe(hub.publish, row)
+
+
+def bound_backlog(listener: socket.socket) -> None:
+    """Let the system keep little for a client that stalls: what waits there is older than what waits here."""
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _BACKLOG_BYTES)
+
+
+def serve_readings(sensor: Sensor, feed: Feed, spec: ServeSpec, announce: Callable[[str], None]) -> None:
+    """Serve the readings of a sensor until it is interrupted.
+
+    Parameters
+    ----------
+    sensor, feed
+        The sensor, opened, and where its images come from.
+    spec
+        Where to listen.
+    announce
+        Called with the link as soon as the port is taken.
+
+    Raises
+    ------
+    PalpateError
+        If the address cannot be listened at.
+    MissingExtraError
+        If Starlette or uvicorn is not installed.
+    """
+    uvicorn: Any = load_extra("uvicorn", "web")
+    app = build_readings_app(sensor, feed)
+    door, listener = open_door(spec)
+    try:
+        bound_backlog(listener)
+        announce(link_of(door, "reading"))
+        # unpacked: packing costs time, and a client that stalls would have minutes of readings in the system
+        config = uvicorn.Config(
+            Guard(app, door), log_level="warning", server_header=False, lifespan="on", ws_per_message_deflate=False
+        )
+        uvicorn.Server(config).run(sockets=[listener])
+    finally:
+        listener.close()

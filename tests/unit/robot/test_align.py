@@ -1,0 +1,242 @@
+"""A drill is squared to walls by units built askew, on a robot that is not where it says; and what ends it."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from palpate.built import ToleranceSpec
+from palpate.core import PalpateError
+from palpate.design import build_skin, place_markers, wall_normal
+from palpate.robot import (
+    Aligner,
+    AlignSpec,
+    Ending,
+    Placement,
+    Play,
+    PlayedUnit,
+    Robot,
+    SimulatedRobotSpec,
+    Tool,
+    Touch,
+    find_tool_offset,
+    tilt_of,
+    write_alignments,
+)
+from palpate.robot.placement import turn_by
+from palpate.robot.touched_dome import DomeBySolver, DomeByTwin
+from palpate.twin import Twin, read_twin, write_twin
+from small_chain import DOME, MARKERS, MATERIAL, write_small_twin
+
+SPEC = AlignSpec(depth=3.5, least_depth=1.5, force_n=0.4, tolerance_deg=0.6)
+WALLS = ToleranceSpec(friction=0.5, friction_most=5.0, lateral=0.2)
+NEAR = Placement(position=np.array([0.0, 0.0, 120.0]))
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
+    return read_twin(write_small_twin(tmp_path_factory.mktemp("twin") / "twin.h5"))
+
+
+def play(twin: Twin, **changes: Any) -> Play:
+    layout = place_markers(build_skin(DOME), MARKERS)
+    return Play(
+        twin, layout, DOME, MATERIAL, align=SPEC, **{"known": 0, "max_tilt_deg": 4.0, "tolerance": WALLS} | changes
+    )
+
+
+@pytest.fixture(scope="module")
+def unit(twin: Twin) -> PlayedUnit:
+    return PlayedUnit(play(twin), 1)
+
+
+def test_a_drill_stands_square_after_some_touches_and_the_force_is_kept(unit: PlayedUnit, tmp_path: Path) -> None:
+    walls = [unit.square(number) for number in range(4)]
+    for wall in walls:
+        assert wall.alignment.square, wall.alignment.ending
+        assert wall.final_deg < 0.6
+        assert len(wall.alignment.touches) <= 4
+        assert 0.02 < wall.most_force_n < SPEC.force_n
+    assert np.median([len(wall.alignment.touches) for wall in walls]) <= 2
+    first = walls[0].alignment
+    assert first.angles_deg[0] == pytest.approx(walls[0].tilt_deg, abs=0.6)
+    write_alignments(tmp_path / "new", walls, {"seed": 0})
+    rows = (tmp_path / "new" / "touches.csv").read_text().splitlines()
+    assert len(rows) == 1 + sum(len(wall.alignment.touches) for wall in walls)
+    assert '"made_by"' in (tmp_path / "new" / "alignment.json").read_text()
+
+
+def test_the_tools_offset_is_told_by_six_touches(unit: PlayedUnit) -> None:
+    assert unit.offset_touches == 6
+    assert unit.offset_error_deg < 0.2
+    askew = unit.tool.flange_from_sensor.rotation[:, 2]
+    assert np.degrees(np.arccos(askew[2])) > 2 * unit.offset_error_deg
+
+
+def test_the_force_limit_makes_touches_shallower_or_ends(twin: Twin, unit: PlayedUnit) -> None:
+    cell, robot = unit._before(np.array([2.0, 1.0]), 1.0, np.random.default_rng(3))
+
+    def run(**changes: Any) -> tuple[Any, float]:
+        cell.most_force_n = 0.0
+        spec = SPEC.model_copy(update=changes)
+        said = Aligner(robot, unit._sensor, cell.next_image, unit.tool, spec).align()
+        return said, cell.most_force_n
+
+    free, force = run(most_touches=1)
+    limited, less = run(force_n=0.6 * force, most_touches=1)
+    assert less < 0.6 * force
+    assert limited.touches[0].depth < free.touches[0].depth - 0.3
+    assert all(touch.force_n <= touch.force_most_n for touch in free.touches)
+    shallow, least = run(force_n=0.6 * force, least_depth=3.3)
+    assert shallow.ending is Ending.TOO_SHALLOW
+    assert least < 0.6 * force
+    with pytest.raises(PalpateError, match=r"The search may go 1\.25 mm deep, which makes up to 0\.\d+ N"):
+        run(force_n=0.001)
+
+
+def go_dark(unit: PlayedUnit, dark: Callable[[int, float], bool]) -> tuple[Any, float, list[float]]:
+    """An alignment whose images are gone where `dark` says so, of their number and true depth; force and places."""
+    cell, robot = unit._before(np.array([2.0, -1.0]), 1.0, np.random.default_rng(4))
+    count, places = 0, []
+
+    def next_image() -> Any:
+        nonlocal count
+        count += 1
+        image = cell.next_image()
+        if dark(count, cell.depth_at(robot.true)):
+            places.append(float(robot.where().position[2]))
+            return PalpateError("No image.", "Look again.")
+        return image
+
+    said = Aligner(robot, unit._sensor, next_image, unit.tool, SPEC).align()
+    assert cell.depth_at(robot.true) < 0, "it leaves the wall"
+    return said, cell.most_force_n, places
+
+
+def test_without_images_nothing_is_pressed(unit: PlayedUnit) -> None:
+    said, force, places = go_dark(unit, lambda count, depth: True)
+    assert said.ending is Ending.UNREADABLE
+    assert said.images == len(places) == SPEC.looks
+    assert len(set(places)) == 1, "it never goes on blindly"
+    assert force == 0.0
+    assert np.isnan(said.left_deg)
+
+
+def test_a_touch_that_is_dark_from_its_beginning_is_left(unit: PlayedUnit) -> None:
+    said, force, places = go_dark(unit, lambda count, depth: depth > 0.0)
+    assert said.ending is Ending.UNREADABLE
+    assert not said.square
+    assert len(set(places)) == 1
+    assert force < 0.1
+
+
+def test_a_depth_that_cannot_be_read_leaves_the_one_before_it(unit: PlayedUnit) -> None:
+    said, _, places = go_dark(unit, lambda count, depth: depth > 2.6)
+    assert len(places) >= SPEC.looks
+    assert said.square
+    assert all(SPEC.least_depth <= touch.depth < 2.7 for touch in said.touches)
+
+
+def test_a_wall_out_of_reach_is_said(unit: PlayedUnit) -> None:
+    cell, robot = unit._before(np.zeros(2), 1.0, np.random.default_rng(5))
+    short = SPEC.model_copy(update={"search": 1.0})
+    assert Aligner(robot, unit._sensor, cell.next_image, unit.tool, short).align().ending is Ending.NO_WALL
+
+
+def test_an_angle_that_stays_uncertain_is_not_called_square(unit: PlayedUnit) -> None:
+    cell, robot = unit._before(np.array([1.0, 0.0]), 1.0, np.random.default_rng(6))
+    strict = SPEC.model_copy(update={"tolerance_deg": 0.01, "most_touches": 2})
+    said = Aligner(robot, unit._sensor, cell.next_image, unit.tool, strict).align()
+    assert said.ending is Ending.TOO_MANY
+    assert len(said.touches) == 2
+    assert said.left_deg + said.left_half_width_deg > 0.01
+
+
+def made_touches(truth: Placement, normal: np.ndarray, turns: list[tuple[float, float]]) -> list[Touch]:
+    touches = []
+    for about, lean in turns:
+        flange = turn_by(np.array([0, 0, about])) @ turn_by(np.array([lean, 0, 0]))
+        tilt = tilt_of((flange @ truth.rotation).T @ normal)
+        touches.append(Touch(Placement(flange), tilt, 4.0, 0.01**2 * np.eye(2), 0.2, 0.3, 1.0, 9, False))
+    return touches
+
+
+def test_an_offset_is_told_exactly_from_exact_touches_and_its_turn_only_by_leaning() -> None:
+    truth = Placement(turn_by(np.array([0.8, -0.5, 1.2])), NEAR.position)
+    normal = wall_normal(*np.radians([2.0, 1.0]))
+    turns = [(60.0 * k, 3.0 * (-1) ** k) for k in range(6)]
+    found = find_tool_offset(Tool(NEAR), made_touches(truth, normal, turns), 0.001)
+    assert found.flange_from_sensor.rotation == pytest.approx(truth.rotation, abs=2e-5)
+    upright = find_tool_offset(Tool(NEAR), made_touches(truth, normal, [(k, 0.0) for k, _ in turns]), 0.001)
+    assert upright.drill_in_sensor == pytest.approx(truth.rotation.T @ upright.drill, abs=1e-3)
+    assert np.sqrt(np.diag(upright.covariance))[2] > 2.9
+    assert np.sqrt(np.diag(found.covariance))[2] < 0.3
+
+
+def test_touches_of_two_walls_or_too_few_tell_no_offset() -> None:
+    turns = [(60.0 * k, 3.0 * (-1) ** k) for k in range(6)]
+    mixed = made_touches(NEAR, wall_normal(0.0, 0.0), turns[:3]) + made_touches(
+        NEAR, wall_normal(0.1, 0.1), turns[3:]
+    )
+    with pytest.raises(PalpateError, match="do not fit one flat wall"):
+        find_tool_offset(Tool(NEAR), mixed, 0.01)
+    with pytest.raises(PalpateError, match="2 touches do not tell"):
+        find_tool_offset(Tool(NEAR), mixed[:2], 0.01)
+
+
+def test_a_simulated_robot_errs_as_it_is_said_to(unit: PlayedUnit) -> None:
+    spec = SimulatedRobotSpec(backlash_mm=0.0, backlash_deg=0.0)
+    from palpate.robot import SimulatedRobot
+
+    def free(_: Placement) -> np.ndarray:
+        return np.zeros(3)
+
+    robot: Robot = SimulatedRobot(Placement(), spec, np.random.default_rng(0), free)
+    assert isinstance(robot, SimulatedRobot)
+    places, turns = [], []
+    for number in range(400):
+        goal = Placement(turn_by(np.array([0.0, 0.1 * (number % 2), 0.0])), np.array([0.0, 0.0, float(number % 2)]))
+        robot.move(goal)
+        assert robot.where() is goal
+        places.append(robot.true.position - goal.position)
+        turns.append(tilt_of((goal.rotation.T @ robot.true.rotation)[:, 2]))
+    assert np.std(places) == pytest.approx(0.1, rel=0.1)
+    assert np.std(turns) == pytest.approx(0.05, rel=0.1)
+
+    def spring(place: Placement) -> np.ndarray:
+        return np.array([0.0, 0.0, -2.0 * max(place.position[2], 0.0)])
+
+    soft = spec.model_copy(update={"compliance": 0.2, "place_mm": 0.0})
+    pushed = SimulatedRobot(Placement(), soft, np.random.default_rng(0), spring)
+    pushed.move(Placement(position=np.array([0.0, 0.0, 1.0])))
+    assert pushed.true.position[2] == pytest.approx(1.0 / 1.4, abs=1e-6)
+
+
+def test_the_twins_dome_goes_where_a_solved_one_goes(twin: Twin, unit: PlayedUnit) -> None:
+    """Two ways to the same dots: what a played unit shows, and a press solved anew, of a tilt between the twin's."""
+    rest = unit._scene.edges
+    by_twin = DomeByTwin(twin, rest, unit.deviation)
+    solved = DomeBySolver(DOME, MATERIAL, rest, unit.deviation, 4.0, cells=6)
+    pose, slip = np.array([2.5, -1.5, 3.1]), 1.0
+    one, other = (dome.edges(pose, slip, np.zeros(3)) for dome in (by_twin, solved))
+    moved = np.linalg.norm(one - rest, axis=2)
+    assert np.linalg.norm(one - other, axis=2).max() < 0.05 * moved.max()
+    forces = [float(np.linalg.norm(dome.force(pose, slip))) for dome in (by_twin, solved)]
+    assert forces[0] == pytest.approx(forces[1], rel=0.05)
+
+
+def test_the_command_prints_touches_and_writes_them(
+    twin: Twin, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from palpate.cli import main
+
+    write_twin(tmp_path / "twin.h5", twin)
+    words = ["align", "--model", str(tmp_path / "twin.h5"), "--markers", "37", "--walls", "1", "--known", "2"]
+    words += ["--depth", "3.5", "--least-depth", "1.5", "--tolerance", "0.9", "-o", str(tmp_path / "out")]
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert left.value.code in (0, None)
+    assert "Wall 1: " in capsys.readouterr().out
+    assert (tmp_path / "out" / "touches.csv").read_text().startswith("wall,touch,rx_deg")

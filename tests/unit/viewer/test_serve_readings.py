@@ -1,0 +1,165 @@
+"""Readings for other programs: by HTTP, websocket and in C++; slow clients, a camera unplugged, wrong tokens."""
+
+import asyncio
+import json
+import shutil
+import subprocess
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("starlette", reason="the extra web is not there: pip install -e '.[web]'")
+
+import cv2
+import uvicorn
+from starlette.testclient import TestClient
+
+from palpate.bench import set_scene
+from palpate.built import Deviation
+from palpate.camera import CameraSpec, RenderSpec, Source
+from palpate.core import PalpateError
+from palpate.design import build_skin, place_markers
+from palpate.learn import open_predictor
+from palpate.robot import Broadcast
+from palpate.sensor import Sensor, Unit, open_sensor
+from palpate.viewer import Feed, ServeSpec, build_readings_app, follow_readings
+from palpate.viewer.guard import Guard
+from palpate.viewer.server import link_of, open_door
+from small_chain import DOME, MARKERS, write_small_model
+
+TOKEN = "0123456789abcdef"
+CPP = Path(__file__).parents[3] / "examples" / "cpp"
+IMAGES = 12
+
+
+def rest_image() -> np.ndarray:
+    skin = build_skin(DOME)
+    scene = set_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=2.0))
+    return scene.at_rest()
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return open_predictor(write_small_model(tmp_path_factory.mktemp("model") / "model.onnx"))
+
+
+@pytest.fixture
+def sensor(model: Any) -> Sensor:
+    skin = build_skin(DOME)
+    return open_sensor([rest_image()], Unit(skin, place_markers(skin, MARKERS)), model)
+
+
+class Unplugged(Source):
+    """A camera that gives a dozen images, then nothing any more; opened again, it gives a dozen again."""
+
+    opened = 0
+
+    def __init__(self) -> None:
+        type(self).opened += 1
+        self._image = rest_image()
+
+    @property
+    def name(self) -> str:
+        return "a camera that is unplugged"
+
+    def images(self) -> Iterator[Any]:
+        if type(self).opened == 2:
+            raise PalpateError("The camera cannot be opened.", "Plug it in.")
+        for _ in range(IMAGES):
+            time.sleep(0.01)
+            yield self._image
+        yield PalpateError("The camera gives nothing any more.", "Plug it in.")
+
+
+@pytest.fixture
+def served(sensor: Sensor) -> Iterator[str]:
+    Unplugged.opened = 0
+    door, listener = open_door(ServeSpec(port=0, token=TOKEN))
+    app = Guard(build_readings_app(sensor, Feed(Unplugged, retry_s=0.3)), door)
+    server = uvicorn.Server(uvicorn.Config(app, log_level="warning", lifespan="on", timeout_graceful_shutdown=1))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+    thread.start()
+    yield link_of(door, "reading")
+    server.should_exit = True
+    thread.join(10)
+    listener.close()
+
+
+def test_a_camera_that_is_unplugged_is_said_once_and_comes_back(served: str) -> None:
+    rows = []
+    for row in follow_readings(served):
+        rows.append(row)
+        if [each["camera"] for each in rows].count("gone") and rows[-1]["camera"] == "there" and len(rows) > 20:
+            break
+    cameras = [row["camera"] for row in rows]
+    assert cameras.count("gone") == 1, "two tries failed, and it is said once"
+    numbers = [row["image"] for row in rows]
+    assert numbers == list(range(numbers[0], numbers[0] + len(rows))), "none is lost"
+    assert all(row["lost"] == 0 for row in rows)
+    bad = [row for row in rows if row["reason"]]
+    assert bad[0]["reason"] == "The camera gives nothing any more."
+    assert bad[0]["rx_deg"] is None
+    assert rows[-1]["depth_mm"] is not None
+
+
+def test_a_slow_client_loses_the_oldest_and_hears_how_many() -> None:
+    async def play() -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+        hub = Broadcast(most=5)
+        with hub.listen() as quick, hub.listen() as slow:
+            seen = []
+            for number in range(20):
+                hub.publish({"image": number})
+                seen.append(await quick.take())
+            late = [await slow.take() for _ in range(5)]
+            hub.publish({"image": 20})
+            late.append(await slow.take())
+        assert len(hub) == 0
+        return seen, late
+
+    seen, late = asyncio.run(play())
+    assert [row["lost"] for row in seen] == [0] * 20
+    assert [(row["image"], row["lost"]) for row in late] == [(15, 15), (16, 0), (17, 0), (18, 0), (19, 0), (20, 0)]
+
+
+def test_a_client_sends_an_image_and_gets_its_reading(sensor: Sensor) -> None:
+    with TestClient(build_readings_app(sensor, Feed())) as client:
+        assert client.get("/reading").status_code == 204
+        _, png = cv2.imencode(".png", rest_image())
+        row = client.post("/image", content=png.tobytes()).json()
+        assert row["found"] == 37
+        assert row["touching"] is False
+        time.sleep(0.1)
+        assert client.get("/reading").json() == row
+        with client.websocket_connect("/readings") as socket:
+            client.post("/image", content=png.tobytes())
+            assert json.loads(socket.receive_text())["image"] == row["image"] + 1
+        refused = client.post("/image", content=b"no image")
+        assert refused.status_code == 400
+        assert "is not an image" in refused.json()["error"]
+
+
+def test_without_the_token_nothing_is_told(served: str) -> None:
+    with pytest.raises(PalpateError, match="Nothing answers"):
+        next(follow_readings(served.replace(TOKEN, "f" * 16)))
+    with pytest.raises(PalpateError, match="Nothing answers"):
+        next(follow_readings("http://127.0.0.1:9/reading"))
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler is there: apt install g++")
+def test_the_cpp_header_compiles_and_reads(served: str, tmp_path: Path) -> None:
+    program = tmp_path / "print_reading"
+    words = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", str(CPP / "print_reading.cpp"), "-o", str(program)]
+    subprocess.run(words, check=True)
+    first = next(follow_readings(served))
+    port = served.split(":")[2].split("/")[0]
+    read = subprocess.run([program, "127.0.0.1", port, TOKEN], capture_output=True, text=True, check=True)
+    assert len(read.stdout.split()) == 3
+    assert "depth_mm" in first
+    wrong = subprocess.run([program, "127.0.0.1", port, "f" * 16], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 3
+    assert "401" in wrong.stderr
