@@ -261,7 +261,8 @@ def _print_modes(facts: dict[str, Any]) -> None:
         for item in facts["modes"]
     ]
     for item in facts.get("unseen", []):
-        predicted = "unknown" if math.isnan(item["relative"]) else f"about {100 * item['relative']:.2g} %"
+        predicted = f"about {100 * item['relative']:.2g} %, up to {100 * item['upper']:.2g} %"
+        predicted = "unknown" if math.isnan(item["relative"]) else predicted
         rows.append([item["mode"], "not measured", f"1 … {item['high']:.4g}", "", "", predicted])
     print_table("modes", ["mode", "", "stretch", "R²", "rms kPa", "error over greatest stress"], rows)
 
