@@ -1,6 +1,6 @@
 """Predicted errors of modes that were not measured, by leaving one rubber out of five.
 
-Every model is fitted to one mode of a rubber, and to two, and judged on the modes left, as far as its prediction speaks
+Every model is fitted to one mode of a rubber, and to two, and judged on the modes left as far as its prediction goes
 (the stretch of the greatest I1 measured). Errors beyond 500 % count as 500 %. The constants of the prediction are
 chosen on four rubbers and scored on the fifth; the shipped ones and the prediction before are scored beside.
 
@@ -15,8 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.material import Loading, Sample, predict_unseen, rank_models
-from palpate.material import rank
+from palpate.material import Loading, Sample, predict_unseen, rank, rank_models
 from palpate.verify.read_reference import read_reference
 
 DATA = Path(__file__).parents[1] / "tests" / "unit" / "material" / "data"
@@ -86,7 +85,9 @@ def main() -> None:
         ratio = [np.log(true / predict(share, floor))[known & (rubber == name)] for name in names]
         return float(np.mean([np.mean(np.abs(q) < np.log(4)) - 0.1 * np.mean(np.abs(q)) for q in ratio]))
 
-    lines = ["rubber,fits,unknown,before_within_4,share,floor,upper_factor,within_4,below_upper,shipped_within_4,shipped_below_upper"]
+    lines = [
+        "rubber,fits,unknown,before_within_4,share,floor,upper_factor,within_4,below_upper,shipped_within_4,shipped_below_upper"
+    ]
     hits = []
     for name in RUBBERS:
         others = [other for other in RUBBERS if other != name]

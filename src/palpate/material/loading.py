@@ -98,7 +98,7 @@ def _is_two_valued(sample: Sample, sweeps: list[IntArray], sorted_rows: IntArray
 
 
 def _write_misses(sample: Sample, rows: IntArray, misses: FloatArray) -> None:
-    """How far each inner row lies from the line through its neighbours, MPa, over what equal noise would make of it."""
+    """How far each inner row lies from the line through its neighbours, MPa, over what noise alone would give."""
     stretch, nominal = sample.stretch[rows], sample.nominal[rows]
     span = stretch[2:] - stretch[:-2]
     share = np.where(span == 0, 0.5, (stretch[1:-1] - stretch[:-2]) / np.where(span == 0, 1.0, span))

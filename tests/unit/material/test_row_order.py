@@ -1,4 +1,4 @@
-"""The order of a file's rows does not matter, unless a specimen was unloaded: then the order says which branch is which."""
+"""The order of a file's rows does not matter, unless a specimen was unloaded: then it says which branch is which."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ SEEDS = range(25)
 
 
 def hand_drawn(loading: Loading, rows: int, noise: float = 0.0, seed: int = 0) -> Sample:
-    """A curve by a formula that is no law of ours: an arctangent that stiffens, with noise over its greatest stress."""
+    """A curve by a formula that is no law of ours, an arctangent that stiffens; noise over its greatest stress."""
     rng = np.random.default_rng(seed)
     end = 0.55 if loading is Loading.COMPRESSION else 2.6
     stretch = 1 + (end - 1) * np.sort(rng.uniform(0.01, 1, rows))
@@ -120,4 +120,4 @@ def test_the_command_reads_a_compression_file_whose_stretches_rise(
     assert left.value.code in (0, None)
     shown = capsys.readouterr().out
     assert "left out" not in shown
-    assert "C10       0.025" in " ".join(shown.split("│")) or "0.025" in shown
+    assert "0.025" in shown
