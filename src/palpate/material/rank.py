@@ -19,7 +19,7 @@ from palpate.material.spec import FitSpec
 _AS_GOOD = 10.0
 """A model is a peer if its error is at most so many times that of the best."""
 _SHARE, _BENCHES, _UPPER = 0.7, 0.05, 3.0
-"""Error to reckon with: share of the distance between models, and what differs between test benches where models agree
+"""Error to reckon with: share of the distance between models, and what differs between benches where models agree
 altogether; upper end over that. Fitted to five rubbers and checked by leaving each out (docs/results/materials)."""
 _UNDETERMINED = 1e8
 """Condition number beyond which the constants are any of many, and so is what they say of other modes."""

@@ -1,0 +1,47 @@
+"""An image without dots gives no field; one with dots gives the same dots as ever."""
+
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from empty_images import KINDS, draw_empty
+
+from palpate.core import PalpateError
+from palpate.markers import DetectSpec, prepare_detector
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_image_without_dots_gives_a_field(kind: str) -> None:
+    found = []
+    for seed in range(20):
+        with suppress(PalpateError):
+            found.append((seed, prepare_detector(draw_empty(kind, seed)).diameter_px))
+    assert not found
+
+
+def paint_dots(image: np.ndarray, spacing: float, radius: float, depth: float) -> tuple[np.ndarray, int]:
+    """Dark discs in a square grid, painted pixel by pixel on 5 × 5 points within each."""
+    fine = (np.arange(5) - 2) / 5
+    y, x = np.mgrid[: image.shape[0], : image.shape[1]]
+    covered, count = np.zeros(image.shape), 0
+    for cy in np.arange(60, image.shape[0] - 60, spacing):
+        for cx in np.arange(60, image.shape[1] - 60, spacing):
+            count += 1
+            covered += np.mean([np.hypot(x + a - cx, y + b - cy) < radius for a in fine for b in fine], axis=0)
+    return np.clip(image - depth * covered, 0, 255).astype(np.uint8), count
+
+
+@pytest.mark.parametrize("kind", ["gradient", "vignette"])
+@pytest.mark.parametrize("depth", [25.0, 60.0])
+def test_dots_painted_on_such_light_are_all_found(kind: str, depth: float) -> None:
+    for seed in range(3):
+        image, count = paint_dots(np.maximum(draw_empty(kind, seed), 90), 24.0, 5.0, depth)
+        assert len(prepare_detector(image).find(image)) == count
+
+
+def test_whoever_names_polarity_and_diameter_is_believed() -> None:
+    image = np.full((200, 300), 180, np.uint8)
+    y, x = np.mgrid[:200, :300]
+    for cx, cy in ((80, 60), (150, 90), (210, 140), (90, 150)):
+        image[np.hypot(x - cx, y - cy) < 6] = 60
+    assert len(prepare_detector(image, DetectSpec(polarity="dark", diameter_px=12)).find(image)) == 4
