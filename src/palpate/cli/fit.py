@@ -237,8 +237,8 @@ def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
     flag = f"--greatest-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
     yield (
         f"At 10 % strain in {worst.loading} the fit's secant modulus is {1e3 * worst.fitted:.4g} kPa, that of the "
-        f"At 10 % strain in {worst.loading} the fit's secant modulus is {1e3 * worst.fitted:.4g} kPa, that of "
-        f"try {flag}."
+        f"data {1e3 * worst.measured:.4g} kPa ({100 * worst.excess:+.0f} %), and small strain is what a sensor "
+        f"feels: try {flag}."
     )
 
 
