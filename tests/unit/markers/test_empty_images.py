@@ -45,7 +45,7 @@ def paint_dots(image: np.ndarray, spacing: float, radius: float, depth: float) -
 @pytest.mark.parametrize("depth", [60.0, 90.0])
 def test_dots_painted_on_such_light_are_all_found(kind: str, depth: float) -> None:
     for seed in range(3):
-        image, count = paint_dots(np.maximum(draw_empty(kind, seed), 90), 24.0, 5.0, depth)
+        image, count = paint_dots(0.5 * draw_empty(kind, seed) + 110, 24.0, 5.0, depth)
         assert len(prepare_detector(image).find(image)) == count
 
 
