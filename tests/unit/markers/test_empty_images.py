@@ -33,11 +33,11 @@ def paint_dots(image: np.ndarray, spacing: float, radius: float, depth: float) -
     """Dark discs in a square grid, painted pixel by pixel on 5 × 5 points within each."""
     fine = (np.arange(5) - 2) / 5
     y, x = np.mgrid[: image.shape[0], : image.shape[1]]
-    covered, count = np.zeros(image.shape), 0
-    for cy in np.arange(60, image.shape[0] - 60, spacing):
-        for cx in np.arange(60, image.shape[1] - 60, spacing):
-            count += 1
-            covered += np.mean([np.hypot(x + a - cx, y + b - cy) < radius for a in fine for b in fine], axis=0)
+    half, last = spacing / 2, [60 + spacing * ((size - 121) // spacing) for size in image.shape]
+    inside = (y > 60 - half) & (y < last[0] + half) & (x > 60 - half) & (x < last[1] + half)
+    u, v = (x - 60 + half) % spacing - half, (y - 60 + half) % spacing - half
+    covered = inside * np.mean([np.hypot(u + a, v + b) < radius for a in fine for b in fine], axis=0)
+    count = int(np.prod([(end - 60) / spacing + 1 for end in last]))
     return np.clip(image - depth * covered, 0, 255).astype(np.uint8), count
 
 
