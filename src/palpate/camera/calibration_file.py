@@ -6,6 +6,7 @@ rows, cols and data; OpenCV for the first line and the mark ``!!opencv-matrix``.
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,10 @@ from ruamel.yaml.error import YAMLError
 from palpate.camera.calibration import Calibration
 from palpate.camera.lens import LENSES, lens_of_model, make_lens
 from palpate.core import FloatArray, PalpateError
+
+_CAMERA = re.compile(r"cam\d+")
+_KALIBR = {"radtan": "plumb_bob", "equidistant": "equidistant", "equi": "equidistant", "none": "plumb_bob"}
+"""Lens models of ROS by their names in Kalibr."""
 
 
 def write_calibration(path: Path, calibration: Calibration, name: str = "camera") -> None:
@@ -46,7 +51,9 @@ def write_calibration(path: Path, calibration: Calibration, name: str = "camera"
 
 
 def read_calibration(path: Path) -> Calibration:
-    """Read a calibration written by us, by OpenCV's sample or by ROS.
+    """Read a calibration written by us, by OpenCV's sample, by ROS or by Kalibr (a camchain of one camera).
+
+    ROS's ``plumb_bob`` with four coefficients has k3 = 0.
 
     Raises
     ------
@@ -58,9 +65,47 @@ def read_calibration(path: Path) -> Calibration:
         lines = [
             "" if line.startswith("%YAML") else line.replace("!!opencv-matrix", "") for line in text.splitlines()
         ]
-        return _calibration(path.name, YAML(typ="safe").load("\n".join(lines)))
-    except (OSError, UnicodeDecodeError, YAMLError, KeyError, TypeError, ValueError, OverflowError) as error:
+        content = YAML(typ="safe").load("\n".join(lines))
+        return _calibration(path.name, _from_kalibr(path.name, content))
+    except (
+        OSError,
+        UnicodeDecodeError,
+        YAMLError,
+        KeyError,
+        TypeError,
+        ValueError,
+        OverflowError,
+        AttributeError,
+    ) as error:
         raise PalpateError(f"{path.name} is not a calibration: {error}.", "Calibrate again.") from error
+
+
+def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
+    """The content as ROS writes it, of a camchain by Kalibr; any other content unchanged."""
+    chain = {key: value for key, value in content.items() if _CAMERA.fullmatch(str(key))}
+    if not chain:
+        return content
+    if len(chain) > 1:
+        raise PalpateError(
+            f"{name} holds {len(chain)} cameras: {', '.join(chain)}.",
+            "Copy the one that is meant to a file of its own.",
+        )
+    (camera,) = chain.values()
+    model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
+    if model != "pinhole" or lens not in _KALIBR:
+        raise PalpateError(
+            f"{name} has Kalibr's model {model}-{lens}, which palpate does not have.",
+            "Calibrate with pinhole-radtan or pinhole-equi.",
+        )
+    fx, fy, cx, cy = (float(value) for value in camera["intrinsics"])
+    width, height = camera["resolution"]
+    return {
+        "image_width": width,
+        "image_height": height,
+        "camera_matrix": {"data": [fx, 0, cx, 0, fy, cy, 0, 0, 1]},
+        "distortion_model": _KALIBR[lens],
+        "distortion_coefficients": {"data": camera["distortion_coeffs"] if lens != "none" else [0, 0, 0, 0]},
+    }
 
 
 def _calibration(name: str, content: dict[str, Any]) -> Calibration:
@@ -68,6 +113,8 @@ def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     distortion = _numbers(content["distortion_coefficients"], None)
     named = content.get("distortion_model", "plumb_bob" if len(distortion) == 5 else None)
     kind = lens_of_model(str(named))
+    if kind is lens_of_model("plumb_bob") and len(distortion) == 4:
+        distortion = np.append(distortion, 0.0)
     if kind is None or len(distortion) != len(kind.parameters()):
         known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.loadable())
         raise PalpateError(

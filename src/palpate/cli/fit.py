@@ -14,6 +14,7 @@ from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
 from palpate.material import (
+    DIFFERS,
     BenchSpec,
     Fit,
     FitSpec,
@@ -22,6 +23,7 @@ from palpate.material import (
     Mode,
     PrepareSpec,
     Sample,
+    compare_secants,
     draw_fit,
     fit_material,
     list_models,
@@ -38,6 +40,8 @@ _MODEL = f"Model: {', '.join(list_models())}."
 _OUT = "Write the material to this YAML file; studies and presses take it as their material."
 _FIGURE = "Picture of samples, mean and model (.png, .svg or .pdf)."
 _RANK = "Fit one model only: no ranking and no error of tests that were not made."
+_SENSED = 1.5
+"""Stretch to which a pressed dome is strained at the most (docs/results/materials)."""
 _UNTOLD = 1e3
 """Above this condition number, the data do not tell the constants apart."""
 
@@ -131,7 +135,7 @@ def _make_material(out: OutputFlags, samples: Sequence[Sample], found: Fit) -> M
     assert out.output is not None
     source = out.source or "fit to " + ", ".join(dict.fromkeys(sample.name for sample in samples))
     material = found.material(out.output.stem, source, out.licence)
-    return material if found.stable else replace(material, caution=" ".join(_instabilities(found)))
+    return replace(material, caution=" ".join(_instabilities(found)))
 
 
 def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[str, Any]:
@@ -152,7 +156,11 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
         "modes": [{**vars(item), "mode": str(item.mode)} for item in found.quality],
         "stability": [{**vars(item), "mode": str(item.mode)} for item in found.stability],
         "stable": found.stable,
-        "warnings": list(_warnings(found)),
+        "warnings": [*_warnings(found), *_warn_of_secants(samples, found)],
+        "secants": [
+            {"test": str(item.loading), "measured_mpa": item.measured, "fitted_mpa": item.fitted}
+            for item in compare_secants(samples, found)
+        ],
         "stable_fit": None if found.stable or found.spec.stable else _offer(samples, found),
     }
     if alone:
@@ -167,6 +175,7 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
             "relative": max(q.relative for q in item.fit.quality) if item.fit else math.nan,
             "condition": item.fit.condition if item.fit else math.nan,
             "stable": item.fit.stable if item.fit else None,
+            "locks": bool(item.fit and item.fit.stable and not all(end.whole for end in item.fit.stability)),
             "failure": item.failure,
         }
         for item in ranked
@@ -199,10 +208,13 @@ def _offer(samples: Sequence[Sample], found: Fit) -> dict[str, Any] | None:
 def _instabilities(found: Fit) -> Iterator[str]:
     words = {Mode.UNIAXIAL: "uniaxial", Mode.EQUIBIAXIAL: "equibiaxial", Mode.PLANAR: "planar"}
     for item in found.stability:
-        ends = [("below", item.low), ("above", item.high)]
-        parts = [f"{side} a stretch of {end:.4g}" for side, end in ends if not math.isnan(end)]
-        if parts:
-            yield f"Unstable (Drucker) in the {words[item.mode]} mode {' and '.join(parts)}."
+        ends = [("below", item.low, item.low_locks), ("above", item.high, item.high_locks)]
+        for locks, how in ((False, "Unstable (Drucker)"), (True, "Locked: no stress")):
+            parts = [
+                f"{side} a stretch of {end:.4g}" for side, end, at in ends if at is locks and not math.isnan(end)
+            ]
+            if parts:
+                yield f"{how} in the {words[item.mode]} mode {' and '.join(parts)}."
 
 
 def _warnings(found: Fit) -> Iterator[str]:
@@ -213,6 +225,21 @@ def _warnings(found: Fit) -> Iterator[str]:
         yield f"Condition number {found.condition:.2g}: these tests do not tell the constants apart."
     if found.held:
         yield "A bound or the stability holds the fit, so least squares gives no intervals."
+
+
+def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
+    """One sentence where the fit is far too stiff or too soft at small strain, with the flag that mends it."""
+    secants = [item for item in compare_secants(samples, found) if abs(item.excess) > DIFFERS]
+    if not secants:
+        return
+    worst = max(secants, key=lambda item: abs(item.excess))
+    far = max(sample.stretch.max() for sample in samples)
+    flag = f"--greatest-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
+    yield (
+        f"At 10 % strain in {worst.loading} the fit's secant modulus is {1e3 * worst.fitted:.4g} kPa, that of the "
+        f"data {1e3 * worst.measured:.4g} kPa ({100 * worst.excess:+.0f} %), and small strain is what a sensor "
+        f"feels: try {flag}."
+    )
 
 
 def _print(facts: dict[str, Any]) -> None:
@@ -234,6 +261,9 @@ def _print(facts: dict[str, Any]) -> None:
         for item in facts["constants"]
     ]
     print_table(f"{facts['model']} (MPa; exponents, Jm, lm: 1)", ["constant", "value", interval], rows)
+    for item in facts["secants"]:
+        moduli = f"data {1e3 * item['measured_mpa']:.4g} kPa, fit {1e3 * item['fitted_mpa']:.4g} kPa"
+        print(f"secant modulus at 10 % strain, {item['test']}: {moduli}")
     print(f"initial shear modulus {1e3 * facts['shear_modulus_mpa']:.4g} kPa, condition {facts['condition']:.3g}")
     _print_modes(facts)
     for warning in facts["warnings"]:
@@ -261,7 +291,8 @@ def _print_modes(facts: dict[str, Any]) -> None:
         for item in facts["modes"]
     ]
     for item in facts.get("unseen", []):
-        predicted = "unknown" if math.isnan(item["relative"]) else f"about {100 * item['relative']:.2g} %"
+        predicted = f"about {100 * item['relative']:.2g} %, up to {100 * item['upper']:.2g} %"
+        predicted = "unknown" if math.isnan(item["relative"]) else predicted
         rows.append([item["mode"], "not measured", f"1 … {item['high']:.4g}", "", "", predicted])
     print_table("modes", ["mode", "", "stretch", "R²", "rms kPa", "error over greatest stress"], rows)
 
@@ -274,7 +305,7 @@ def _print_ranking(ranking: list[dict[str, Any]]) -> None:
             "-" if item["failure"] else f"{100 * item['relative']:.3g} %",
             "-" if math.isnan(item["left_out"]) else f"{100 * item['left_out']:.3g} %",
             "-" if item["failure"] else f"{item['condition']:.2g}",
-            item["failure"] or ("yes" if item["stable"] else "NO"),
+            item["failure"] or ("until it locks" if item["locks"] else "yes" if item["stable"] else "NO"),
         ]
         for item in ranking
     ]

@@ -29,7 +29,7 @@ def list_library(*, json: JsonFlag = False) -> None:
             item["law"],
             f"{1e3 * item['young_modulus_mpa']:.1f}",
             _range(item["stretch_range"]),
-            "yes" if item["stable"] else "NO",
+            _stable(item),
             item["quality"],
         ]
         for item in facts
@@ -52,7 +52,7 @@ def show(name: Annotated[str, Parameter(help=_NAME)], *, json: JsonFlag = False)
         end=" ",
     )
     print(f"K/mu {facts['bulk_ratio']:g}, Poisson's ratio {facts['poisson_ratio']:.5f}")
-    print(f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {'yes' if facts['stable'] else 'NO'}")
+    print(f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {_stable(facts)}")
     for key in ("source", "licence", "quality", "caution"):
         if facts[key]:
             print(f"{key}: {facts[key]}")
@@ -60,6 +60,7 @@ def show(name: Annotated[str, Parameter(help=_NAME)], *, json: JsonFlag = False)
 
 def describe_material(material: Material) -> dict[str, Any]:
     """A material as JSON data."""
+    ranges = find_stable_ranges(material.law)
     return {
         "name": material.name,
         "law": material.law.name,
@@ -69,12 +70,19 @@ def describe_material(material: Material) -> dict[str, Any]:
         "bulk_ratio": material.bulk_ratio,
         "poisson_ratio": material.poisson_ratio,
         "stretch_range": list(material.stretch_range),
-        "stable": all(item.whole for item in find_stable_ranges(material.law)),
+        "stable": all(item.whole for item in ranges),
+        "locks_at": {str(item.mode): item.high for item in ranges if item.high_locks},
         "source": material.source,
         "licence": material.licence,
         "quality": material.quality,
         "caution": material.caution,
     }
+
+
+def _stable(facts: dict[str, Any]) -> str:
+    if facts["locks_at"]:
+        return "until it locks, " + ", ".join(f"{mode} at {end:.4g}" for mode, end in facts["locks_at"].items())
+    return "yes" if facts["stable"] else "NO"
 
 
 def _range(ends: list[float]) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
@@ -63,7 +63,7 @@ class Spec(BaseModel):
     """What a person may choose for one stage: frozen, unknown keys refused, units checked.
 
     A field with a unit accepts a number or a text such as ``"2 mm"``; any other unit is refused, and so is a number
-    that is not finite.
+    that is not finite. An empty text is none, where a field may be none.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -71,6 +71,9 @@ class Spec(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _strip_unit(cls, value: Any, info: ValidationInfo) -> Any:
+        field = cls.model_fields[info.field_name or ""]
+        if value == "" and isinstance(value, str) and type(None) in get_args(field.annotation):
+            return None
         return _without_unit(cls, info.field_name or "", value)
 
 

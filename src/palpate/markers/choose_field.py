@@ -30,7 +30,7 @@ _HALF = 0.8
 """Least fullness of a dot: a disc has 1, two that touch 0.9, a ring 0.7."""
 _NEIGHBOURS, _HALF_WAY = 6, 0.15
 """Neighbours looked at, and how far from half way a dot may be, over the distance of the two."""
-_AT_RANDOM = 0.092
+AT_RANDOM = 0.092
 """Share of dots strewn at random that lie half way between two of their neighbours (measured, 40 fields of 60)."""
 _ORDERED = 2.5
 """Standard deviations by which dots must be more in order than chance and the cleanest field to be preferred."""
@@ -54,6 +54,8 @@ class Field:
         Their share of the area of all blobs.
     score
         How well the image fits; 0 where it does not.
+    roundness
+        Median ratio of the axes of its dots.
     """
 
     dark: bool
@@ -61,6 +63,7 @@ class Field:
     dots: int
     clean: float
     score: float
+    roundness: float = 0.0
 
 
 def choose_field(grey: Image, spec: DetectSpec) -> Field | None:
@@ -125,7 +128,8 @@ def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     area = float((diameter[alike] ** 2).sum()) / float((segments.diameter_px**2).sum())
     fit = np.exp(-(np.log(typical * step / size) ** 2) / 0.18)
     score = alike.sum() * np.sqrt(typical * step) * area**2 * fit * np.sqrt(np.median(contrast))
-    return Field(dark, typical * step, int(alike.sum()), area, float(score))
+    round_ = float(np.median(segments.roundness[chosen]))
+    return Field(dark, typical * step, int(alike.sum()), area, float(score), round_)
 
 
 def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
@@ -138,10 +142,11 @@ def _order(grey: Image, dark: bool, size: float, spec: DetectSpec) -> Field:
     if len(chosen) < _LEAST:
         return Field(dark, size, len(chosen), 0.0, 0.0)
     between = lie_half_way(segments.middle_px[chosen])
-    above = between.sum() - _AT_RANDOM * len(chosen)
-    score = above / np.sqrt(len(chosen) * _AT_RANDOM * (1.0 - _AT_RANDOM))
+    above = between.sum() - AT_RANDOM * len(chosen)
+    score = above / np.sqrt(len(chosen) * AT_RANDOM * (1.0 - AT_RANDOM))
     typical = float(np.median(diameter[chosen][between])) if between.any() else size
-    return Field(dark, typical, len(chosen), float(between.mean()), float(score))
+    round_ = float(np.median(segments.roundness[chosen]))
+    return Field(dark, typical, len(chosen), float(between.mean()), float(score), round_)
 
 
 def lie_half_way(points: FloatArray) -> BoolArray:

@@ -15,6 +15,7 @@ from palpate.markers.centre import fit_centres
 from palpate.markers.choose_field import choose_dots, choose_field
 from palpate.markers.grey import to_grey
 from palpate.markers.opencv import fill_hull, grow, simple_blobs
+from palpate.markers.printed import is_printed
 from palpate.markers.segment import Segments, heights, measure_noise, segment
 from palpate.markers.spec import DetectSpec
 from palpate.markers.split import split_merged
@@ -128,21 +129,26 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Det
     Raises
     ------
     PalpateError
-        If nothing in the image looks like a field of dots.
+        If nothing in the image looks like a field of dots. Where polarity and diameter are given, any dots will do.
     """
     spec = spec or DetectSpec()
     grey = to_grey(image, spec.largest_mpx)
+    none = PalpateError(
+        f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
+        "Check light and focus, or give polarity and diameter_px.",
+    )
     field = choose_field(grey, spec)
     if field is None:
-        raise PalpateError(
-            f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
-            "Check light and focus, or give polarity and diameter_px.",
-        )
+        raise none
     dark = field.dark
     rough = Detector(spec, dark, spec.diameter_px or field.diameter_px, None)
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
     mask = _find_mask(blobs, grey.shape) if spec.mask == "auto" else None
-    return Detector(spec, dark, rough.diameter_px, mask, edge)
+    found = Detector(spec, dark, rough.diameter_px, mask, edge)
+    known = spec.diameter_px is not None and spec.polarity != "auto"
+    if not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):
+        raise none
+    return found
 
 
 def inside(mask: BoolArray, points_px: FloatArray) -> BoolArray:

@@ -16,9 +16,11 @@ from palpate.material.prepare import prepare_sample
 from palpate.material.rank import predict_unseen, rank_models
 from palpate.material.read_bench import read_bench
 from palpate.material.sample import Loading, Sample
+from palpate.material.secant import DIFFERS, compare_secants
 from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec, Weighting
 
 __all__ = [
+    "DIFFERS",
     "LAWS",
     "BenchSpec",
     "Curve",
@@ -35,6 +37,7 @@ __all__ = [
     "PrepareSpec",
     "Sample",
     "Weighting",
+    "compare_secants",
     "draw_fit",
     "find_stable_ranges",
     "fit_material",

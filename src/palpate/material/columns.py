@@ -18,6 +18,8 @@ _FORCE = re.compile(r"force|load|kraft|\blast\b", re.I)
 _NOT_STRAIN = re.compile(r"\btrue\b|rate|geschwindigkeit|lateral|transverse|quer|wahre", re.I)
 _SAMPLE = re.compile(r"sample|specimen|probe|éprouvette", re.I)
 _STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
+_SHORT = re.compile(r"[ _-](?:ut|uc|et|ps)\d*$", re.I)
+"""Short name of a test at the end of a column's name."""
 _STRAIN_UNITS = {
     "mm/mm": StrainUnit.RATIO,
     "m/m": StrainUnit.RATIO,
@@ -149,7 +151,7 @@ def _written_units(table: Table, column: int) -> set[str]:
     if table.units and table.units[column].strip("()[] "):
         found.add(table.units[column].strip("()[] "))
     if table.header:
-        name = table.header[column]
+        name = _SHORT.sub("", table.header[column])
         brackets = re.findall(r"[\(\[]\s*(.*?)\s*[\)\]]", name)
         tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z%²/0-9^]+)$", name)
         found |= {text for text in brackets if text} | ({tail[1]} if tail else set())

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from palpate.core import FloatArray
 from palpate.material.curve import Mode, stretches
@@ -20,6 +19,8 @@ LOW, HIGH = 0.05, 20.0
 """Uniaxial stretches between which a law is scanned, if data do not go further."""
 _POINTS = 400
 """Stretches of the scan on either side of rest, evenly spaced on a logarithmic scale."""
+_WIDTH = 1e-11
+"""Width to which the stretch at which stability ends is halved."""
 _ROUND_OFF = 1e-12
 """Share of the greatest eigenvalue that the smallest one of a large exponent of Ogden's may lose by cancellation."""
 
@@ -33,17 +34,27 @@ class StableRange:
     mode
         The mode.
     low, high
-        First unstable stretch in compression and in tension; nan where there is none in the scan.
+        First unstable stretch in compression and in tension, or that at which the law locks; nan where there is none
+        in the scan.
+    low_locks, high_locks
+        Whether the law locks there: it gives no stress beyond.
     """
 
     mode: Mode
     low: float
     high: float
+    low_locks: bool = False
+    high_locks: bool = False
 
     @property
     def whole(self) -> bool:
-        """Whether the scan met no instability."""
+        """Whether the scan met neither an instability nor a stretch at which the law locks."""
         return bool(np.isnan(self.low) and np.isnan(self.high))
+
+    @property
+    def stable(self) -> bool:
+        """Whether the law is stable as far as it gives a stress."""
+        return bool((np.isnan(self.low) or self.low_locks) and (np.isnan(self.high) or self.high_locks))
 
 
 def drucker_matrix(law: Law, principal: FloatArray) -> FloatArray:
@@ -57,7 +68,7 @@ def drucker_matrix(law: Law, principal: FloatArray) -> FloatArray:
 
 
 def find_stable_ranges(law: Law, low: float = LOW, high: float = HIGH) -> tuple[StableRange, ...]:
-    """Find where a law loses Drucker's stability in each mode.
+    """Find where a law loses Drucker's stability, or locks, in each mode.
 
     Parameters
     ----------
@@ -67,7 +78,11 @@ def find_stable_ranges(law: Law, low: float = LOW, high: float = HIGH) -> tuple[
         Ends of the scan in uniaxial stretch, below and above 1.
     """
     ends = {mode: scan_ends(mode, low, high) for mode in Mode}
-    return tuple(StableRange(mode, *(_first_unstable(law, mode, end) for end in ends[mode])) for mode in Mode)
+    found = []
+    for mode in Mode:
+        (low, low_locks), (high, high_locks) = (_first_unstable(law, mode, end) for end in ends[mode])
+        found.append(StableRange(mode, low, high, low_locks, high_locks))
+    return tuple(found)
 
 
 def scan_ends(mode: Mode, low: float, high: float) -> tuple[float, float]:
@@ -81,17 +96,22 @@ def scan_ends(mode: Mode, low: float, high: float) -> tuple[float, float]:
     return (low, high) if mode is Mode.UNIAXIAL else (1 / high, high)
 
 
-def _first_unstable(law: Law, mode: Mode, end: float) -> float:
+def _first_unstable(law: Law, mode: Mode, end: float) -> tuple[float, bool]:
+    """First stretch towards an end at which a law is unstable or locks, nan if it does not; and whether it locks."""
     path = end ** np.linspace(0.0, 1.0, _POINTS)
     least = _least(law, mode, path)
-    unstable = np.flatnonzero(least <= 0)
-    if not len(unstable):
-        return float("nan")
-    first = int(unstable[0])
+    ended = np.flatnonzero(~(least > 0))
+    if not len(ended):
+        return float("nan"), False
+    first = int(ended[0])
     if first == 0:
-        return 1.0
-    between = path[first - 1], path[first]
-    return float(brentq(lambda stretch: _least(law, mode, np.array([stretch]))[0], *between, xtol=1e-12))
+        return 1.0, False
+    good, bad = float(path[first - 1]), float(path[first])
+    while abs(bad - good) > _WIDTH:
+        middle = 0.5 * (good + bad)
+        value = float(_least(law, mode, np.array([middle]))[0])
+        good, bad = (middle, bad) if value > 0 else (good, middle)
+    return bad, bool(np.isnan(_least(law, mode, np.array([bad]))[0]))
 
 
 def _least(law: Law, mode: Mode, stretch: FloatArray) -> FloatArray:

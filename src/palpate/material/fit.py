@@ -107,13 +107,13 @@ class Fit:
 
     @cached_property
     def stability(self) -> tuple[StableRange, ...]:
-        """Where each mode loses Drucker's stability."""
+        """Where each mode loses Drucker's stability or locks."""
         return find_stable_ranges(self.law, *self.scanned)
 
     @property
     def stable(self) -> bool:
-        """Whether no mode loses Drucker's stability within the scan."""
-        return all(item.whole for item in self.stability)
+        """Whether no mode loses Drucker's stability within the scan, as far as the law gives a stress."""
+        return all(item.stable for item in self.stability)
 
     def nominal(self, mode: Mode, stretch: FloatArray) -> FloatArray:
         """Nominal stress (n,) MPa in one mode at stretches (n,)."""

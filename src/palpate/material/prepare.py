@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
+from palpate.material.loading import take_loading
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 
 _LEAST_ROWS = 5
-_BROKEN = 0.8
-"""A stress below this share of the greatest one, after it, is that of a broken specimen."""
 _TOE, _TOE_STRAIN = 0.15, 0.15
 """Share of the strain within which a toe is looked for, and the strain beyond which it is none."""
 _TOE_WINDOW = 5
@@ -61,7 +60,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
     notes = list(sample.notes)
     read = len(sample.stretch)
     if spec.until_break:
-        sample = _loaded(sample)
+        sample = take_loading(sample)
         if len(sample.stretch) < read:
             notes.append(f"{read - len(sample.stretch)} rows after break or unloading left out")
     if spec.toe == "auto":
@@ -90,7 +89,8 @@ def toe_offset(sample: Sample) -> float:
     """
     strain, stress = np.abs(sample.stretch - 1), np.abs(sample.nominal)
     first = strain <= strain.min() + min(_TOE * np.ptp(strain), _TOE_STRAIN)
-    strain, stress = strain[first], stress[first]
+    order = np.argsort(strain[first], kind="stable")
+    strain, stress = strain[first][order], stress[first][order]
     starts = range(len(strain) - _TOE_WINDOW + 1)
     lines = [np.polyfit(strain[at : at + _TOE_WINDOW], stress[at : at + _TOE_WINDOW], 1) for at in starts]
     if len(lines) < 2:
@@ -129,18 +129,6 @@ def average_samples(samples: Sequence[Sample], points: int = 60) -> AverageCurve
         curves.append(np.interp(grid, sample.stretch[order], sample.nominal[order]))
     spread = np.std(curves, axis=0, ddof=1) if len(curves) > 1 else np.full(points, np.nan)
     return AverageCurve(samples[0].loading, grid, np.mean(curves, axis=0), spread, len(samples))
-
-
-def _loaded(sample: Sample) -> Sample:
-    """The part up to the farthest stretch, and of that the part before a break; both ways where a file holds both."""
-    if sample.loading is Loading.UNIAXIAL:
-        return sample
-    far = int(np.argmax(np.abs(sample.stretch - 1)))
-    sample = sample.where(np.arange(len(sample.stretch)) <= far)
-    size = np.abs(sample.nominal)
-    peak = int(np.argmax(size))
-    broken = np.flatnonzero(size[peak:] < _BROKEN * size[peak])
-    return sample.where(np.arange(len(size)) <= peak) if len(broken) else sample
 
 
 def _thin(sample: Sample, points: int) -> Sample:

@@ -18,12 +18,19 @@ LEAST_ROWS = 5
 """Fewer rows are no curve."""
 _MOST_SAMPLES = 100
 _WORDS = {
-    Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull|\but\b|_ut_|^ut_",
+    Loading.TENSION: r"tension|tensile|zug|traction|d412|iso[ _-]?37\b|pull",
     Loading.COMPRESSION: r"compress|druck|d395|d575|iso[ _-]?7743",
-    Loading.EQUIBIAXIAL: r"biaxial|bulge|\bet\b|^et_|_et_",
-    Loading.PLANAR: r"planar|pure[ _-]?shear|\bps\b|^ps_|_ps_",
+    Loading.EQUIBIAXIAL: r"biaxial|bulge",
+    Loading.PLANAR: r"planar|pure[ _-]?shear",
     Loading.UNIAXIAL: r"(?<!equi)(?<!bi)uniaxial|einachsig",
 }
+_SHORT = {
+    Loading.TENSION: r"(?<![a-z0-9])ut(?![a-z])",
+    Loading.COMPRESSION: r"(?<![a-z0-9])uc(?![a-z])",
+    Loading.EQUIBIAXIAL: r"(?<![a-z0-9])et(?![a-z])",
+    Loading.PLANAR: r"(?<![a-z0-9])ps(?![a-z])",
+}
+"""Short names of the tests, in names of files and columns only: in a sentence, *et* is a word."""
 _MPA = {
     StressUnit.PA: 1e-6,
     StressUnit.KPA: 1e-3,
@@ -60,10 +67,10 @@ def read_bench(path: str | Path, spec: BenchSpec | None = None) -> tuple[Sample,
     path, spec = Path(path), spec or BenchSpec()
     table = read_table(path, spec)
     columns = find_columns(table, spec)
-    loading = _find_loading(table, columns, spec)
     notes = (f"{table.skipped} of {table.skipped + len(table.values)} rows thinned away",) if table.skipped else ()
     samples = []
     for label, pair, rows in _split(table, columns):
+        loading = _find_loading(table, pair, spec)
         strain, stress, lines = _take(table, pair, rows)
         name = path.name + (f" {label}" if label else "")
         stretch, nominal = _to_stretch(strain, columns, spec, path), _to_stress(stress, columns, spec, path)
@@ -170,17 +177,22 @@ def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Pa
     return stretch, nominal
 
 
-def _find_loading(table: Table, columns: Columns, spec: BenchSpec) -> Loading:
+def _find_loading(table: Table, pair: Pair, spec: BenchSpec) -> Loading:
+    """The test of a pair of columns: by the spec, else by the names of file and columns, else by the preamble."""
     if spec.loading is not None:
         return spec.loading
-    used = [table.header[at] for pair in columns.pairs for at in (pair.strain, pair.stress)] if table.header else []
-    for place in (table.path.stem.lower(), " ".join(used).lower(), " ".join(table.preamble).lower()):
-        found = [loading for loading, words in _WORDS.items() if re.search(words, place)]
+    used = f"{table.header[pair.strain]} {table.header[pair.stress]}".lower() if table.header else ""
+    name = table.path.stem.lower()
+    places = ((_WORDS, name), (_SHORT, name), (_WORDS, used), (_SHORT, used))
+    several: list[Loading] = []
+    for words, place in (*places, (_WORDS, " ".join(table.preamble).lower())):
+        if several and place not in (name, used):
+            break
+        found = [loading for loading, pattern in words.items() if re.search(pattern, place)]
         if len(found) == 1:
             return found[0]
-        if found:
-            break
-    said = f"may be {' or '.join(found)}" if found else "does not say which test it is"
+        several = several or found
+    said = f"may be {' or '.join(several)}" if several else "does not say which test it is"
     flags = ", ".join(f"--{loading}" for loading in Loading)
     raise PalpateError(f"{table.path} {said}.", f"Give it to one of {flags}, or name the file after its test.")
 

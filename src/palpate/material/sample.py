@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from palpate.core import BoolArray, FloatArray
+from palpate.core import BoolArray, FloatArray, IntArray
 from palpate.material.curve import Mode, stretches
 
 
@@ -61,6 +61,6 @@ class Sample:
         """Principal stretches (n, 3) of the incompressible specimen."""
         return stretches(self.mode, self.stretch)
 
-    def where(self, kept: BoolArray) -> Sample:
-        """The sample with the rows (n,) that are kept."""
+    def where(self, kept: BoolArray | IntArray) -> Sample:
+        """The sample with the rows that are kept: a mask (n,), or their numbers in the order wanted."""
         return replace(self, stretch=self.stretch[kept], nominal=self.nominal[kept])

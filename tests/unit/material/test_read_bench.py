@@ -282,10 +282,30 @@ def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
         ("pure shear 2", Loading.PLANAR),
         ("PS_stress_stretch", Loading.PLANAR),
         ("uniaxial", Loading.UNIAXIAL),
+        ("rubber_ut", Loading.TENSION),
+        ("rubber_UT2", Loading.TENSION),
+        ("rubber_et", Loading.EQUIBIAXIAL),
+        ("rubber-ps", Loading.PLANAR),
+        ("rubber_et_3", Loading.EQUIBIAXIAL),
     ],
 )
 def test_the_test_is_read_from_the_name_of_the_file(name: str, loading: Loading, tmp_path: Path) -> None:
     assert read(write(tmp_path / f"{name}.csv", table(strain=0.4 * STRAIN))).loading is loading
+
+
+def test_one_file_holds_all_tests_by_the_suffixes_of_its_columns(tmp_path: Path) -> None:
+    ends = ("ut", "et", "ps")
+    header = ",".join(f"strain_{end},stress_MPa_{end}" for end in ends)
+    lines = [",".join(f"{a:.9f},{(1 + k) * b:.9f}" for k in range(3)) for a, b in zip(STRAIN, STRESS, strict=True)]
+    samples = read_bench(write(tmp_path / "rubber.csv", "\n".join([header, *lines])))
+    assert [sample.loading for sample in samples] == [Loading.TENSION, Loading.EQUIBIAXIAL, Loading.PLANAR]
+    for factor, sample in enumerate(samples, start=1):
+        assert sample.nominal == pytest.approx(factor * STRESS, rel=1e-6)
+
+
+def test_a_word_of_a_sentence_is_no_test(tmp_path: Path) -> None:
+    text = "# essai de traction et relaxation\n" + table()
+    assert read(write(tmp_path / "essai.csv", text)).loading is Loading.TENSION
 
 
 def test_a_file_that_does_not_say_its_test_is_refused(tmp_path: Path) -> None:
