@@ -121,10 +121,19 @@ class Detector:
         return Blobs(found[:, :2], found[:, 2], unknown, unknown, cut, measure_noise(grey))
 
 
-def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Detector:
+def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None, *, doubt: bool = True) -> Detector:
     """Choose polarity, size and mask from an image, where the spec leaves them open.
 
     `palpate.markers.choose_field` says how.
+
+    Parameters
+    ----------
+    image
+        (h, w) or (h, w, 3), any number type.
+    spec
+        What is known of the dots.
+    doubt
+        Whether what does not look printed is refused, as lamps and grain; not where dots are held against a design.
 
     Raises
     ------
@@ -146,7 +155,7 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None) -> Det
     mask = _find_mask(blobs, grey.shape) if spec.mask == "auto" else None
     found = Detector(spec, dark, rough.diameter_px, mask, edge)
     known = spec.diameter_px is not None and spec.polarity != "auto"
-    if not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):
+    if doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):
         raise none
     return found
 

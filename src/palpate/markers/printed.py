@@ -20,6 +20,8 @@ _AT_BORDER, _NOT_LONG = 0.25, 0.59
 and its pieces are long; public images have at most 0.08 and at least 0.69."""
 _NEIGHBOURS, _ONE_WAY = 6, 0.7
 """Neighbours looked at, and how far their arms may point one way."""
+_DISC = 0.95
+"""Median ratio of axes above which dots are discs, and no threads, whatever way they run."""
 _ALIKE, _FEWEST, _ROUND = 0.06, 8, 0.75
 """Greatest spread of the contrast of dots that are alike, of what they are at least, and their median ratio of axes:
 up to seven lamps about a dome are as alike as print."""
@@ -39,13 +41,12 @@ def is_printed(blobs: Blobs, field: Field) -> bool:
     if count < _FEWEST or blobs.at_border.mean() > _AT_BORDER or field.roundness < _NOT_LONG:
         return False
     clear = float(np.median(blobs.contrast)) / blobs.noise * float(np.median(blobs.diameter_px)) > _CLEAR
-    if _in_one_direction(blobs.positions_px) > _ONE_WAY:
-        return False
     share = float(lie_half_way(blobs.positions_px).mean())
     above = (share - AT_RANDOM) * np.sqrt(count / (AT_RANDOM * (1.0 - AT_RANDOM)))
     in_order = share > _IN_ORDER and above > _ABOVE_CHANCE
     alike = _spread(np.log(np.maximum(blobs.contrast, 1e-9))) < _ALIKE and field.roundness > _ROUND
-    return bool(clear and (in_order or alike))
+    one_way = field.roundness < _DISC and _in_one_direction(blobs.positions_px) > _ONE_WAY
+    return bool(clear and not one_way and (in_order or alike))
 
 
 def _in_one_direction(points: FloatArray) -> float:

@@ -135,7 +135,7 @@ def read_rest(
     images = list(images)
     if not images:
         raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
-    detector = prepare_detector(images[0], detect)
+    detector = prepare_detector(images[0], detect, doubt=False)  # naming holds the dots against the design
     mark = place_orientation_mark(unit.skin, unit.layout) if unit.marked else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     naming = name_markers(detector.find(images[0]).positions_px, pattern)

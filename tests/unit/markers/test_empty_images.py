@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from empty_images import KINDS, draw_empty
 
+from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
+
+DOME = build_skin(DomeSpec())
 
 
 def fields_of(kind: str) -> int:
@@ -47,6 +51,16 @@ def test_dots_painted_on_such_light_are_all_found(kind: str, depth: float) -> No
     for seed in range(3):
         image, count = paint_dots(0.5 * draw_empty(kind, seed) + 110, 24.0, 5.0, depth)
         assert len(prepare_detector(image).find(image)) == count
+
+
+@pytest.mark.parametrize("count", [7, 19, 37])
+def test_the_dots_of_a_design_are_found_however_few(count: int) -> None:
+    """Seven markers are a layout of the paper; whoever holds dots against a design need not doubt them."""
+    layout = place_markers(DOME, MarkerSpec(count=count))
+    edges = dot_edges(layout.positions, DOME.normal(layout.positions), layout.diameter)
+    for seed in range(3):
+        image = render(build_camera(), edges, RenderSpec(seed=seed))
+        assert len(prepare_detector(image, doubt=count >= 8).find(image)) == count
 
 
 def test_whoever_names_polarity_and_diameter_is_believed() -> None:
