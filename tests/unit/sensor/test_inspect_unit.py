@@ -33,6 +33,14 @@ def unit_of(height, count):
     return Unit(dome, place_markers(dome, MarkerSpec(count=count)))
 
 
+@pytest.mark.parametrize("count", [7, 19])
+def test_few_dots_are_read_where_their_design_is_known(count):
+    """Seven markers are a layout of the paper."""
+    unit = unit_of(20, count)
+    image = photograph(unit, printed(unit, np.zeros((count, 2))), light=RenderSpec(seed=3))
+    assert len(inspect_unit([image], unit).missing) == 0
+
+
 @pytest.mark.parametrize(("height", "count"), [(10, 91), (20, 169), (30, 91)])
 def test_the_print_error_of_every_marker_is_found(height, count):
     unit = unit_of(height, count)
