@@ -47,7 +47,8 @@ def build_twin(presses: Sequence[Press]) -> Twin:
     Raises
     ------
     PalpateError
-        If presses are missing, of several designs or without the derivatives, or the skin is no body of revolution.
+        If presses are missing, of several designs or without the derivatives, or the skin is no body of revolution;
+        if a press jumps, since it has no derivatives beyond.
     """
     _refuse_others(presses)
     slips, tilts, table = _sort(presses)
@@ -65,6 +66,7 @@ def build_twin(presses: Sequence[Press]) -> Twin:
     shape = (len(slips), len(tilts), len(_ACROSS), len(depths))
     values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
     pushes = np.array(forces).reshape(*shape, FORCES)
+    _refuse_holes(values, slips, tilts)
     _straighten(values, pushes)
     order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1))
     blocks = np.concatenate([amplitudes, pushes], axis=-1)
@@ -169,6 +171,19 @@ def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
     found[_DRIFT:, 1:] = parts[_DRIFT:, 1:] / depth[1:]
     found[_DRIFT:, 0] = 2.0 * found[_DRIFT:, 1] - found[_DRIFT:, 2]
     return found
+
+
+def _refuse_holes(values: FloatArray, slips: FloatArray, tilts: FloatArray) -> None:
+    """Refuse presses that jumped: beyond, they have no derivatives."""
+    holes = np.argwhere(~np.isfinite(values.reshape(len(slips), len(tilts), -1)).all(axis=-1))
+    if len(holes):
+        slip, tilt = slips[holes[0, 0]], tilts[holes[0, 1]]
+        law = f"µ = {1 / slip:.3g}" if slip > 0 else "no slip"
+        raise PalpateError(
+            f"{len(holes)} of {len(slips) * len(tilts)} presses jump to another state, the first at {tilt:g}° under "
+            f"{law}; there is no twin across a jump.",
+            "Take a thicker or lower skin, or less depth.",
+        )
 
 
 def _straighten(values: FloatArray, forces: FloatArray) -> None:

@@ -178,6 +178,16 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
         build_twin([*presses, press(0.0, 0.9, thickness=3.0)])
 
 
+def test_presses_that_jump_make_no_twin(presses: list[Press]) -> None:
+    """A jump is drawn as a press has it: derivatives are nan from there on."""
+    jumped = presses[5]
+    field = jumped.derivatives["thickness"].displacement.copy()
+    field[4:] = np.nan
+    rates = {**jumped.derivatives, "thickness": replace(jumped.derivatives["thickness"], displacement=field)}
+    with pytest.raises(PalpateError, match=r"1 of 16 presses jump to another state, the first at"):
+        build_twin([*presses[:5], replace(jumped, derivatives=rates), *presses[6:]])
+
+
 def test_dots_outside_the_dome_are_refused(twin: Twin) -> None:
     places = LAYOUT.positions.copy()
     places[3] = np.nan
