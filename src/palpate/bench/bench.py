@@ -40,7 +40,17 @@ from palpate.design import (
     place_markers,
     wall_normal,
 )
-from palpate.fea import FEA_VERSION, PRESS_SOLVERS, Press, WallSpec, read_press, write_press
+from palpate.fea import (
+    FEA_VERSION,
+    PRESS_SOLVERS,
+    Branch,
+    Ended,
+    Press,
+    WallSpec,
+    read_press,
+    solve_press,
+    write_press,
+)
 from palpate.learn import Predictor
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
@@ -59,6 +69,8 @@ from palpate.twin import Twin
 BENCH_VERSION = "4"
 """Version of the code that decides what a played unit says; part of its key."""
 _FINER = 9.0 / 8.0
+_INVERTED_CORE = 2
+"""Core of the meshes of inverted units (see `palpate.study.built_task`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,14 +173,19 @@ def unit_tilts(spec: VirtualBenchSpec, unit: int) -> list[float]:
 def presses_of(bench: Bench, deviation: Deviation) -> Iterator[Press]:
     """The unit's presses by rising tilt, solved where the store has none."""
     for tilt in unit_tilts(bench.spec, deviation.unit):
-        yield _press(bench, deviation, tilt)
+        yield _press(bench, deviation, tilt, _branch(bench, deviation))
 
 
-def _press(bench: Bench, deviation: Deviation, tilt: float) -> Press:
-    recipe = _press_recipe(bench, deviation, tilt)
+def _branch(bench: Bench, deviation: Deviation) -> Branch:
+    """The state in which a unit is read."""
+    return Branch.INVERTED if deviation.unit > bench.spec.units - bench.spec.inverted else Branch.FLAT
+
+
+def _press(bench: Bench, deviation: Deviation, tilt: float, branch: Branch = Branch.FLAT) -> Press:
+    recipe = _press_recipe(bench, deviation, tilt, branch)
     path = bench.store.find(recipe)
     if path is None:
-        press = _solve(bench, deviation, tilt)
+        press = _solve(bench, deviation, tilt, branch)
         path = bench.store.write(recipe, lambda draft: write_press(draft, press))
     return read_press(path)
 
@@ -178,6 +195,7 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
     unit = Unit(bench.nominal, bench.layout, nominal=bench.camera, tolerance=bench.spec.tolerance)
     presses = list(presses_of(bench, deviation))
     try:
+        _refuse_none(presses)
         sensor = open_sensor([scene.at_rest()], unit, bench.reads_with)
         rng = generator(bench.spec.seed, "directions", deviation.unit)
         zero, learnt = None, tuple[ToldNumber, ...]()
@@ -185,7 +203,8 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
             known = identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
             learnt = tuple(list_learnt(known, deviation, _slip(bench, deviation), bench.spec.tolerance))
         elif bench.spec.zero:
-            first = _read(bench, scene, sensor, _turned(presses[0], float(rng.uniform(0, 360))), deviation)
+            flat = _press(bench, deviation, unit_tilts(bench.spec, deviation.unit)[0])
+            first = _read(bench, scene, sensor, _turned(flat, float(rng.uniform(0, 360))), deviation)
             zero = find_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.least_depth)
         tables = [
             _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation, number).images
@@ -194,6 +213,13 @@ def _play(bench: Bench, deviation: Deviation) -> Played:
     except PalpateError as error:
         return Played(deviation, np.empty((0, len(COLUMNS))), failure=str(error))
     return Played(deviation, np.concatenate(tables), zero, learnt)
+
+
+def _refuse_none(presses: list[Press]) -> None:
+    """Refuse a unit that has no other state to be read in."""
+    for press in presses:
+        if press.ended is Ended.NO_BRANCH:
+            raise PalpateError(press.message, "Press deeper, or let fewer units be inverted.")
 
 
 def _known(
@@ -269,13 +295,18 @@ def _turned(press: Press, azimuth_deg: float) -> Press:
     return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
-def _solve(bench: Bench, deviation: Deviation, tilt_deg: float) -> Press:
-    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench, deviation))
-    material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg)
+def _solve(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Press:
+    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench, deviation, branch))
+    material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg, branch)
+    if branch is Branch.INVERTED:
+        return solve_press(mesh, material, wall, branch=branch)
     return PRESS_SOLVERS.get(bench.spec.solver)().solve(mesh, material, wall)
 
 
-def _mesh_spec(bench: Bench, deviation: Deviation) -> MeshSpec:
+def _mesh_spec(bench: Bench, deviation: Deviation, branch: Branch) -> MeshSpec:
+    if branch is Branch.INVERTED:
+        own = bench.spec.cells or round(_FINER * (mesh_skin(bench.nominal).spec.cells or 0))
+        return MeshSpec(cells=own, core=_INVERTED_CORE)
     whole = bool(deviation.lateral or deviation.twist_deg)
     if bench.spec.cells is not None:
         return MeshSpec(cells=bench.spec.cells, whole=whole)
@@ -283,8 +314,11 @@ def _mesh_spec(bench: Bench, deviation: Deviation) -> MeshSpec:
     return MeshSpec(cells=own if whole else round(_FINER * own), whole=whole)
 
 
-def _wall(bench: Bench, deviation: Deviation, tilt_deg: float) -> WallSpec:
-    """The wall of a press; where robots drift, as far as is drawn for this press."""
+def _wall(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:
+    """The wall of a press; where robots drift, as far as is drawn for this press.
+
+    A skin slides while it inverts, so that a drift does not matter then.
+    """
     shares = generator(bench.spec.seed, "drift", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0, 3)
     most = np.array([deviation.lateral, deviation.lateral, deviation.twist_deg]) / bench.spec.depth
     return WallSpec(
@@ -293,7 +327,13 @@ def _wall(bench: Bench, deviation: Deviation, tilt_deg: float) -> WallSpec:
         image_step=bench.spec.image_step,
         contact=deviation.friction or bench.spec.contact,
         bend=_bend(bench, deviation, tilt_deg),
-        **dict(zip(WallSpec.DRIFTS, (most * shares).round(6).tolist(), strict=True)),
+        **dict(
+            zip(
+                WallSpec.DRIFTS if branch is Branch.FLAT else (),
+                (most * shares).round(6).tolist(),
+                strict=branch is Branch.FLAT,
+            )
+        ),
     )
 
 
@@ -303,27 +343,28 @@ def _bend(bench: Bench, deviation: Deviation, tilt_deg: float) -> float:
     return round(deviation.bend * float(share), 4)
 
 
-def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float) -> Recipe:
+def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
     calculix = bench.spec.solver == "calculix"
     solver = CalculixSpec() if calculix else SolverSpec()
     spec = {
         "dome": deviation.dome(bench.dome).model_dump(mode="json"),
-        "mesh": _mesh_spec(bench, deviation).model_dump(mode="json"),
+        "mesh": _mesh_spec(bench, deviation, branch).model_dump(mode="json"),
         "material": deviation.material(bench.material).key_data(),
-        "wall": _wall(bench, deviation, tilt_deg).model_dump(mode="json"),
+        "wall": _wall(bench, deviation, tilt_deg, branch).model_dump(mode="json"),
         "solver": {bench.spec.solver: solver.model_dump(mode="json")},
     }
-    return Recipe(kind="press", spec=spec, version=FEA_VERSION)
+    return Recipe(kind="inverted" if branch is Branch.INVERTED else "press", spec=spec, version=FEA_VERSION)
 
 
 def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
     spec = {
-        "bench": bench.spec.model_dump(mode="json", exclude={"units", "tolerance"}),
+        "bench": bench.spec.model_dump(mode="json", exclude={"units", "inverted", "tolerance"}),
         "deviation": deviation.as_dict(),
         "markers_mm": bench.layout.positions.tolist(),
         "diameter": bench.layout.diameter,
         "camera": bench.camera.model_dump(mode="json"),
         "model": bench.model_sha256,
     }
-    inputs = tuple(_press_recipe(bench, deviation, tilt).key for tilt in unit_tilts(bench.spec, deviation.unit))
+    tilts, branch = unit_tilts(bench.spec, deviation.unit), _branch(bench, deviation)
+    inputs = tuple(_press_recipe(bench, deviation, tilt, branch).key for tilt in tilts)
     return Recipe(kind="unit", spec=spec, inputs=inputs, version=BENCH_VERSION)

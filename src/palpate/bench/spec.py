@@ -42,6 +42,9 @@ class VirtualBenchSpec(Spec):
     known: int = parameter(
         0, unit="1", meaning="known presses from which each unit is identified beforehand; needs a twin", ge=0, le=5
     )
+    inverted: int = parameter(
+        0, unit="1", meaning="units, the last ones, whose skin stands in its other state while it is read", ge=0
+    )
     robot_tilt_deg: float = parameter(
         RobotSpec.tilt_deg, unit="deg", meaning="standard deviation of the robot's tilts in known presses", gt=0, le=5
     )
@@ -54,6 +57,22 @@ class VirtualBenchSpec(Spec):
     tolerance: ToleranceSpec = ToleranceSpec()
     render: RenderSpec = DEGRADED
     seed: int = parameter(0, unit="1", meaning="seed of units, directions and images", ge=0)
+
+    @model_validator(mode="after")
+    def _inverted_units_are_units(self) -> VirtualBenchSpec:
+        if self.inverted > self.units:
+            raise PydanticCustomError(
+                "more_inverted_than_units",
+                "{inverted} units are to be inverted, and there are {units}.",
+                {"inverted": self.inverted, "units": self.units},
+            )
+        if self.inverted and self.solver != "palpate":
+            raise PydanticCustomError(
+                "inverted_elsewhere",
+                "only palpate's own solver presses inverted units, not {solver}.",
+                {"solver": self.solver},
+            )
+        return self
 
     @model_validator(mode="after")
     def _some_images_count(self) -> VirtualBenchSpec:

@@ -9,7 +9,8 @@ seen.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -86,6 +87,8 @@ class PoseFit:
         Half the weighted squares of what is left, and of what was fitted against its prior.
     unit
         (11,) correction of the unit's numbers with which the image fits best.
+    inverted
+        Whether the skin stands in its other state.
     """
 
     pose: FloatArray
@@ -101,6 +104,7 @@ class PoseFit:
     theta: FloatArray
     cost: float
     unit: FloatArray
+    inverted: bool = False
 
     @property
     def half_width(self) -> FloatArray:
@@ -141,11 +145,19 @@ class PoseFitter:
         self._last: FloatArray | None = None
         self._checked_mm = np.inf
         self._by_unit: tuple[FloatArray, FloatArray] | None = None
+        self._was_other = False
+
+    @cached_property
+    def _other(self) -> PoseFitter | None:
+        """The fitter of the skin's other state."""
+        other = self.model.dots.twin.inverted
+        return None if other is None else replace(self, model=self.model.on(other))
 
     def _tables(self) -> None:
         """Images to begin from: a grid of poses."""
         twin = self.model.dots.twin
-        depths = twin.depths_mm[-1] * np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+        first, last = twin.depths_mm[[0, -1]]
+        depths = first + (last - first) * np.array([0.1, 0.3, 0.5, 0.7, 0.9])
         tilts = twin.tilts_deg[-1] * np.array([0.0, 0.35, 0.8])
         turns = np.radians(np.arange(0, 360, 45))
         self._starts = np.array(
@@ -168,7 +180,25 @@ class PoseFitter:
         ----------
         seen_px
             (m, 2) dots in the order of the layout; NaN where none was seen.
+
+        An image that the flat state does not explain is held against the other one, where the skin has one.
         """
+        here = (self._other if self._was_other else None) or self
+        found = here._fit_near(seen_px)
+        if found.misfit > _DOUBTED and self._other is not None:
+            again = (self if self._was_other else self._other)._fit_near(seen_px)
+            if again.cost < found.cost:
+                found, self._was_other = again, not self._was_other
+        return self._of_other(found) if self._was_other else found
+
+    def _of_other(self, found: PoseFit) -> PoseFit:
+        """What an image says that shows the other state, which is the same under every friction."""
+        covariance = found.covariance.copy()
+        covariance[3, 3] = self._sd[3] ** 2
+        return replace(found, inverted=True, slip=float(self._mean[3]), covariance=covariance)
+
+    def _fit_near(self, seen_px: FloatArray) -> PoseFit:
+        """Fit one image from where the last one was."""
         found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._last)
         if self._last is not None and self._doubted(found):
             again = self._fit(seen_px, self._begin(seen_px))
@@ -281,7 +311,7 @@ class PoseFitter:
         tilt, most = float(np.hypot(theta[0], theta[1])), float(twin.tilts_deg[-1]) + _BEYOND[0]
         if tilt > most:
             theta[:2] *= most / tilt
-        theta[2] = np.clip(theta[2], 0.0, twin.depths_mm[-1] + _BEYOND[1])
+        theta[2] = np.clip(theta[2], twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1])
         theta[3] = np.clip(theta[3], twin.slips[0], min(twin.slips[-1], SLIP_MOST))
         return theta
 

@@ -277,6 +277,10 @@ class UnitModel:
         """The model of the same unit, of which something else is known."""
         return model_unit(self.dots.twin, self.layout, belief, self.tolerance)
 
+    def on(self, twin: Twin) -> UnitModel:
+        """The model of the same unit on another branch."""
+        return model_unit(twin, self.layout, self.belief, self.tolerance)
+
     def look(
         self,
         pose: FloatArray,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -48,21 +48,53 @@ def follow_derivatives(path: Continuation, mesh: Mesh, material: Material, wall:
     PalpateError
         If the press cannot be differentiated by a name.
     """
+    followed = _prepare(path, mesh, material, wall, partial(load_surface, path.spec))
+    if followed.variations:
+        followed.start(path.last.history)
+        path.sensitivity = followed
+    return followed
+
+
+def differentiate_states(
+    path: Continuation, increments: Sequence[int], mesh: Mesh, material: Material, wall: ObstacleSpec
+) -> Sensitivity:
+    """Derivatives at these increments of a path on which contact remembers nothing, each by itself.
+
+    Raises
+    ------
+    PalpateError
+        If the press cannot be differentiated by a name.
+    """
+    loading = path.loading
+    assert isinstance(loading, ContactLoading)
+    points = round(np.sqrt(loading.surface.faces.weight.shape[1]))
+
+    def load(mesh: Mesh, material: Material, wall: ObstacleSpec) -> ContactLoading:
+        return replace(load_surface(path.spec, mesh, material, wall, points), law=loading.law)
+
+    followed = _prepare(path, mesh, material, wall, load)
+    for number in increments if followed.variations else ():
+        point = path.increments[number]
+        followed.stand(number, point.depth, point.state, point.history)
+    return followed
+
+
+def _prepare(
+    path: Continuation,
+    mesh: Mesh,
+    material: Material,
+    wall: ObstacleSpec,
+    load: Callable[[Mesh, Material, ObstacleSpec], ContactLoading],
+) -> Sensitivity:
     loading, solid, problem = path.loading, path.problem.body, path.problem
     assert isinstance(loading, ContactLoading)
     assert isinstance(solid, Solid)
-    variations = vary(
-        Made(mesh, material, wall, partial(load_surface, path.spec), loading, solid), path.spec.derivatives
-    )
+    variations = vary(Made(mesh, material, wall, load, loading, solid), path.spec.derivatives)
     across = None
     if any(each.across for each in variations):
         other, linear = clamp_skin(mesh, material, across=True), make_linear_solver(path.spec.backend)
         across = Problem(other, linear, problem.tolerance, problem.length)
-    followed = Sensitivity(problem, loading, variations, across)
-    if variations:
-        followed.start(path.last.history)
-        path.sensitivity = followed
-    return followed
+    return Sensitivity(problem, loading, variations, across)
 
 
 def gather_derivatives(
@@ -76,10 +108,10 @@ def gather_derivatives(
         displacement = np.full((len(increments), *mesh.nodes.shape), np.nan)
         force = np.full((len(increments), 3), np.nan)
         for k, number in enumerate(increments):
-            if number == 0:
-                displacement[k], force[k] = 0.0, 0.0
-            elif number in followed.found:
+            if number in followed.found:
                 rate = followed.found[number][each.name]
                 displacement[k], force[k] = rate.u, turn @ (parts * sides * rate.force)
+            elif number == 0:
+                displacement[k], force[k] = 0.0, 0.0
         found[each.name] = Derivative(each.name, displacement, force, each.across)
     return found

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.core import FloatArray
-from palpate.fea.derivative import Derivative, follow_derivatives, gather_derivatives
+from palpate.fea.derivative import differentiate_states, follow_derivatives, gather_derivatives
 from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
@@ -78,17 +78,17 @@ def solve_press(
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.axisymmetric else mesh
     reachable = wall.clamp_depth(mesh)
     goals = increment_depths(wall, min(wall.depth, reachable))
-    derivatives: dict[str, Derivative] = {}
     if branch is Branch.INVERTED:
         path = start_press(mesh, material, wall, solver, RING_POINTS)
         increments = follow_inverted(path, goals, mesh)
+        followed = differentiate_states(path, increments[1:], mesh, material, wall)
     else:
         path = start_press(mesh, material, wall, solver)
         followed = follow_derivatives(path, mesh, material, wall)
         increments = _press_down(path, goals, observe)
         if wall.unload and path.ended is Ended.DEPTH_REACHED:
             increments += _draw_back(path, goals)
-        derivatives = gather_derivatives(followed, increments, mesh, wall)
+    derivatives = gather_derivatives(followed, increments, mesh, wall)
     ended, message = path.ended, path.message
     if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
         ended = Ended.WALL_AT_CLAMP

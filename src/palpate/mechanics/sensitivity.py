@@ -159,6 +159,11 @@ class Sensitivity:
         self._pace = np.zeros_like(self.problem.body.nodes)
         self.rates = {each.name: Rate(self._pace, np.zeros(3), self._still) for each in self.variations}
 
+    def stand(self, number: int, at: float, state: State, history: ContactHistory) -> None:
+        """Take an equilibrium of the path by itself, where contact remembers nothing."""
+        self.start(history)
+        self.accept(Advance(number, at, at, state, state, history, history), memory=False, asked=True)
+
     def accept(self, step: Advance, *, memory: bool, asked: bool) -> None:
         """Take an increment: with `memory`, also the derivatives of the history that it leaves.
 

@@ -160,9 +160,9 @@ class TwinReader(Reader):
         self.watch.watch(seen)
         seen, fit = self._fit(seen)
         twin = self.fitter.model.dots.twin
-        self._theta = fit.theta if fit.misfit <= self._most else None
+        self._theta = fit.theta if fit.misfit <= self._most and not fit.inverted else None
         flags = [Flag.MOVED] if self.watch.displaced else []
-        if not twin.covers(fit.theta[:3]):
+        if not ((fit.inverted and twin.inverted) or twin).covers(fit.theta[:3]):
             flags.append(Flag.OUTSIDE)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)

@@ -27,7 +27,7 @@ _FORCE = (
     "curvature_sd_per_m",
 )
 """Empty where what reads does not tell it."""
-_STATE = ("touching", "found", "flags", "rest_moved_px", "latency_ms", "reason")
+_STATE = ("touching", "inverted", "found", "flags", "rest_moved_px", "latency_ms", "reason")
 
 
 def reading_columns(space: PoseSpace) -> tuple[str, ...]:
@@ -43,6 +43,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         *reading.half_width,
         *_forces(reading),
         reading.touching,
+        reading.fit.inverted if reading.fit is not None and reading.touching else None,
         reading.found,
         "; ".join(reading.flags),
         reading.rest.rms_px if reading.rest is not None else math.nan,

@@ -13,21 +13,24 @@ from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSp
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, Recipe, written_whole
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
-from palpate.fea import read_press
+from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_made, write_json
 from palpate.twin import TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, twin_path, write_twin
 
-_SHARE = 0.5
-"""Increments of a twin over those of the study's images."""
+_SHARE, _INVERTED_SHARE = 0.5, 0.25
+"""Increments of a twin over those of the study's images; the inverted state changes quickly where it begins."""
+_ROUND = 2
+"""Core of an inverted skin's mesh: with four cells along half a turn its soft waves of order 4 are 0.07 mm high."""
 
 
 @dataclass(frozen=True)
 class TwinTask(Task):
-    """Interpolate the presses of one skin under every tilt and friction."""
+    """Interpolate the presses of one skin under every tilt and friction, and those of its inverted state."""
 
     presses: tuple[PressTask, ...]
+    inverted: tuple[PressTask, ...] = ()
 
     @property
     def name(self) -> str:
@@ -35,19 +38,22 @@ class TwinTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        keys = tuple(press.recipe.key for press in self.presses)
+        keys = tuple(press.recipe.key for press in self.needs)
         return Recipe(kind="twin", spec={}, inputs=keys, version=TWIN_VERSION)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return self.presses
+    def needs(self) -> tuple[PressTask, ...]:
+        return (*self.presses, *self.inverted)
 
     @property
     def cost(self) -> float:
-        return 0.2 * len(self.presses)
+        return 0.2 * len(self.needs)
 
     def make(self, store: ArtefactStore) -> None:
-        twin = build_twin([read_press(find_made(store, press)) for press in self.presses])
+        flat, inverted = (
+            [read_press(find_made(store, press)) for press in presses] for presses in (self.presses, self.inverted)
+        )
+        twin = build_twin(flat, inverted)
         store.write(self.recipe, lambda path: write_twin(path, twin))
 
 
@@ -102,7 +108,8 @@ def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
 
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     """The twin of one skin of a study."""
-    return TwinTask(tuple(_plan_presses(study, skin)))
+    asked = study.built or BuiltSpec()
+    return TwinTask(tuple(_plan_presses(study, skin)), tuple(_plan_inverted(study, skin)) if asked.inverted else ())
 
 
 def plan_built(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerSpec) -> BuiltTask:
@@ -127,6 +134,21 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
                 wall=study.wall.model_copy(update=changed),
                 solver=solver,
             )
+
+
+def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
+    """Presses of the inverted state: the same under every contact law."""
+    mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
+    for tilt_deg in study.tilts_deg:
+        changed = {"tilt_deg": tilt_deg, "image_step": _INVERTED_SHARE * study.wall.image_step}
+        yield PressTask(
+            skin=skin,
+            mesh=mesh,
+            material=study.material.material(),
+            wall=study.wall.model_copy(update=changed),
+            solver=study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES}),
+            branch=Branch.INVERTED,
+        )
 
 
 def keep_twins(folder: Path, twins: Iterable[tuple[SkinSpec, Path]]) -> None:

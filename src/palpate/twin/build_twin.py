@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
-from palpate.fea import Branch, Press, WallSpec
+from palpate.fea import Branch, Ended, Press, WallSpec
 from palpate.twin.force_field import forces_along_tilt
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
-from palpate.twin.tilt_runs import SAME_DEPTH_MM
+from palpate.twin.tilt_runs import SAME_DEPTH_MM, match_depths
 from palpate.twin.twin import FORCES, Twin
 from palpate.twin.twin_file import material_text
 
@@ -31,18 +33,21 @@ _FEWEST = 4
 """Tilts, depths, or frictions where there are several, that a cubic spline needs."""
 
 
-def build_twin(presses: Sequence[Press]) -> Twin:
+def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin:
     """Interpolate presses of one design under walls of every tilt and friction.
 
     Parameters
     ----------
     presses
         At every tilt from 0 on, one for each friction, with `TWIN_DERIVATIVES`; images at the same depths.
+    inverted
+        Presses of the inverted state at every tilt, likewise, under one contact law: it is the same under all. They
+        may have found none, or only under lesser tilts.
 
     Returns
     -------
     Twin
-        Of the flat branch.
+        Of the flat branch, and of the other where it exists under four tilts and at four depths.
 
     Raises
     ------
@@ -50,9 +55,29 @@ def build_twin(presses: Sequence[Press]) -> Twin:
         If presses are missing, of several designs or without the derivatives, or the skin is no body of revolution;
         if a press jumps, since it has no derivatives beyond.
     """
-    _refuse_others(presses)
+    _refuse_others([*presses, *inverted])
     slips, tilts, table = _sort(presses)
-    depths = _depths(presses)
+    depths = _depths(table, 0.0)
+    flat = _interpolate(table, (slips, tilts, depths))
+    standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.wall.radial)))
+    if len(standing) < _FEWEST:
+        return flat
+    first = max(float(press.depth[0]) for press in standing)
+    depths = _depths(standing, first)
+    if len(depths) < _FEWEST:
+        return flat
+    tilts = np.array([press.wall.radial for press in standing])
+    return replace(flat, inverted=_interpolate(standing, (np.zeros(1), tilts, depths)))
+
+
+def _stands(press: Press) -> bool:
+    """Whether an inverted state was found and followed to the greatest depth."""
+    return press.ended is Ended.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
+
+
+def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:
+    """The twin of one branch from its presses by rising slip, then tilt, over slips, tilts and depths."""
+    slips, tilts, depths = axes
     fields, forces = [], []
     for press in table:
         rates = [press.derivatives[name] for name in TWIN_DERIVATIVES]
@@ -79,18 +104,17 @@ def build_twin(presses: Sequence[Press]) -> Twin:
         fit_spline(axes, part.reshape(*part.shape[:3], -1))
         for part in (everything[..., :_DRIFT, :], everything[..., _DRIFT:, :])
     )
-    reach = np.array([_reach(press) for press in table]).reshape(shape[:2])
     return Twin(
-        skin=presses[0].mesh.skin,
+        skin=table[0].mesh.skin,
         order=order,
         shapes=modes,
         tilts_deg=tilts,
         depths_mm=depths,
         slips=slips,
-        reach_mm=reach,
+        reach_mm=np.array([_reach(press) for press in table]).reshape(shape[:2]),
         amplitudes=pressed,
         drifts=drifts,
-        material=material_text(presses[0].material),
+        material=material_text(table[0].material),
     )
 
 
@@ -140,36 +164,39 @@ def _slip(press: Press) -> float:
     return 1.0 / press.wall.friction if press.wall.friction > 0 else float("inf")
 
 
-def _depths(presses: Sequence[Press]) -> FloatArray:
+def _depths(presses: Sequence[Press], first: float) -> FloatArray:
+    """Depths (d,) mm of the images, from the first that is no less than `first`."""
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
     step, deepest = steps.pop(), max(_reach(press) for press in presses)
-    count = int((deepest + SAME_DEPTH_MM) / step)
-    if count < _FEWEST:
+    begin, count = int(np.ceil((first - SAME_DEPTH_MM) / step)), int((deepest + SAME_DEPTH_MM) / step)
+    if not first and count < _FEWEST:
         raise PalpateError(
             f"{count} images down to {deepest:.2f} mm do not make a twin.", "Press deeper, or in shorter steps."
         )
-    return np.asarray(step * np.arange(count + 1))
+    return np.asarray(step * np.arange(begin, count + 1))
 
 
-def _flat(press: Press) -> int:
-    """Number of the images of a press on its way down before it leaves the flat branch or jumps."""
+def _kept(press: Press) -> int:
+    """Number of the images of a press on its way down before it leaves its first branch or jumps."""
     down = int(np.argmax(press.depth)) + 1
-    lost = np.flatnonzero((press.branch[:down] != str(Branch.FLAT)) | (press.depth[:down] >= press.jump_depth))
+    lost = np.flatnonzero((press.branch[:down] != press.branch[0]) | (press.depth[:down] >= press.jump_depth))
     return int(lost[0]) if len(lost) else down
 
 
 def _reach(press: Press) -> float:
-    return float(press.depth[_flat(press) - 1])
+    return float(press.depth[_kept(press) - 1])
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
     """Derivatives by drift (mm/mm) among the parts (6, n, …) of a press as those by the travel so far (mm)."""
     found = parts.copy()
     depth = press.depth.reshape(-1, *[1] * (parts.ndim - 2))
-    found[_DRIFT:, 1:] = parts[_DRIFT:, 1:] / depth[1:]
-    found[_DRIFT:, 0] = 2.0 * found[_DRIFT:, 1] - found[_DRIFT:, 2]
+    rest = int(depth.flat[0] == 0.0)
+    found[_DRIFT:, rest:] = parts[_DRIFT:, rest:] / depth[rest:]
+    if rest:
+        found[_DRIFT:, 0] = 2.0 * found[_DRIFT:, 1] - found[_DRIFT:, 2]
     return found
 
 
@@ -207,10 +234,10 @@ def _straighten(values: FloatArray, forces: FloatArray) -> None:
 
 
 def _fill(values: FloatArray, press: Press, depths: FloatArray) -> FloatArray:
-    """Values (n depths, …) of a press's images (n, …), carried on straight below its last."""
-    count = int(np.sum(depths <= _reach(press) + SAME_DEPTH_MM))
-    known = values[:count]
-    rest = np.arange(1, len(depths) - count + 1).reshape(-1, *[1] * (values.ndim - 1))
+    """Values (n depths, …) of a press's images (n, …) at the depths, carried on straight below its last."""
+    _, image = match_depths(depths[depths <= _reach(press) + SAME_DEPTH_MM], press)
+    known = values[image]
+    rest = np.arange(1, len(depths) - len(image) + 1).reshape(-1, *[1] * (values.ndim - 1))
     return np.concatenate([known, known[-1] + rest * (known[-1] - known[-2])])
 
 

@@ -41,15 +41,18 @@ class Twin:
     shapes
         (r, 3, n circles) mode in r, φ, z on the circles of `place_circles`; its amplitude is in mm.
     tilts_deg, depths_mm, slips
-        What was pressed, rising: tilts from 0, depths from rest (0), and 1/µ from no slip (0).
+        What was pressed, rising: tilts from 0, depths from rest (0), and 1/µ from no slip (0). Of the inverted state
+        depths begin where it stands under all these tilts, and it is the same for every 1/µ.
     reach_mm
-        (n slips, n tilts) depth that each press reached on the flat branch.
+        (n slips, n tilts) depth that each press reached on its branch.
     amplitudes
         Splines over (slip, tilt, depth): those of the press, then their derivatives by thickness (mm) and bend (1/m).
     drifts
         Splines likewise of the derivatives by drift up the slope (mm), along the tilt's axis (mm), and by twist (°).
     material
         What was pressed, as JSON; empty in files that do not say.
+    inverted
+        The twin of the skin's other state; `None` where it has none, or it was not pressed.
     """
 
     skin: Skin
@@ -62,6 +65,7 @@ class Twin:
     amplitudes: TensorSpline
     drifts: TensorSpline
     material: str = ""
+    inverted: Twin | None = None
 
     def reach(self, tilt_deg: float, slip: float = 0.0) -> float:
         """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""
@@ -73,7 +77,8 @@ class Twin:
     def covers(self, pose: FloatArray, slack_deg: float = 0.2, slack_mm: float = 0.05) -> bool:
         """Whether presses reached rx, ry (degrees) and depth (mm), or nearly so."""
         tilt = float(np.hypot(pose[0], pose[1]))
-        return tilt <= self.tilts_deg[-1] + slack_deg and pose[2] <= self.reach(tilt) + slack_mm
+        deep = self.depths_mm[0] - slack_mm <= pose[2] <= self.reach(tilt) + slack_mm
+        return bool(tilt <= self.tilts_deg[-1] + slack_deg and deep)
 
     def print_dots(self, places: FloatArray) -> PrintedTwin:
         """The twin of dots at places (m, 3) mm of the undeformed inner surface.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -19,6 +20,8 @@ TWIN_VERSION = "3"
 """Version of the code that decides what a twin says; part of its file and of an artefact's key."""
 _KIND = "palpate twin"
 _AGAIN = "Make it again with `palpate twin`."
+_INVERTED = "inverted"
+"""Group of the other branch."""
 _PARTS = 3
 """Fields in each of both splines: press, thickness, bend; drift up, aside, twist."""
 _ARRAYS = {
@@ -70,13 +73,9 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["skin"] = json.dumps(twin.skin.spec_data)
             file.attrs["material"] = twin.material
             file.attrs["made_by"] = json.dumps(provenance())
-            for name, unit in _ARRAYS.items():
-                file.create_dataset(name, data=getattr(twin, name)).attrs["units"] = unit
-            for name in ("amplitudes", "drifts"):
-                data = getattr(twin, name).coefficients
-                file.create_dataset(name, data=data).attrs["units"] = "mm, N, and over mm or degrees"
-            for name, knots in zip(("slip", "tilt", "depth"), twin.amplitudes.knots, strict=True):
-                file.create_dataset(f"knots/{name}", data=knots)
+            _write_branch(file, twin)
+            if twin.inverted is not None:
+                _write_branch(file.create_group(_INVERTED), twin.inverted)
     except OSError as error:
         raise PalpateError(f"{path} cannot be written: {error}.", "Choose another place.") from None
 
@@ -98,16 +97,39 @@ def read_twin(path: Path) -> Twin:
                 raise PalpateError(
                     f"{path} is a twin of version {file.attrs['version']}, this is {TWIN_VERSION}.", _AGAIN
                 )
-            knots = (file["knots/slip"][:], file["knots/tilt"][:], file["knots/depth"][:])
-            twin = Twin(
-                skin=build_skin(skin_from_data(json.loads(file.attrs["skin"]))),
-                **{name: file[name][:] for name in _ARRAYS},
-                amplitudes=TensorSpline(knots, file["amplitudes"][:]),
-                drifts=TensorSpline(knots, file["drifts"][:]),
-                material=str(file.attrs.get("material", "")),
-            )
+            twin = _read_branch(file, file.attrs)
+            if _INVERTED in file:
+                twin = replace(twin, inverted=_read_branch(file[_INVERTED], file.attrs))
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN) from None
+    for branch in (twin,) if twin.inverted is None else (twin, twin.inverted):
+        _check(path, branch)
+    return twin
+
+
+def _write_branch(group: h5py.Group, twin: Twin) -> None:
+    for name, unit in _ARRAYS.items():
+        group.create_dataset(name, data=getattr(twin, name)).attrs["units"] = unit
+    for name in ("amplitudes", "drifts"):
+        data = getattr(twin, name).coefficients
+        group.create_dataset(name, data=data).attrs["units"] = "mm, N, and over mm or degrees"
+    for name, knots in zip(("slip", "tilt", "depth"), twin.amplitudes.knots, strict=True):
+        group.create_dataset(f"knots/{name}", data=knots)
+
+
+def _read_branch(group: h5py.Group, made: h5py.AttributeManager) -> Twin:
+    knots = (group["knots/slip"][:], group["knots/tilt"][:], group["knots/depth"][:])
+    return Twin(
+        skin=build_skin(skin_from_data(json.loads(made["skin"]))),
+        **{name: group[name][:] for name in _ARRAYS},
+        amplitudes=TensorSpline(knots, group["amplitudes"][:]),
+        drifts=TensorSpline(knots, group["drifts"][:]),
+        material=str(made.get("material", "")),
+    )
+
+
+def _check(path: Path, twin: Twin) -> None:
+    """Refuse a branch whose numbers cannot be."""
     if not all(
         np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients, twin.drifts.coefficients)
     ):
@@ -117,4 +139,3 @@ def read_twin(path: Path) -> Twin:
         count = getattr(twin, name).coefficients.shape[-1]
         if count != wanted:
             raise PalpateError(f"{path} has {count} {name}, not {wanted}.", _AGAIN)
-    return twin

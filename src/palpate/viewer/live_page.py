@@ -251,10 +251,11 @@ def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
     if reading.fit is not None:
         spread = np.sqrt(np.diag(reading.fit.covariance))
         correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
+        state = "; the skin is inverted" if reading.fit.inverted else ""
         rows += [
             ("1/µ", reading.fit.slip, float(reading.fit.half_width[3]), "", "0 does not slip"),
             *([("1/R", reading.fit.bend, reading.fit.bend_sd, "/m", "0 is flat")] if reading.fit.bend_sd else []),
-            ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}"),
+            ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}{state}"),
         ]
     return rows
 
