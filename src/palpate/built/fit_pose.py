@@ -191,6 +191,14 @@ class PoseFitter:
                 found, self._was_other = again, not self._was_other
         return self._of_other(found) if self._was_other else found
 
+    def foresee(self, found: PoseFit) -> FloatArray:
+        """Dots (m, 2) px as a fit has them; NaN for one that was not seen at rest."""
+        model = (self._other if found.inverted and self._other else self).model
+        drift = found.theta[_DRIFT:] if self._drifts else None
+        looked = model.look(found.theta[:3], float(found.theta[3]), drift, float(found.theta[_BEND]))
+        assert looked.by_unit is not None
+        return looked.pixels + looked.by_unit @ found.unit
+
     def _of_other(self, found: PoseFit) -> PoseFit:
         """What an image says that shows the other state, which is the same under every friction."""
         covariance = found.covariance.copy()

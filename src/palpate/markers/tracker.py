@@ -83,6 +83,15 @@ class Tracker:
         self._before, self._last = self._last, positions
         return Sighting(positions, found, blob, jumped)
 
+    def look(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> Sighting:
+        """Find every marker among the dots (n, 2) of the image of the last step again, about places (m, 2).
+
+        What foresees them answers for the roughness of the motion.
+        """
+        positions, blob, offset = self._try(foreseen_px, np.ascontiguousarray(blobs_px))
+        found, self._before, self._last = blob >= 0, positions, positions
+        return Sighting(positions, found, blob, bool(offset > _JUMP or found.mean() < 0.5))
+
     def _try(self, predicted: FloatArray, blobs_px: FloatArray) -> tuple[FloatArray, NDArray[np.intp], float]:
         """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""
         space, (number, distance) = _room(predicted), nearest(predicted, blobs_px)

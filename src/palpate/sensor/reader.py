@@ -81,6 +81,10 @@ class Reader(ABC):
     def read(self, sighting: Sighting) -> Estimate:
         """Estimate the pose from where markers are."""
 
+    def foresee(self, estimate: Estimate) -> FloatArray | None:
+        """Dots (m, 2) px as an estimate has them, NaN where it has none; `None` where what reads does not know."""
+        return None
+
 
 class NetworkReader(Reader):
     """Reads by a trained network."""
@@ -168,6 +172,9 @@ class TwinReader(Reader):
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
         return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, self.rest)
+
+    def foresee(self, estimate: Estimate) -> FloatArray | None:
+        return None if estimate.fit is None else self.fitter.foresee(estimate.fit)
 
     def _fit(self, seen: FloatArray) -> tuple[FloatArray, PoseFit]:
         """Dots as they were without drift, and their fit; again where the touch is far from the last image's."""

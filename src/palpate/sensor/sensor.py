@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import build_camera
-from palpate.core import PalpateError
+from palpate.core import FloatArray, PalpateError
 from palpate.design import place_orientation_mark
 from palpate.markers import (
     Detector,
     DetectSpec,
     Motion,
     Naming,
+    Sighting,
     Tracker,
     build_pattern,
     name_markers,
@@ -25,7 +26,7 @@ from palpate.markers import (
 )
 from palpate.recording import RecordedModel
 from palpate.sensor.known_press import KnownPress, ask_press
-from palpate.sensor.reader import Model, Reader, check_model, open_reader
+from palpate.sensor.reader import Estimate, Model, Reader, check_model, open_reader
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
@@ -71,7 +72,7 @@ class Sensor:
         if found < self.spec.least_found * len(self.unit.layout):
             self._tracker = Tracker(Motion(self.naming.positions_px))  # what follows is looked for from rest again
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
-        estimate = self.reader.read(sighting)
+        sighting, estimate = self._read_again(blobs.positions_px, sighting, self.reader.read(sighting))
         touching = estimate.moved_px > self.spec.touch_px
         flags = [Flag.JUMPED] if sighting.jumped else []
         flags += [flag for flag in estimate.flags if touching or flag is Flag.MOVED]  # at rest no pose is outside
@@ -89,6 +90,19 @@ class Sensor:
             fit=estimate.fit,
             rest=estimate.rest,
         )
+
+    def _read_again(self, blobs_px: FloatArray, sighting: Sighting, estimate: Estimate) -> tuple[Sighting, Estimate]:
+        """Where markers jumped or the estimate does not explain them: named anew by it, if that explains more."""
+        if not sighting.jumped and Flag.MISFIT not in estimate.flags:
+            return sighting, estimate
+        foreseen = self.reader.foresee(estimate)
+        if foreseen is None or estimate.fit is None:
+            return sighting, estimate
+        named = self._tracker.look(blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px))
+        again = self.reader.read(named)
+        if again.fit is not None and again.fit.misfit <= estimate.fit.misfit:
+            return named, again
+        return sighting, estimate
 
     def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:
         space, latency = self.reader.space, (time.perf_counter() - start) * 1e3

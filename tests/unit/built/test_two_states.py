@@ -5,25 +5,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.built import PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
-from palpate.camera import CameraSpec, build_camera
+from palpate.bench.photograph import set_scene
+from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
+from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec, solve_press
+from palpate.markers import Motion, Tracker
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import Unit, open_sensor
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, read_twin, write_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=1))
-LAYOUT = place_markers(DOME, MarkerSpec(count=91))
+LAYOUT = place_markers(DOME, MarkerSpec(count=169))
 CAMERA = build_camera()
 NOISE = 0.02
-DEPTH = 4.0
+DEPTH = 6.0
 TILTS = (0.0, 4.0, 8.0, 12.0)
 
 
-def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.25) -> Press:
+def press(tilt: float, branch: Branch, names: tuple[str, ...] = (), step: float = 0.4) -> Press:
     wall = WallSpec(tilt_deg=tilt, azimuth_deg=70.0, depth=DEPTH, image_step=step)
     mesh = mesh_skin(DOME, MeshSpec(cells=12, core=2 if branch is Branch.INVERTED else 1))
     return solve_press(mesh, ECOFLEX, wall, SolverSpec(derivatives=names), branch)
@@ -42,7 +45,7 @@ def twin(flat: list[Press]) -> Twin:
 @pytest.fixture(scope="module")
 def other() -> Press:
     """An inverted press at a tilt that the twin has not seen, and at other depths."""
-    return press(6.0, Branch.INVERTED, step=0.6)
+    return press(6.0, Branch.INVERTED, step=0.7)
 
 
 def fitter(twin: Twin) -> PoseFitter:
@@ -95,10 +98,25 @@ def test_a_skin_that_comes_back_is_read_as_flat_again(twin: Twin, other: Press) 
     assert depth < 0.03
 
 
+def test_a_picture_in_which_the_skin_has_popped_is_named_anew(twin: Twin, other: Press) -> None:
+    """From rest to the inverted state at once: dots beside the ridge change places, until the fit foresees them."""
+    scene = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec())
+    sensor = open_sensor([scene.at_rest()], Unit(DOME, LAYOUT, nominal=CameraSpec()), twin)
+    picture = list(scene.through(other))[-1]
+    by_motion_alone = Tracker(Motion(sensor.naming.positions_px)).step(sensor.detector.find(picture).positions_px)
+    assert by_motion_alone.jumped
+    reading = sensor.read(picture)
+    assert reading.flags == ()
+    assert reading.fit is not None
+    assert reading.fit.inverted
+    pose = (*other.wall.pose_space.part(other.wall.radial, other.wall.turn_deg), DEPTH)
+    assert reading.pose == pytest.approx(pose, abs=0.1)
+
+
 def test_both_states_survive_the_file(twin: Twin, tmp_path) -> None:
     write_twin(tmp_path / "dome.h5", twin)
     again = read_twin(tmp_path / "dome.h5").inverted
-    pose = np.array([3.0, -2.0, 3.5])
+    pose = np.array([3.0, -2.0, 4.5])
     assert again.print_dots(LAYOUT.positions).move(pose, 0.0).positions == pytest.approx(
         twin.inverted.print_dots(LAYOUT.positions).move(pose, 0.0).positions, abs=1e-12
     )
