@@ -267,7 +267,8 @@ class _Fit:
                 break
         covariance = self.covariance(found, information)
         off = values[self.shared :].reshape(-1, self.own)[:, 1:4] / self.robot_sd
-        _refuse(values, found.misfit, off, prior_sd(model.tolerance))
+        believable = np.hypot(prior_sd(model.tolerance), [_LENS_SD.get(name, 0.0) for name in UNKNOWN])
+        _refuse(now.mean / believable, found.misfit, off)
         shared = covariance[: self.shared, : self.shared]
         return Identified(
             belief=replace(now, covariance=shared[: len(UNKNOWN), : len(UNKNOWN)]),
@@ -365,8 +366,8 @@ class _Fit:
         return _Normal(normal, gradient, common, squares / max(count, 1) / self.variance)
 
 
-def _refuse(values: FloatArray, misfit: float, off: FloatArray, before: FloatArray) -> None:
-    """Never a confident wrong unit."""
+def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
+    """Never a confident wrong unit: its numbers (11,) and the robot's errors (p, 3) are in standard deviations."""
     if misfit > _WRONG:
         raise PalpateError(
             f"The presses do not fit a unit of this design: dots are {np.sqrt(misfit):.1f} times as far off as "
@@ -379,7 +380,7 @@ def _refuse(values: FloatArray, misfit: float, off: FloatArray, before: FloatArr
             f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
             "Check the poses and their order, or say how well the robot knows them.",
         )
-    far = np.abs(values[: len(UNKNOWN)]) / before
+    far = np.abs(unit)
     if far.max() > _FAR:
         raise PalpateError(
             f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",

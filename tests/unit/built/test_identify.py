@@ -189,6 +189,15 @@ def test_wrong_presses_never_make_a_confident_unit(twin: Twin, units: list[Built
         identify(model_unit(twin, LAYOUT, belief, TOLERANCE), other, NOISE)
 
 
+def test_a_lens_a_little_beyond_its_tolerance_is_no_reason_to_refuse(twin: Twin, seen: list[Press]) -> None:
+    """What a twin is off shows as focal length, three tolerances of it; ten times as much is another lens."""
+    little, much = (Built(3, thickness=0.0, focal=by) for by in (0.009, -0.06))
+    found = identify(model_unit(twin, LAYOUT, opened(twin, little), TOLERANCE), known(little, seen), NOISE)
+    assert found.misfit < 2.0
+    with pytest.raises(PalpateError, match="standard deviations off|do not fit a unit"):
+        identify(model_unit(twin, LAYOUT, opened(twin, much), TOLERANCE), known(much, seen), NOISE)
+
+
 def test_one_press_leaves_open_what_it_cannot_tell(twin: Twin, units: list[Built], seen: list[Press]) -> None:
     """Its direction alone: the turn of the seating stays as it was beforehand, and says so."""
     unit = units[1]
