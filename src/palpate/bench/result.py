@@ -75,15 +75,19 @@ def score_unit(number: int, played: Played) -> UnitResult:
     return UnitResult(number, played, score_readings(played.truth, played.corrected(), played.press))
 
 
-def pool_units(results: Sequence[UnitResult]) -> tuple[Score, ...]:
-    """Score the images of all sampled units together, each unit's presses by themselves; empty without any."""
+def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple[Score, ...]:
+    """Score the images of all sampled units together, each unit's presses by themselves; empty without any.
+
+    With `trusted`, only those that the sensor did not flag.
+    """
     units = [result for result in results if result.number and result.scores]
     if not units:
         return ()
     truth = np.concatenate([result.played.truth for result in units])
     estimates = np.concatenate([result.played.corrected() for result in units])
     press = np.concatenate([1000 * result.number + result.played.press for result in units])
-    return score_readings(truth, estimates, press)
+    kept = ~np.concatenate([result.played.flagged for result in units]) | (not trusted)
+    return score_readings(truth[kept], estimates[kept], press[kept]) if kept.any() else ()
 
 
 def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any]:
@@ -175,7 +179,11 @@ def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
 
 def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
     nominal = next((result.scores for result in results if result.number == 0), ())
-    for title, scores in (("nominal unit", nominal), ("sampled units together", pool_units(results))):
+    flagged = sum(int(result.played.flagged.sum()) for result in results if result.number)
+    together = [("nominal unit", nominal), ("sampled units together", pool_units(results))]
+    if flagged:
+        together.append((f"without {flagged} flagged images", pool_units(results, trusted=True)))
+    for title, scores in together:
         for score in scores:
             errors = score.errors
             cells = (errors.rmse, errors.mae, errors.max, errors.sd)
@@ -237,6 +245,8 @@ def _beforehand(spec: VirtualBenchSpec) -> str:
         )
     if tolerance.bend:
         told += f" Walls have curvatures of up to {tolerance.bend:g} /m, known presses are on a flat one."
+    if spec.inverted:
+        told += f" The last {spec.inverted} units stand inverted; known presses are made before."
     if tolerance.friction_most:
         told += f" Friction is {tolerance.friction:g} to {tolerance.friction_most:g}, even in 1/µ."
     return told

@@ -12,8 +12,9 @@ from needs import needs_program
 from palpate.bench import Deviation, ToleranceSpec, play_unit, run_bench, run_budget, write_bench, write_budget
 from palpate.bench.bench import presses_of, unit_tilts
 from palpate.bench.budget import BudgetLine, recommend, total
-from palpate.bench.played import cover, gather
-from palpate.bench.result import score_unit
+from palpate.bench.played import COLUMNS, cover, gather
+from palpate.bench.result import bench_page, pool_units, score_unit
+from palpate.bench.spec import VirtualBenchSpec
 from palpate.camera import RenderSpec
 from palpate.core import PalpateError
 from small_chain import rms, small_bench, write_small_model, write_small_twin
@@ -150,6 +151,27 @@ def test_only_what_costs_much_and_can_be_learned_is_recommended():
     lines = [BudgetLine(name, name, "", cost, cost, 0.0, 1) for name, cost in costs.items()]
     assert recommend(lines, ToleranceSpec()) == {"friction": 0.8}
     assert total(lines) == pytest.approx(np.sqrt(sum(cost**2 for cost in costs.values())))
+
+
+def test_flagged_images_are_counted_apart(bench, nominal):
+    images = nominal.images.copy()
+    images[::3, COLUMNS.index("flagged")] = 1.0
+    images[::3, COLUMNS.index("rx_deg_read")] += 30.0
+    unit = score_unit(1, replace(nominal, images=images))
+    all_images, trusted = pool_units([unit]), pool_units([unit], trusted=True)
+    assert trusted[0].images == all_images[0].images - len(images[::3])
+    assert all_images[0].errors.max > 25 > trusted[0].errors.max
+    assert f"without {len(images[::3])} flagged images" in bench_page(bench, [unit])
+
+
+def test_units_that_cannot_be_inverted_are_refused(bench):
+    with pytest.raises(ValueError, match="3 units are to be inverted, and there are 2"):
+        VirtualBenchSpec(units=2, inverted=3)
+    with pytest.raises(ValueError, match="only palpate's own solver presses inverted units, not calculix"):
+        VirtualBenchSpec(inverted=1, solver="calculix")
+    shallow = replace(bench, spec=bench.spec.model_copy(update={"units": 1, "inverted": 1, "tilts": 1, "depth": 2.5}))
+    played = play_unit(shallow, replace(Deviation(), unit=1))
+    assert "No inverted state was found" in played.failure
 
 
 def test_a_model_that_is_not_there_is_refused(bench, tmp_path):

@@ -194,7 +194,7 @@ def test_a_lens_a_little_beyond_its_tolerance_is_no_reason_to_refuse(twin: Twin,
     little, much = (Built(3, thickness=0.0, focal=by) for by in (0.009, -0.06))
     found = identify(model_unit(twin, LAYOUT, opened(twin, little), TOLERANCE), known(little, seen), NOISE)
     assert found.misfit < 2.0
-    with pytest.raises(PalpateError, match="standard deviations off|do not fit a unit"):
+    with pytest.raises(PalpateError, match=r"standard deviations off|do not fit a unit"):
         identify(model_unit(twin, LAYOUT, opened(twin, much), TOLERANCE), known(much, seen), NOISE)
 
 
