@@ -16,7 +16,7 @@ from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import Source, open_source
 from palpate.core import PalpateError, load_opencv
 from palpate.grid import name_row
-from palpate.sensor import Unit, open_model
+from palpate.sensor import Reading, Unit, open_model
 from palpate.twin import twin_path
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
@@ -205,7 +205,7 @@ class LivePage:
         if step is None or verdict is LiveVerdict.NO_TOUCH:
             return
         with self._figures:
-            for name, value, half, unit, truth in _rows(step):
+            for name, value, half, unit, truth in list_figures(step.reading, step.truth):
                 with ui.element("tr"):
                     for text in (name, f"{value:.2f} ± {half:.2f} {unit}", truth):
                         with ui.element("td"):
@@ -232,8 +232,10 @@ class LivePage:
         ui.download.content(write_table(self._kept), "readings.csv")
 
 
-def _rows(step: Step) -> list[tuple[str, float, float, str, str]]:
-    reading, truth = step.reading, step.truth
+def list_figures(
+    reading: Reading, truth: tuple[float, float, float] | None
+) -> list[tuple[str, float, float, str, str]]:
+    """Rows of the table beside the dial: name, value, half-width, unit, and what is to be known of it."""
     least, most = tilt_interval(reading)
     rows = [
         (item.axis, value, half, item.sign.strip(), f"true {truth[i]:.2f}" if truth else "")

@@ -205,3 +205,24 @@ def test_recordings_are_found_but_not_in_the_store(tmp_path):
 def test_every_kind_of_image_becomes_grey():
     assert to_grey(np.full((2, 2), 65535, np.uint16)).max() == 255
     assert to_grey(np.full((2, 2, 3), 90, np.uint8)).max() == 90
+
+
+@pytest.mark.parametrize(("inverted", "state"), [(False, ""), (True, "; the skin is inverted")])
+def test_a_twin_tells_force_friction_and_how_well_it_fits(inverted, state):
+    pytest.importorskip("nicegui")
+    from palpate.built import Force, PoseFit
+    from palpate.viewer.live_page import list_figures
+
+    covariance = np.diag([0.01, 0.01, 0.0025, 0.04])
+    covariance[0, 1] = covariance[1, 0] = -0.005
+    force = Force(np.array([0.0, 0.0, 0.4]), 1e-4 * np.eye(3), np.array([0.0, 0.0, 1.0]))
+    fit = PoseFit(
+        np.array([1.0, 2.0, 3.0]), 0.8, covariance, 0.0, 0.0, np.zeros(3), force, 0.05, 1.2, 4, np.zeros(8), 3.0,
+        np.zeros(11), inverted,
+    )  # fmt: skip
+    read = Reading(1, (1.0, 2.0, 3.0), (0.2, 0.2, 0.1), True, 19, (), 5.0, force=force, fit=fit)
+    rows = {row[0]: row[1:] for row in list_figures(read, None)}
+    assert rows["force"][0] == pytest.approx(0.4)
+    assert rows["1/µ"][:2] == pytest.approx((0.8, 1.645 * 0.2), rel=1e-3)
+    assert rows["misfit"][0] == 1.2
+    assert rows["misfit"][3] == "about 1; rx and ry correlate by -0.50" + state
