@@ -174,14 +174,12 @@ class PoseFitter:
         self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
 
     def fit(self, seen_px: FloatArray) -> PoseFit:
-        """Fit one image.
+        """Fit one image; one that the flat state does not explain, by the skin's other state, where it has one.
 
         Parameters
         ----------
         seen_px
             (m, 2) dots in the order of the layout; NaN where none was seen.
-
-        An image that the flat state does not explain is held against the other one, where the skin has one.
         """
         here = (self._other if self._was_other else None) or self
         found = here._fit_near(seen_px)

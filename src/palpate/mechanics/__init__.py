@@ -1,5 +1,6 @@
 """Mechanics: a soft body under loads and rigid obstacles, in equilibrium, followed along its branches."""
 
+from palpate.mechanics.arc_length import ArcLength
 from palpate.mechanics.compiled import kernels_compiled
 from palpate.mechanics.continuation import Continuation, Increment
 from palpate.mechanics.element import System
@@ -11,7 +12,7 @@ from palpate.mechanics.newton import Equilibrium, Problem
 from palpate.mechanics.obstacle import Gap, Obstacle, grid_quads, tangents
 from palpate.mechanics.sensitivity import Sensitivity, Variation
 from palpate.mechanics.serendipity import BRICK, fill_nodes
-from palpate.mechanics.solid import GAUSS, Body, Solid, State
+from palpate.mechanics.solid import GAUSS, Solid, State
 from palpate.mechanics.spec import BASE_RADIUS, SolverSpec
 from palpate.mechanics.stress import cauchy_stress, smallest_stretch, von_mises
 from palpate.mechanics.surface import OuterSurface
@@ -21,7 +22,7 @@ __all__ = [
     "BASE_RADIUS",
     "BRICK",
     "GAUSS",
-    "Body",
+    "ArcLength",
     "ContactLaw",
     "ContactLoading",
     "Continuation",

@@ -192,7 +192,17 @@ class Problem:
             If it has no inverse.
         """
         self.assemble(state, terms)
-        self.linear.refactor(self._system.data)
+        self.refactor()
+
+    def refactor(self) -> int:
+        """Factor the tangent assembled last; the number of its negative pivots, -1 where that is not known.
+
+        Raises
+        ------
+        SingularMatrixError
+            If it has no inverse.
+        """
+        return self.linear.refactor(self._system.data)
 
     def back_substitute(self, force: FloatArray) -> FloatArray:
         """Displacement (n, 3) mm by which the factored tangent answers forces (3 n,) N."""

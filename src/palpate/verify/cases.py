@@ -6,6 +6,7 @@ from functools import partial
 
 import palpate.verify.ball as ball
 import palpate.verify.bending as bending
+import palpate.verify.caps as caps
 import palpate.verify.cook as cook
 import palpate.verify.domes as domes
 import palpate.verify.fits as fits
@@ -42,6 +43,10 @@ CASES: tuple[Case, ...] = (
     Case("elastica_moment", "exact, elastica", bending.cantilever_moment),
     Case("cook_membrane", "Q2/P1 code", cook.cook_membrane),
     Case("no_locking", "finer mesh", cook.no_locking),
+    Case("clamped_cap_ring", "Teng & Rotter 1989, Wood & Zienkiewicz 1977", partial(caps.loaded_cap, "ring")),
+    Case("clamped_cap_apex", "Teng & Rotter 1989, Wood & Zienkiewicz 1977", partial(caps.loaded_cap, "apex")),
+    Case("clamped_cap_snap", "Budiansky, Dumir & Nath, Teng & Rotter", caps.snapping_pressure),
+    Case("clamped_cap_buckling", "Huang, Teng & Rotter 1989", caps.buckling_pressure),
     Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
     *(
         Case(f"hertz_sphere_{name}", "Hertz 1882", partial(ball.hertz_round, name), slow=True)
