@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,8 +12,8 @@ from palpate.core import ArtefactStore, PalpateError
 from palpate.design import DomeSpec
 from palpate.optimise.front import Front, TriedSkin
 from palpate.optimise.proposal import Proposal
-from palpate.optimise.propose import ProposalTask, plan_proposal
-from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, search_skins
+from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
+from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, Tried, search_skins
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import Observer, find_made, run_tasks, writable
@@ -67,10 +67,7 @@ def optimise_design(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
     tried = search_skins(space, judge.judge, plan, out / JOURNAL)
-    found = tuple(
-        TriedSkin(one.number, Proposal.from_data(one.judged.note["proposal"]), one.judged.violations) for one in tried
-    )
-    front = Front(spec, found)
+    front = Front(spec, tuple(judge.recall(tried)))
     return replace(front, tried=judge.finish(front)) if spec.finalists else front
 
 
@@ -100,9 +97,21 @@ class _Judge:
         space = SkinSpace.of(self.spec)
         tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
         return [
-            Judged(self._values(proposal), violations(self.spec, proposal), {"proposal": proposal.to_data()})
+            Judged(
+                self._values(proposal),
+                violations(self.spec, proposal),
+                {"proposal": proposal.to_data(), "version": PROPOSE_VERSION},
+            )
             for proposal in self._do(tasks)
         ]
+
+    def recall(self, tried: Sequence[Tried]) -> Iterator[TriedSkin]:
+        """What is known of skins that were tried; those that an earlier version judged are judged again."""
+        old = [one for one in tried if one.judged.note.get("version") != PROPOSE_VERSION]
+        again = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
+        for one in tried:
+            judged = again.get(one.number, one.judged)
+            yield TriedSkin(one.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
 
     def finish(self, front: Front) -> tuple[TriedSkin, ...]:
         """The same skins, the best of which are pressed at full fidelity."""

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.built import BuiltFigure, ForeseeSpec, foresee
+from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.design import Finding, MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers
@@ -32,8 +32,8 @@ from palpate.study import (
 )
 from palpate.twin import Twin, read_twin
 
-PROPOSE_VERSION = "1"
-"""Version of the code that decides what is proposed; part of an artefact's key."""
+PROPOSE_VERSION = f"2/{FORESEE_VERSION}"
+"""Version of the code that decides what is proposed and foreseen; part of an artefact's key."""
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
 of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
