@@ -91,8 +91,10 @@ class BuiltFigure:
 
 
 class PoseGain(NamedTuple):
-    """Error (3,) of a pose by what is unknown (15,) of unit and mounting, each over its standard deviation; covariance
-    (3, 3) of the error that each image has of its own; standard deviations by noise where all else is known.
+    """Error (3,) of a pose by what is unknown (15,) of unit and mounting, each over its standard deviation.
+
+    `of_image` is the covariance (3, 3) of the error that each image has of its own, `alone` the standard deviation
+    (3,) by noise where all else is known.
     """
 
     by_unit: FloatArray

@@ -26,17 +26,27 @@ def optimise(
     sampler: Annotated[
         Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
     ] = "gp",
+    prove: Annotated[
+        Literal["none", "played", "trained"] | None,
+        Parameter(
+            help="Play winner and rivals on the bench, read by their twins or by trained networks as well; without "
+            "it, as the requirements say."
+        ),
+    ] = None,
+    packs: Annotated[
+        bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")
+    ] = False,
     hands: WorkerFlags = WorkerFlags(),
     json: JsonFlag = False,
 ) -> int:
     """Search for the sensor that reads best when built, under the limits of a YAML file.
 
     Skins are proposed by a Gaussian process and pressed; rings of markers and the camera's distance are
-    chosen on each by exchange; what counts is the error of built units over the tolerances. The same
-    command goes on where it was stopped.
+    chosen on each by exchange; what counts is the error of built units over the tolerances. With --prove the
+    winner and its rivals are played on the bench. The same command goes on where it was stopped.
     """
     from palpate.core import PalpateError
-    from palpate.optimise import describe_front, optimise_design, read_requirements, write_front
+    from palpate.optimise import describe_front, optimise_design, read_requirements, write_front, write_packs
 
     hands.check()
     if hands.timeout is not None:
@@ -45,9 +55,12 @@ def optimise(
         raise PalpateError(f"--skins is {skins}.", "Give 1 to 100000.")
     spec = read_requirements(requirements)
     spec = spec if skins is None else spec.model_copy(update={"skins": skins})
+    spec = spec if prove is None else spec.model_copy(update={"proof": prove})
     folder = out or RESULTS / spec.name
     front = optimise_design(spec, folder, hands.workers, Lines(), sampler=sampler, cluster=hands.cluster or "")
     write_front(folder, front, shlex.join(["palpate", "optimise", requirements, "--out", str(folder)]))
+    if packs:
+        write_packs(folder, front)
     told = describe_front(front)
     if json:
         print_json({"out": str(folder), **told})

@@ -13,10 +13,11 @@ from palpate.design import DomeSpec
 from palpate.optimise.front import Front, TriedSkin
 from palpate.optimise.proposal import Proposal
 from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
+from palpate.optimise.prove import prove
 from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, Tried, search_skins
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import Observer, find_made, run_tasks, writable
+from palpate.study import Observer, Task, find_made, run_tasks, writable
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
@@ -68,7 +69,10 @@ def optimise_design(
     )
     tried = search_skins(space, judge.judge, plan, out / JOURNAL)
     front = Front(spec, tuple(judge.recall(tried)))
-    return replace(front, tried=judge.finish(front)) if spec.finalists else front
+    front = replace(front, tried=judge.finish(front)) if spec.finalists else front
+    if spec.proof == "none" or front.winner is None:
+        return front
+    return replace(front, proof=prove(front, out, judge.run))
 
 
 def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
@@ -134,8 +138,12 @@ class _Judge:
             by_number[number] = replace(by_number[number], full=full, violations=violations(self.spec, full))
         return tuple(by_number.values())
 
+    def run(self, tasks: Sequence[Task]) -> dict[str, str]:
+        """Do tasks; why some failed, by their keys."""
+        return run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
+
     def _do(self, tasks: Sequence[ProposalTask]) -> list[Proposal]:
-        reasons = run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
+        reasons = self.run(tasks)
         store = ArtefactStore(self.out / "store")
         return [
             Proposal(task.skin, task.material, problem=reasons[task.recipe.key])
@@ -157,7 +165,7 @@ class _Judge:
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name"}
+    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))
