@@ -7,7 +7,7 @@ from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import Module, build_module, build_solid
-from palpate.design.orientation_mark import MARK_CLEARANCE, place_orientation_mark
+from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
@@ -18,7 +18,6 @@ from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 
 __all__ = [
-    "MARK_CLEARANCE",
     "OFFSET_DEPTH",
     "PRINT_TOLERANCE",
     "SKINS",

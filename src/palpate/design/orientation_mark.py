@@ -13,7 +13,7 @@ from palpate.design.markers import MarkerLayout
 from palpate.design.skin import Skin
 
 AZIMUTH_DEG = 15.0
-MARK_CLEARANCE = 1.4
+_CLEARANCE = 1.4
 """Distance from the outermost dots, over the diameter of a dot, where the dome has room."""
 
 
@@ -34,6 +34,6 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     15.0
     """
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
-    outermost = min(rho + MARK_CLEARANCE * layout.diameter, (rho + skin.widest[0]) / 2)
+    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.widest[0]) / 2)
     point: FloatArray = skin.inner_point(outermost, np.radians(AZIMUTH_DEG))
     return point

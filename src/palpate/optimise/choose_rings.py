@@ -20,7 +20,7 @@ import numpy as np
 from palpate.built import ForeseeSpec, RingInformation, ToleranceSpec, measure_rings
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
-from palpate.design import MARK_CLEARANCE, MarkerLayout, MarkerSpec, Skin, markers_in_rings
+from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
 from palpate.twin import Twin
 
 _SWEEPS = 12
@@ -29,6 +29,8 @@ _DIFFERENCE = 1e-4
 """Step of a difference by the share of a ring."""
 _CLOSE = 2e-3
 """Share of the expected square within which the bound is left."""
+_MARK_ROOM = 1.4
+"""Room for the orientation mark beyond the outermost ring, over the diameter of a dot."""
 _SPREADS = (1.0, 0.7)
 """Shares of the meridian over which the rings are spread where exchanges begin."""
 
@@ -199,7 +201,7 @@ def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
     fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
     if not fine.any():
         raise PalpateError("No ring can be printed on this skin.", "Take a flatter or wider skin, or smaller dots.")
-    fine &= rho <= rho[fine].max() - MARK_CLEARANCE * limits.dot
+    fine &= rho <= rho[fine].max() - _MARK_ROOM * limits.dot
     reach = float(skin.arc_length(points[fine])[-1]) if fine.any() else 0.0
     least = limits.dot + limits.gap
     if reach <= least:
