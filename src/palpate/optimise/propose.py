@@ -136,7 +136,7 @@ def propose(
 
 
 def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Variant]:
-    """The best option of each camera and number of rings."""
+    """The best option of each camera and number of rings; where that cannot be read, rings that are even."""
     limits = PrintLimits(
         most=spec.markers,
         dot=spec.dot,
@@ -158,13 +158,14 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Varia
             except PalpateError as error:
                 problems.append(error)
                 break
-            refusals = [_refuse(twin, markers, material, camera, spec) for markers in choices]
-            problems += filter(None, refusals)
-            markers = next((each for each, why in zip(choices, refusals, strict=True) if why is None), None)
-            if markers is None:
-                continue
-            yield Variant(markers, choice.name, distance, choice.price, _foresee(twin, markers, camera, spec))
-            found = True
+            for markers in choices:
+                refusal = _refuse(twin, markers, material, camera, spec)
+                if refusal is None:
+                    found = True
+                    figure = _foresee(twin, markers, camera, spec)
+                    yield Variant(markers, choice.name, distance, choice.price, figure)
+                    break
+                problems.append(refusal)
     if not found:
         raise problems[0]
 
