@@ -86,17 +86,20 @@ class SecondSolver:
     Attributes
     ----------
     depth
-        Greatest depth that both reached, mm.
+        Greatest depth that both reached in the same state, mm.
     force_n, own_force_n
         Force on the wall there by CalculiX and by palpate, N.
     markers_mm
         Root of the mean square distance of the dots of one from those of the other there.
+    parts_mm
+        Depth from which one shows the inverted state and the other does not; `None` where they agree.
     """
 
     depth: float
     force_n: float
     own_force_n: float
     markers_mm: float
+    parts_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -191,5 +194,7 @@ def _sentences(proof: Proof) -> Iterator[str]:
             f"{two.own_force_n:.3f} N ({100 * (two.own_force_n / two.force_n - 1):+.1f} %); dots are "
             f"{two.markers_mm:.3f} mm apart (rms)."
         )
+        if two.parts_mm is not None:
+            yield f"From {two.parts_mm:.1f} mm on one of them shows the inverted state: ask for a single state."
     elif proof.second_problem:
         yield f"CalculiX did not press the winner: {proof.second_problem}"

@@ -291,13 +291,18 @@ def _gather(
 
 
 def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SecondSolver:
-    """CalculiX beside palpate at the greatest depth that both reached."""
+    """CalculiX beside palpate at the greatest depth that both reached in the same state."""
     own, other = (read_press(find_made(store, task)) for task in tasks)
-    depth = min(own.depth[-1], other.depth[-1])
+    reached = other.depth[other.depth <= own.depth[-1] + 1e-6]
+    nearest = np.abs(own.depth - reached[:, None]).argmin(axis=1)
+    parted = np.append(own.branch[nearest] != other.branch[: len(reached)], True)
+    first = int(parted.argmax())
+    depth = reached[max(first - 1, 0)]
     at = partial(_at_depth, depth=depth, dots=dots)
     (force, here), (second_force, there) = at(own), at(other)
     apart = np.sqrt(np.mean(np.sum((here - there) ** 2, axis=1)))
-    return SecondSolver(float(depth), second_force, force, float(apart))
+    parts = float(reached[first]) if first < len(reached) else None
+    return SecondSolver(float(depth), second_force, force, float(apart), parts)
 
 
 def _at_depth(press: Press, depth: float, dots: FloatArray) -> tuple[float, FloatArray]:
