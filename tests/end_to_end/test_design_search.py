@@ -1,16 +1,24 @@
 """A search with real presses: the same for one worker and two, killed in between, and its report from the command."""
 
+import importlib
 import json
 import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from palpate.optimise import optimise_design, propose, read_requirements
-from palpate.study import read_study
+from palpate.bench import Bench, VirtualBenchSpec, run_bench
+from palpate.bench.result import pool_units
+from palpate.camera import CameraSpec
+from palpate.core import ArtefactStore
+from palpate.design import DomeSpec, MarkerSpec
+from palpate.material import get_material
+from palpate.optimise import optimise_design, propose, prove, read_requirements, write_front
+from palpate.study import find_made, read_study
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -48,7 +56,9 @@ def wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return file
 
 
-def test_a_search_finds_the_same_however_it_was_done(wanted: Path, tmp_path: Path) -> None:
+def test_a_search_finds_the_same_however_it_was_done(
+    wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     spec, store = read_requirements(wanted), tmp_path / "cut" / "store"
     script = tmp_path / "cut.py"
     script.write_text(CUT)
@@ -65,6 +75,8 @@ def test_a_search_finds_the_same_however_it_was_done(wanted: Path, tmp_path: Pat
     whole = optimise_design(spec, tmp_path / "whole", workers=2)
     assert again == whole
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is pressed twice"
+    monkeypatch.setattr(importlib.import_module("palpate.optimise.optimise_design"), "PROPOSE_VERSION", "another")
+    assert optimise_design(spec, tmp_path / "cut", workers=2) == whole, "what was judged before is judged again"
     assert len(again.tried) == 5
     assert again.winner is not None
     assert again.winner.tried.meets
@@ -75,14 +87,67 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     from palpate.cli import main
 
     with pytest.raises(SystemExit) as left:
-        main(["optimise", str(wanted), "--out", str(tmp_path / "out"), "--skins", "2", "--workers", "2"])
+        main(["optimise", str(wanted), "--out", str(tmp_path / "out"), "--skins", "2", "--workers", "2", "--packs"])
     assert left.value.code == 0
     found = json.loads((tmp_path / "out" / "front.json").read_text())
     assert found["skins"] == 2
     assert found["winner"]["markers"] <= 37
     (skin,) = read_study(tmp_path / "out" / "winner.yaml").designs.skins()
     assert skin.height == found["winner"]["height_mm"]
+    (pack,) = (tmp_path / "out" / "packs").iterdir()
+    assert (pack / "instructions.pdf").is_file()
+    assert json.loads((pack / "manifest.json").read_text())
     (tmp_path / "other.yaml").write_text(WANTED + "dot: 1.2\n")
     with pytest.raises(SystemExit) as left:
         main(["optimise", str(tmp_path / "other.yaml"), "--out", str(tmp_path / "out")])
     assert left.value.code == 2
+
+
+def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
+    wanted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small = partial(VirtualBenchSpec, cells=5, tilts=2, azimuths=2)
+    monkeypatch.setattr(prove, "VirtualBenchSpec", small)
+    monkeypatch.setattr(prove, "UNITS", 3)
+    monkeypatch.setattr(prove, "plan_proposal", lambda *design, full: propose.plan_proposal(*design))
+    text = WANTED.replace("skins: 5", "skins: 1").replace("[2, 3]", "[2.5, 3]").replace("known: 2", "known: 0")
+    wanted.write_text(text + "proof: played\nrival: {thickness: 3, markers: {count: 19}}\n")
+    spec, out = read_requirements(wanted), tmp_path / "out"
+    front = optimise_design(spec, out, workers=2)
+    made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
+    proof = front.proof
+    assert proof is not None, front.shortfall
+    assert [one.title for one in proof.designs] == ["winner", "rival"]
+    for one in proof.designs:
+        assert one.played is not None
+        assert (one.played.units, one.played.without_pose) == (3, 0)
+        assert one.off < 0.6, "three units on a coarse mesh"
+    if proof.second is None:
+        assert "CalculiX" in proof.second_problem
+    else:
+        assert proof.second.own_force_n == pytest.approx(proof.second.force_n, rel=0.1)
+        assert proof.second.depth == pytest.approx(3.0)
+        assert proof.second.markers_mm < 0.1
+    write_front(out, front, "palpate optimise")
+    assert "Foreseen and played are within" in (out / "report.md").read_text()
+    assert optimise_design(spec, out, workers=1).proof == proof
+    assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is played twice"
+    # the same units by the bench itself
+    twin = find_made(
+        ArtefactStore(out / "store"),
+        prove.plan_proposal(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
+    )
+    bench = Bench(
+        small(units=3, max_tilt_deg=9.0, depth=3.0, least_depth=1.0),
+        DomeSpec(thickness=3.0),
+        MarkerSpec(count=19),
+        get_material(spec.materials[0]),
+        CameraSpec(),
+        twin,
+        ArtefactStore(tmp_path / "bench"),
+    )
+    rx, ry, _ = (score.errors for score in pool_units(list(run_bench(bench))))
+    rival = proof.designs[1].played
+    assert rival is not None
+    assert rival.rmse_deg == pytest.approx(((rx.rmse**2 + ry.rmse**2) / 2) ** 0.5, rel=1e-9)
+    assert 0 < rival.worst_deg <= max(rx.max, ry.max)

@@ -1,15 +1,17 @@
 """Bench: virtual units that deviate from the design, played from image to pose."""
 
-from palpate.bench.bench import Bench, play_unit
+from palpate.bench.bench import BENCH_VERSION, Bench, play_unit
 from palpate.bench.budget import run_budget
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.result import describe_bench, run_bench, write_bench
 from palpate.bench.simulate import SimulatedSource, draw_touches, simulate_sensor
-from palpate.bench.spec import VirtualBenchSpec
+from palpate.bench.spec import DEGRADED, VirtualBenchSpec
 from palpate.bench.write_budget import describe_budget, write_budget
 from palpate.built import Deviation, ToleranceSpec
 
 __all__ = [
+    "BENCH_VERSION",
+    "DEGRADED",
     "Bench",
     "Deviation",
     "Scene",

@@ -7,6 +7,9 @@ each of many poses the image of such a unit is read by the fit of the twin, in i
 
 with the unit's numbers δq, the same in all its images, and noise n of its own in each. How the unit sits on the robot
 is added, and what the twin itself is off (`TWIN_SD`, from the bench of one design). Nothing is pressed or trained.
+
+Units, poses and known presses are drawn alike for every layout, camera and skin, so that two designs differ by what
+they are and not by chance. Noise is drawn as the error of the pose that it makes, so that no draw belongs to a dot.
 """
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-FORESEE_VERSION = "1"
+FORESEE_VERSION = "2"
 """Version of the code that decides what is foreseen; part of an artefact's key."""
 
 
@@ -88,13 +91,14 @@ class BuiltFigure:
 
 
 class PoseGain(NamedTuple):
-    """Error (3,) of a pose by noise (n,) px, by what is unknown (15,) of unit and mounting, and by motion and
-    curvature (d,) of the wall, each over its standard deviation; noise alone as sd.
+    """Error (3,) of a pose by what is unknown (15,) of unit and mounting, each over its standard deviation.
+
+    `of_image` is the covariance (3, 3) of the error that each image has of its own, `alone` the standard deviation
+    (3,) by noise where all else is known.
     """
 
-    by_noise: FloatArray
     by_unit: FloatArray
-    by_nuisance: FloatArray
+    of_image: FloatArray
     alone: FloatArray
 
 
@@ -113,27 +117,22 @@ def foresee(
         Working range, and what is known of a unit beforehand.
     """
     spec = spec or ForeseeSpec()
-    rng = generator(spec.seed, "foresee", len(layout), spec.known)
     rest = camera.project(layout.positions)
     belief = learn_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
     model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
     mounting = mount_unit(belief, tolerance)
     if spec.known:
-        presses = known_presses(model, spec, tolerance, rng)
+        presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
         learnt = learn_presses(model, mounting, presses, spec.noise_px, spec.robot)
         mounting = replace(mounting, covariance=learnt)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
-    gains = [
-        pose_gain(model, mounting, spread, *place, spec.noise_px) for place in draw_places(twin, spec, tolerance, rng)
-    ]
-    errors = np.empty((spec.units, len(gains), 3))
-    for unit in range(spec.units):
-        drawn = rng.standard_normal(len(spread))
-        for k, gain in enumerate(gains):
-            noise = np.sqrt(2.0) * spec.noise_px * rng.standard_normal(gain.by_noise.shape[1])
-            off = TWIN_SD[:3] * rng.standard_normal(3)
-            nuisance = rng.standard_normal(gain.by_nuisance.shape[1])
-            errors[unit, k] = gain.by_noise @ noise + gain.by_unit @ drawn + gain.by_nuisance @ nuisance + off
+    places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
+    gains = [pose_gain(model, mounting, spread, *place, spec.noise_px) for place in places]
+    units = generator(spec.seed, "foresee", "units").standard_normal((spec.units, len(spread)))
+    images = generator(spec.seed, "foresee", "images").standard_normal((spec.units, len(gains), 3))
+    own = np.linalg.cholesky([gain.of_image for gain in gains])
+    errors = np.einsum("kij,uj->uki", np.array([gain.by_unit for gain in gains]), units)
+    errors += np.einsum("kij,ukj->uki", own, images)
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
     return BuiltFigure(
@@ -206,5 +205,6 @@ def pose_gain(
     truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
     alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
     nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
-    by_nuisance = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
-    return PoseGain(by_noise, by_noise @ by_unit - truth, by_nuisance, alone)
+    drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
+    of_image = 2.0 * noise_px**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(TWIN_SD[:3] ** 2)
+    return PoseGain(by_noise @ by_unit - truth, of_image, alone)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -12,8 +13,38 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
+from palpate.core import PalpateError
+
+if TYPE_CHECKING:
+    from palpate.optimise import RequirementsSpec
 
 _SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "worst_deg", "force_n")
+_PROVE = (
+    "Play winner and rivals on the bench, read by their twins, or by trained networks as well; without it, as the "
+    "requirements say."
+)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SearchFlags:
+    """How it is searched, and what is done with what was found."""
+
+    skins: Annotated[int | None, Parameter(help="Skins that are tried; without it, as the requirements say.")] = None
+    sampler: Annotated[
+        Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
+    ] = "gp"
+    prove: Annotated[Literal["none", "played", "trained"] | None, Parameter(help=_PROVE)] = None
+    packs: Annotated[bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")] = (
+        False
+    )
+
+    def change(self, spec: RequirementsSpec) -> RequirementsSpec:
+        """The requirements with what flags say of them."""
+        if self.skins is not None and not 1 <= self.skins <= 100_000:
+            raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.")
+        given = {name: value for name, value in (("skins", self.skins), ("proof", self.prove)) if value is not None}
+        return spec.model_copy(update=given)
 
 
 def optimise(
@@ -22,32 +53,27 @@ def optimise(
     out: Annotated[
         Path | None, Parameter(name=("--out", "-o"), help="Result folder; without it, results/NAME.")
     ] = None,
-    skins: Annotated[int | None, Parameter(help="Skins that are tried; without it, as the requirements say.")] = None,
-    sampler: Annotated[
-        Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
-    ] = "gp",
+    search: SearchFlags = SearchFlags(),
     hands: WorkerFlags = WorkerFlags(),
     json: JsonFlag = False,
 ) -> int:
     """Search for the sensor that reads best when built, under the limits of a YAML file.
 
     Skins are proposed by a Gaussian process and pressed; rings of markers and the camera's distance are
-    chosen on each by exchange; what counts is the error of built units over the tolerances. The same
-    command goes on where it was stopped.
+    chosen on each by exchange; what counts is the error of built units over the tolerances. With --prove the
+    winner and its rivals are played on the bench. The same command goes on where it was stopped.
     """
-    from palpate.core import PalpateError
-    from palpate.optimise import describe_front, optimise_design, read_requirements, write_front
+    from palpate.optimise import describe_front, optimise_design, read_requirements, write_front, write_packs
 
     hands.check()
     if hands.timeout is not None:
         raise PalpateError("A search sets the time of its presses itself.", "Leave --timeout out.")
-    if skins is not None and not 1 <= skins <= 100_000:
-        raise PalpateError(f"--skins is {skins}.", "Give 1 to 100000.")
-    spec = read_requirements(requirements)
-    spec = spec if skins is None else spec.model_copy(update={"skins": skins})
+    spec = search.change(read_requirements(requirements))
     folder = out or RESULTS / spec.name
-    front = optimise_design(spec, folder, hands.workers, Lines(), sampler=sampler, cluster=hands.cluster or "")
+    front = optimise_design(spec, folder, hands.workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
     write_front(folder, front, shlex.join(["palpate", "optimise", requirements, "--out", str(folder)]))
+    if search.packs:
+        write_packs(folder, front)
     told = describe_front(front)
     if json:
         print_json({"out": str(folder), **told})

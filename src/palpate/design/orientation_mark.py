@@ -18,7 +18,7 @@ _CLEARANCE = 1.4
 
 
 def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
-    """Place the mark beyond the outermost dots, or half way from them to the rim where there is less room.
+    """Place the mark beyond the outermost dots; where there is less room, half way to where the skin is widest.
 
     Returns
     -------
@@ -34,6 +34,6 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     15.0
     """
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
-    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.base_radius) / 2)
+    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.widest[0]) / 2)
     point: FloatArray = skin.inner_point(outermost, np.radians(AZIMUTH_DEG))
     return point

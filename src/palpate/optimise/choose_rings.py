@@ -29,6 +29,8 @@ _DIFFERENCE = 1e-4
 """Step of a difference by the share of a ring."""
 _CLOSE = 2e-3
 """Share of the expected square within which the bound is left."""
+_MARK_ROOM = 1.4
+"""Room for the orientation mark beyond the outermost ring, over the diameter of a dot."""
 _SPREADS = (1.0, 0.7)
 """Shares of the meridian over which the rings are spread where exchanges begin."""
 
@@ -158,14 +160,30 @@ def choose_rings(places: RingPlaces, markers: int) -> ChosenRings:
     PalpateError
         If so many cannot be printed on this skin.
     """
+    starts = [_spread(places, markers, share) for share in _SPREADS]
+    best, least = min((_exchange(places, start) for start in starts), key=lambda found: found[1])
+    return ChosenRings(_markers(places, best), float(np.sqrt(least)))
+
+
+def spread_rings(places: RingPlaces, markers: int) -> ChosenRings:
+    """Rings of one number of markers as even along the meridian as they can be printed.
+
+    Raises
+    ------
+    PalpateError
+        If so many cannot be printed on this skin.
+    """
+    even = _spread(places, markers, 1.0)
+    return ChosenRings(_markers(places, even), float(np.sqrt(places.information.variance(places.share(even)))))
+
+
+def _spread(places: RingPlaces, markers: int, share: float) -> IntArray:
+    """Places of rings that are even over a share of the meridian."""
     count = next((n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers), None)
     if count is None:
         raise PalpateError(f"{markers} markers are no rings.", f"Take {_counts(places.limits)}.")
-    wanted = [np.linspace(share / count, share, count) * (len(places.radii) - 1) for share in _SPREADS]
-    numbers = np.arange(len(places.radii))
-    starts = [_best_chain(places, (numbers - middle[:, None]) ** 2.0) for middle in wanted]
-    best, least = min((_exchange(places, start) for start in starts), key=lambda found: found[1])
-    return ChosenRings(_markers(places, best), float(np.sqrt(least)))
+    wanted = np.linspace(share / count, share, count) * (len(places.radii) - 1)
+    return _best_chain(places, (np.arange(len(places.radii)) - wanted[:, None]) ** 2.0)
 
 
 def _counts(limits: PrintLimits) -> str:
@@ -173,14 +191,18 @@ def _counts(limits: PrintLimits) -> str:
 
 
 def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
-    """Distances from the axis, even along the meridian, as far as a pad reaches and the clamp leaves a dot whole."""
+    """Distances from the axis, even along the meridian, as far as a pad reaches and the clamp leaves a dot whole.
+
+    Beyond the outermost ring there is room for the orientation mark.
+    """
     rho = np.linspace(0.0, skin.widest[0], 401)[1:-1]
     points = skin.inner_point(rho, np.zeros(len(rho)))
     steep = np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1.0, 1.0)))
     fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
     if not fine.any():
         raise PalpateError("No ring can be printed on this skin.", "Take a flatter or wider skin, or smaller dots.")
-    reach = float(skin.arc_length(points[fine])[-1])
+    fine &= rho <= rho[fine].max() - _MARK_ROOM * limits.dot
+    reach = float(skin.arc_length(points[fine])[-1]) if fine.any() else 0.0
     least = limits.dot + limits.gap
     if reach <= least:
         raise PalpateError(f"Only {reach:.2g} mm of the meridian can be printed.", "Take a wider skin.")

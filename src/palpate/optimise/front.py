@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from palpate.optimise.proof import Proof
 from palpate.optimise.proposal import Proposal, Variant
 from palpate.optimise.spec import RequirementsSpec
 
@@ -79,10 +80,13 @@ class Front:
         The requirements.
     tried
         Every skin, in the order of the search.
+    proof
+        What winner and rivals gave on the bench; `None` where they were not played.
     """
 
     spec: RequirementsSpec
     tried: tuple[TriedSkin, ...]
+    proof: Proof | None = None
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,11 +12,12 @@ from palpate.core import ArtefactStore, PalpateError
 from palpate.design import DomeSpec
 from palpate.optimise.front import Front, TriedSkin
 from palpate.optimise.proposal import Proposal
-from palpate.optimise.propose import ProposalTask, plan_proposal
-from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, search_skins
+from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
+from palpate.optimise.prove import prove
+from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, Tried, search_skins
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import Observer, find_made, run_tasks, writable
+from palpate.study import Observer, Task, find_made, run_tasks, writable
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
@@ -67,11 +68,11 @@ def optimise_design(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
     tried = search_skins(space, judge.judge, plan, out / JOURNAL)
-    found = tuple(
-        TriedSkin(one.number, Proposal.from_data(one.judged.note["proposal"]), one.judged.violations) for one in tried
-    )
-    front = Front(spec, found)
-    return replace(front, tried=judge.finish(front)) if spec.finalists else front
+    front = Front(spec, tuple(judge.recall(tried)))
+    front = replace(front, tried=judge.finish(front)) if spec.finalists else front
+    if spec.proof == "none" or front.winner is None:
+        return front
+    return replace(front, proof=prove(front, out, judge.run))
 
 
 def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
@@ -100,9 +101,21 @@ class _Judge:
         space = SkinSpace.of(self.spec)
         tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
         return [
-            Judged(self._values(proposal), violations(self.spec, proposal), {"proposal": proposal.to_data()})
+            Judged(
+                self._values(proposal),
+                violations(self.spec, proposal),
+                {"proposal": proposal.to_data(), "version": PROPOSE_VERSION},
+            )
             for proposal in self._do(tasks)
         ]
+
+    def recall(self, tried: Sequence[Tried]) -> Iterator[TriedSkin]:
+        """What is known of skins that were tried; those that an earlier version judged are judged again."""
+        old = [one for one in tried if one.judged.note.get("version") != PROPOSE_VERSION]
+        again = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
+        for one in tried:
+            judged = again.get(one.number, one.judged)
+            yield TriedSkin(one.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
 
     def finish(self, front: Front) -> tuple[TriedSkin, ...]:
         """The same skins, the best of which are pressed at full fidelity."""
@@ -125,8 +138,12 @@ class _Judge:
             by_number[number] = replace(by_number[number], full=full, violations=violations(self.spec, full))
         return tuple(by_number.values())
 
+    def run(self, tasks: Sequence[Task]) -> dict[str, str]:
+        """Do tasks; why some failed, by their keys."""
+        return run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
+
     def _do(self, tasks: Sequence[ProposalTask]) -> list[Proposal]:
-        reasons = run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
+        reasons = self.run(tasks)
         store = ArtefactStore(self.out / "store")
         return [
             Proposal(task.skin, task.material, problem=reasons[task.recipe.key])
@@ -148,7 +165,7 @@ class _Judge:
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name"}
+    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))

@@ -8,17 +8,19 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.built import BuiltFigure, ForeseeSpec, foresee
+from palpate.bench import DEGRADED, set_scene
+from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, draw_deviation, foresee
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.design import Finding, MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers
+from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers
 from palpate.fabricate import check_process
 from palpate.fea import Branch, Press, read_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec
-from palpate.optimise.choose_rings import PrintLimits, RingPlaces, choose_rings, place_rings
+from palpate.optimise.choose_rings import PrintLimits, RingPlaces, choose_rings, place_rings, spread_rings
 from palpate.optimise.proposal import Proposal, Variant
 from palpate.optimise.spec import CameraChoice, RequirementsSpec
+from palpate.sensor import Unit, open_sensor
 from palpate.study import (
     BuiltSpec,
     MaterialSpec,
@@ -32,8 +34,8 @@ from palpate.study import (
 )
 from palpate.twin import Twin, read_twin
 
-PROPOSE_VERSION = "1"
-"""Version of the code that decides what is proposed; part of an artefact's key."""
+PROPOSE_VERSION = f"3/{FORESEE_VERSION}"
+"""Version of the code that decides what is proposed and foreseen; part of an artefact's key."""
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
 of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
@@ -50,6 +52,8 @@ _JUDGED_BY = (
     "process",
 )
 """Requirements that decide what is found of a skin; the others decide what is made of that."""
+_LOOKED_AT = 3
+"""Units whose images at rest are drawn and read, before a layout is offered."""
 _DISTANCES, _POSES = 4, 24
 """Distances of a camera that are tried, and poses by which rings are chosen."""
 
@@ -132,7 +136,7 @@ def propose(
 
 
 def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Variant]:
-    """The best option of each camera and number of rings."""
+    """The best option of each camera and number of rings; where that cannot be read, rings that are even."""
     limits = PrintLimits(
         most=spec.markers,
         dot=spec.dot,
@@ -140,28 +144,49 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Varia
         steepest_deg=spec.process.steepest_deg,
         on_arc=spec.process.mapping == "arc",
     )
-    problems = []
+    problems, found = [], False
     for choice in spec.cameras:
-        found = _place_camera(twin, spec, choice, limits)
-        if isinstance(found, PalpateError):
-            problems.append(found)
+        placed = _place_camera(twin, spec, choice, limits)
+        if isinstance(placed, PalpateError):
+            problems.append(placed)
             continue
-        distance, places = found
+        distance, places = placed
         camera = build_camera(choice.camera.model_copy(update={"distance": distance}))
         for rings in range(1, limits.rings + 1):
             try:
-                markers = choose_rings(places, markers_in_rings(rings)).markers
-            except PalpateError:
+                choices = [choose(places, markers_in_rings(rings)).markers for choose in (choose_rings, spread_rings)]
+            except PalpateError as error:
+                problems.append(error)
                 break
-            layout = place_markers(twin.skin, markers)
-            findings = check_process(twin.skin, layout, get_material(material), camera, spec.process)
-            error = next((finding for finding in findings if finding.severity is Severity.ERROR), None)
-            if error is not None:
-                problems.append(_as_error(error))
-                break
-            yield Variant(markers, choice.name, distance, choice.price, _foresee(twin, markers, camera, spec))
-    if len(problems) == len(spec.cameras):
+            for markers in choices:
+                refusal = _refuse(twin, markers, material, camera, spec)
+                if refusal is None:
+                    found = True
+                    figure = _foresee(twin, markers, camera, spec)
+                    yield Variant(markers, choice.name, distance, choice.price, figure)
+                    break
+                problems.append(refusal)
+    if not found:
         raise problems[0]
+
+
+def _refuse(
+    twin: Twin, markers: MarkerSpec, material: str, camera: Camera, spec: RequirementsSpec
+) -> PalpateError | None:
+    """Why a layout is not offered: it cannot be made, or one of the first units cannot be read at rest."""
+    layout = place_markers(twin.skin, markers)
+    for finding in check_process(twin.skin, layout, get_material(material), camera, spec.process):
+        if finding.severity is Severity.ERROR:
+            return PalpateError(finding.message, finding.remedy)
+    unit = Unit(twin.skin, layout, nominal=camera.spec, tolerance=spec.tolerance)
+    for number in range(1, _LOOKED_AT + 1):
+        deviation = draw_deviation(spec.tolerance, spec.seed, number)
+        scene = set_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
+        try:
+            open_sensor([scene.at_rest()], unit, twin)
+        except PalpateError as error:
+            return error
+    return None
 
 
 def second_state(press: Press) -> float | None:
@@ -200,7 +225,3 @@ def _foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
 
 def _foresee(twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec) -> BuiltFigure:
     return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, _foresee_spec(spec))
-
-
-def _as_error(finding: Finding) -> PalpateError:
-    return PalpateError(finding.message, finding.remedy)

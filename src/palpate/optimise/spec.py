@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 from palpate.built import ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, parameter
+from palpate.design import MarkerSpec, SkinSpec, skin_from_data
 from palpate.fabricate import ProcessSpec
 from palpate.material import get_material
 from palpate.study import read_spec
@@ -21,6 +22,7 @@ PRESET = "paper_task"
 """Requirements that come with the package."""
 _HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
 Objective = Literal["error", "force", "markers", "price", "size"]
+Proof = Literal["none", "played", "trained"]
 FIELDS = {"heights": "height", "base_radii": "base_radius", "thicknesses": "thickness", "aspects": "aspect"}
 """Ranges of the search, and what each is of a skin."""
 
@@ -37,6 +39,27 @@ class CameraChoice(Spec):
     @classmethod
     def _grows(cls, given: Range) -> Range:
         return _growing(given, 1.0, 1000.0, "mm")
+
+
+class RivalSpec(Spec):
+    """A design that the winner is held against, in the first of the cameras and elastomers."""
+
+    height: float = parameter(
+        20.0, unit="mm", meaning="height of the inner surface's apex", source=PAPER, ge=2, le=60
+    )
+    base_radius: float = parameter(20.0, unit="mm", meaning="radius of its rim", source=PAPER, ge=5, le=60)
+    thickness: float = parameter(2.0, unit="mm", meaning="thickness of the wall", source=PAPER, ge=0.2, le=15)
+    aspect: float = parameter(1.0, unit="1", meaning="ratio of the meridian's semi-axes; 1: part of a sphere", gt=0)
+    markers: MarkerSpec = MarkerSpec()
+    distance: float = parameter(
+        48.0, unit="mm", meaning="distance of the camera below the base plane", source=PAPER, gt=0, le=1000
+    )
+
+    def skin(self) -> SkinSpec:
+        """Its skin."""
+        numbers = self.model_dump(include={"height", "base_radius", "thickness"})
+        shape = {} if self.aspect == 1.0 else {"kind": "ellipsoid", "aspect": self.aspect}
+        return skin_from_data({**shape, **numbers})
 
 
 class RequirementsSpec(Spec):
@@ -79,6 +102,14 @@ class RequirementsSpec(Spec):
     skins: int = parameter(60, unit="1", meaning="skins that are tried", ge=1, le=100000)
     hours: float = parameter(4.0, unit="h", meaning="time after which no further skin is begun", gt=0, le=10000)
     finalists: int = parameter(3, unit="1", meaning="best skins that are pressed at full fidelity", ge=0, le=20)
+    proof: Proof = parameter(
+        "none",
+        unit="",
+        meaning="whether winner and rivals are played on the bench: none, played (read by their twins), or trained "
+        "(by trained networks as well)",
+    )
+    rival: RivalSpec | None = None
+    """A design that the winner is held against in the proof."""
     tolerance: ToleranceSpec = ToleranceSpec()
     process: ProcessSpec = ProcessSpec()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -11,11 +10,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from ruamel.yaml import YAML
 
 from palpate.core import provenance, writing, written_whole
+from palpate.optimise.design_study import winner_study
 from palpate.optimise.front import Entry, Front
 from palpate.optimise.influence import Influences, find_influences
+from palpate.optimise.proof import proof_lines
 from palpate.optimise.space import SkinSpace
 
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
@@ -107,6 +107,7 @@ def describe_front(front: Front) -> dict[str, Any]:
         "made_with": provenance(),
         "shortfall": front.shortfall,
         "winner": describe_entry(front.winner) if front.winner else None,
+        "proof": front.proof.as_dict() if front.proof else None,
         "front": [describe_entry(entry) for entry in front.best],
         "skins": len(front.tried),
         "meeting_the_limits": sum(one.meets for one in front.tried),
@@ -123,7 +124,10 @@ def report(front: Front, influences: Influences, command: str) -> str:
     lines += [
         "Errors are those of rx and ry of built units, foreseen from the twin of each design over the tolerances and "
         f"all frictions, after {spec.known} known presses: `worst_deg` is what 19 of 20 units stay below. They are "
-        "no measurement: play the winner on the bench before you build it.",
+        "no measurement.",
+        "",
+        *proof_lines(front.proof),
+        "## The front",
         "",
         "| " + " | ".join(_COLUMNS) + " |",
         "|" + "---|" * len(_COLUMNS),
@@ -148,35 +152,6 @@ def report(front: Front, influences: Influences, command: str) -> str:
         "",
     ]
     return "\n".join(lines)
-
-
-def winner_study(front: Front, winner: Entry) -> str:
-    """A study of the winner alone: `palpate run`, `palpate make` and `palpate twin` go on from it."""
-    proposal, option, spec = winner.tried.known, winner.option, front.spec
-    skin = proposal.skin.model_dump()
-    sizes = {name: skin.pop(name) for name in ("height", "base_radius", "thickness")}
-    camera = next(choice.camera for choice in spec.cameras if choice.name == option.camera)
-    study = {
-        "name": f"{spec.name}-winner",
-        "seed": spec.seed,
-        "designs": {
-            **({"skin": skin} if skin else {}),
-            "heights": [sizes["height"]],
-            "thicknesses": [sizes["thickness"]],
-            "base_radius": sizes["base_radius"],
-            "markers": [{"ring_diameters": list(option.markers.ring_diameters or ()), "diameter": spec.dot}],
-        },
-        "material": {"name": proposal.material},
-        "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
-        "wall": {"depth": spec.depth, "image_step": spec.depth / 10.0},
-        "camera": camera.model_copy(update={"distance": option.distance}).model_dump(
-            mode="json", exclude_defaults=True
-        ),
-        "built": {"known": max(spec.known, 1), "tolerance": spec.tolerance.model_dump(exclude_defaults=True)},
-    }
-    text = io.StringIO()
-    YAML().dump(study, text)
-    return text.getvalue()
 
 
 def draw_search(front: Front) -> Figure:

@@ -33,6 +33,9 @@ from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 
+_FOUND = (0.8, 1.5)
+"""Least and greatest number of dots, over the design's, with which a size that the design gives is believed."""
+
 
 @dataclass
 class Sensor:
@@ -149,7 +152,7 @@ def read_rest(
     images = list(images)
     if not images:
         raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
-    detector = prepare_detector(images[0], detect, doubt=False)  # naming holds the dots against the design
+    detector = _prepare(images[0], unit, detect)  # naming holds the dots against the design
     mark = place_orientation_mark(unit.skin, unit.layout) if unit.marked else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     naming = name_markers(detector.find(images[0]).positions_px, pattern)
@@ -168,6 +171,24 @@ def read_rest(
     naming = _average(naming, detector, images)
     where = register_dome(naming, unit.layout, unit.skin, unit.lens or unit.nominal, refine_lens)
     return Rest(detector, naming, where)
+
+
+def _prepare(image: NDArray[Any], unit: Unit, detect: DetectSpec | None) -> Detector:
+    """A detector by the image alone; where few dots are lost in clutter, by the size that the design gives them."""
+    try:
+        return prepare_detector(image, detect, doubt=False)
+    except PalpateError:
+        camera = unit.lens or unit.nominal
+        if detect is not None or camera is None:
+            raise
+        away = camera.distance + float(np.median(unit.layout.positions[:, 2]))
+        size = camera.fx_px * unit.layout.diameter / away
+        for spec in (DetectSpec(polarity="dark", diameter_px=size), DetectSpec(polarity="bright", diameter_px=size)):
+            detector = prepare_detector(image, spec, doubt=False)
+            found = len(detector.find(image).positions_px)
+            if _FOUND[0] * len(unit.layout) <= found <= _FOUND[1] * len(unit.layout):
+                return detector
+        raise
 
 
 def open_sensor(

@@ -4,10 +4,11 @@ from palpate.study.available import available_cores
 from palpate.study.built_task import TwinTask, keep_twins, plan_twin
 from palpate.study.cluster import check_place
 from palpate.study.observer import Observer, Silence
+from palpate.study.plan import plan_study
 from palpate.study.read_spec import read_spec
 from palpate.study.read_study import list_presets, read_study
 from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary, StudyResult, TaskFailure
-from palpate.study.run_study import run_limits, run_study, run_tasks, writable
+from palpate.study.run_study import on_its_device, run_limits, run_study, run_tasks, writable
 from palpate.study.run_twins import BuiltDesign, run_twins
 from palpate.study.status import KindStatus, StudyStatus, find_status, needed_keys
 from palpate.study.study import BuiltSpec, DesignsSpec, MaterialSpec, Study, study_of
@@ -39,6 +40,8 @@ __all__ = [
     "keep_twins",
     "list_presets",
     "needed_keys",
+    "on_its_device",
+    "plan_study",
     "plan_twin",
     "read_spec",
     "read_study",

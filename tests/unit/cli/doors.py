@@ -107,7 +107,7 @@ ROWS = {
         "--requirements {wanted} --out new",
         ("--requirements",),
         ("--out",),
-        ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck"),
+        ("--skins 0", "--workers 0", "--cluster here", "--timeout 5", "--sampler luck", "--prove maybe"),
     ),
     "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
     "make": Row(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 
 
 @pytest.mark.parametrize("height", [10, 20, 30])
@@ -21,3 +21,10 @@ def test_place_orientation_mark_breaks_every_symmetry_and_touches_no_dot(height:
     for axis in np.radians(30.0 * np.arange(12)):
         mirrored = 2 * (mark[:2] @ [np.cos(axis), np.sin(axis)]) * np.array([np.cos(axis), np.sin(axis)]) - mark[:2]
         assert np.linalg.norm(mirrored - mark[:2]) > layout.diameter
+
+
+def test_mark_on_a_skin_that_bulges_is_still_beyond_the_outermost_ring() -> None:
+    skin = build_skin(EllipsoidSpec(height=21.5, base_radius=16.0, thickness=2.15, aspect=0.6))
+    layout = place_markers(skin, MarkerSpec(ring_diameters=(20.0, 32.57), diameter=1.0))
+    mark = place_orientation_mark(skin, layout)
+    assert np.hypot(*mark[:2]) >= 32.57 / 2 + 1.0

@@ -1,6 +1,6 @@
 """Rings chosen by exchange, held against every choice there is, against `foresee`, and against their bound."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ import pytest
 from palpate.built import ForeseeSpec, ToleranceSpec, foresee, measure_rings
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers
+from palpate.design import MarkerLayout, MarkerSpec, place_markers
 from palpate.optimise import PrintLimits, RingPlaces, bound_rings, choose_rings, place_rings
 from palpate.twin import Twin, read_twin
 from small_chain import write_small_twin
@@ -88,3 +88,16 @@ def test_a_camera_too_near_sees_fewer_rings(twin: Twin) -> None:
     spec = ForeseeSpec(max_tilt_deg=9.0, poses=4)
     far, close = (place_rings(twin, camera, TOLERANCE, spec, LIMITS).allowed.sum() for camera in (CAMERA, near))
     assert close < far
+
+
+@pytest.mark.parametrize("known", [0, 5])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_more_dots_are_never_foreseen_to_be_worse(twin: Twin, known: int, seed: int) -> None:
+    """Each layout holds all dots of the one before; units, poses and known presses are drawn alike for all."""
+    spec = ForeseeSpec(known=known, max_tilt_deg=9.0, units=100, poses=40, seed=seed)
+    whole = place_markers(twin.skin, MarkerSpec(count=169))
+    layouts = [MarkerLayout(whole.positions[:count], whole.diameter) for count in range(139, 170, 6)]
+    figures = [foresee(twin, layout, CAMERA, TOLERANCE, spec) for layout in layouts]
+    for fewer, more in pairwise(figures):
+        assert more.rmse_deg <= 1.01 * fewer.rmse_deg
+        assert more.worst_deg <= 1.01 * fewer.worst_deg

@@ -1,0 +1,104 @@
+"""A design that was found, as what the other commands take: a study, and a pack for the workshop."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from palpate.camera import CameraSpec
+from palpate.design import MarkerSpec, MountSpec, SkinSpec
+from palpate.fabricate import FabricationPack, PackSpec, write_pack
+from palpate.material import get_material
+from palpate.optimise.front import Entry, Front
+from palpate.optimise.spec import RequirementsSpec
+from palpate.study import Study
+
+PACKS = "packs"
+"""Folder of the packs in that of a search."""
+
+
+def camera_of(spec: RequirementsSpec, entry: Entry) -> CameraSpec:
+    """The camera of a design, at its distance."""
+    camera = next(choice.camera for choice in spec.cameras if choice.name == entry.option.camera)
+    return camera.model_copy(update={"distance": entry.option.distance})
+
+
+def design_study(
+    spec: RequirementsSpec, name: str, skin: SkinSpec, material: str, markers: MarkerSpec, camera: CameraSpec
+) -> Study:
+    """The study of one design alone, over the working range of the requirements."""
+    return Study.model_validate(_study_data(spec, name, skin, material, markers, camera))
+
+
+def winner_study(front: Front, winner: Entry) -> str:
+    """A study of the winner alone as YAML: `palpate run`, `palpate make` and `palpate twin` go on from it."""
+    proposal, spec = winner.tried.known, front.spec
+    study = _study_data(
+        spec,
+        f"{spec.name}-winner",
+        proposal.skin,
+        proposal.material,
+        winner.option.markers,
+        camera_of(spec, winner),
+    )
+    text = io.StringIO()
+    YAML().dump(study, text)
+    return text.getvalue()
+
+
+def pack_name(entry: Entry) -> str:
+    """Name of a design's pack."""
+    return f"skin{entry.tried.number}_{entry.option.markers.count}"
+
+
+def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
+    """Write the fabrication pack of every design of the front, as far as it is not there.
+
+    Raises
+    ------
+    PalpateError
+        If one cannot be made, or the folder cannot be written.
+    """
+    found = []
+    for entry in front.best:
+        place, proposal = folder / PACKS / pack_name(entry), entry.tried.known
+        if place.exists():
+            continue
+        place.parent.mkdir(parents=True, exist_ok=True)
+        material, camera = get_material(proposal.material), camera_of(front.spec, entry)
+        pack = PackSpec(proposal.skin, entry.option.markers, MountSpec(), material, front.spec.process, camera)
+        found.append(write_pack(place, pack))
+    return found
+
+
+def _study_data(
+    spec: RequirementsSpec, name: str, skin: SkinSpec, material: str, markers: MarkerSpec, camera: CameraSpec
+) -> dict[str, Any]:
+    shape = skin.model_dump()
+    sizes = {size: shape.pop(size) for size in ("height", "base_radius", "thickness")}
+    return {
+        "name": name,
+        "seed": spec.seed,
+        "designs": {
+            **({"skin": shape} if shape else {}),
+            "heights": [sizes["height"]],
+            "thicknesses": [sizes["thickness"]],
+            "base_radius": sizes["base_radius"],
+            "markers": [_marker_data(markers)],
+        },
+        "material": {"name": material},
+        "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
+        "wall": {"depth": spec.depth, "image_step": spec.depth / 10.0},
+        "camera": camera.model_dump(mode="json", exclude_defaults=True),
+        "built": {"known": max(spec.known, 1), "tolerance": spec.tolerance.model_dump(exclude_defaults=True)},
+    }
+
+
+def _marker_data(markers: MarkerSpec) -> dict[str, Any]:
+    if markers.ring_diameters is None:
+        return markers.model_dump(mode="json", exclude_none=True)
+    return {"ring_diameters": list(markers.ring_diameters), "diameter": markers.diameter}

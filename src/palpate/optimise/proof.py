@@ -1,0 +1,200 @@
+"""The proof of a search: what was foreseen of the winner and its rivals, beside what they gave on the bench."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from palpate.built import BuiltFigure
+
+
+@dataclass(frozen=True)
+class BenchFigure:
+    """What built units of one design gave on the bench.
+
+    Attributes
+    ----------
+    units
+        Units that were played.
+    images, without_pose
+        Images that counted, and those of them that gave no pose.
+    rmse_deg
+        Over rx and ry of all images of all units.
+    worst_deg
+        Greatest error of rx or ry that 19 of 20 units stay below.
+    depth_rmse
+        Of the depth, mm.
+    failures
+        Why units could not be played.
+    """
+
+    units: int
+    images: int
+    without_pose: int
+    rmse_deg: float
+    worst_deg: float
+    depth_rmse: float
+    failures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ProvenDesign:
+    """One design of the proof.
+
+    Attributes
+    ----------
+    title
+        What it is: winner, finalist or rival.
+    name, markers, distance
+        Its skin, number of dots, and the camera's distance in mm.
+    force_n
+        Greatest force in any press of its twin, N.
+    foreseen
+        From its twin.
+    played
+        By its twin on the bench; `None` where it could not be.
+    trained
+        By a trained network, which no known press tells about a unit; `None` where none was asked for.
+    problem
+        Why it could not be played.
+    """
+
+    title: str
+    name: str
+    markers: int
+    distance: float
+    force_n: float
+    foreseen: BuiltFigure | None
+    played: BenchFigure | None
+    trained: BenchFigure | None = None
+    problem: str = ""
+
+    @property
+    def off(self) -> float:
+        """Share by which what was played is farthest from what was foreseen: of RMSE and of 19 of 20 units."""
+        if self.played is None or self.foreseen is None:
+            return float("nan")
+        told, found = self.foreseen, self.played
+        return max(abs(found.rmse_deg / told.rmse_deg - 1.0), abs(found.worst_deg / told.worst_deg - 1.0))
+
+
+@dataclass(frozen=True)
+class SecondSolver:
+    """The winner pressed by CalculiX, without friction at the greatest tilt, beside palpate's press.
+
+    Attributes
+    ----------
+    depth
+        Greatest depth that both reached in the same state, mm.
+    force_n, own_force_n
+        Force on the wall there by CalculiX and by palpate, N.
+    markers_mm
+        Root of the mean square distance of the dots of one from those of the other there.
+    parts_mm
+        Depth from which one shows the inverted state and the other does not; `None` where they agree.
+    """
+
+    depth: float
+    force_n: float
+    own_force_n: float
+    markers_mm: float
+    parts_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What the bench and a second solver say of a search.
+
+    Attributes
+    ----------
+    designs
+        The winner first.
+    known
+        Known presses of each unit before it is read by its twin.
+    second, second_problem
+        What CalculiX found; why it did not press.
+    """
+
+    designs: tuple[ProvenDesign, ...]
+    known: int
+    second: SecondSolver | None = None
+    second_problem: str = ""
+
+    @property
+    def same_order(self) -> bool:
+        """Whether designs that were played stand in the order that was foreseen, by RMSE and by 19 of 20 units."""
+        both = [(one.foreseen, one.played) for one in self.designs if one.foreseen and one.played]
+        return all(
+            sorted(range(len(both)), key=lambda k: getattr(both[k][0], name))
+            == sorted(range(len(both)), key=lambda k: getattr(both[k][1], name))
+            for name in ("rmse_deg", "worst_deg")
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """As JSON data."""
+        return {**asdict(self), "same_order": self.same_order}
+
+
+def proof_lines(proof: Proof | None) -> Iterator[str]:
+    """The proof as lines of a page."""
+    yield from ("## Proof", "")
+    if proof is None:
+        yield "Nothing was played: `--prove played` plays the winner and its rivals on the bench."
+    else:
+        yield from _table(proof.designs)
+        yield from ("", " ".join(_sentences(proof)))
+    yield ""
+
+
+def _table(designs: Sequence[ProvenDesign]) -> Iterator[str]:
+    head = [
+        "design",
+        "skin",
+        "dots",
+        "camera, mm",
+        "force, N",
+        "RMSE foreseen",
+        "played",
+        "19 of 20 foreseen",
+        "played",
+    ]
+    trained = any(one.trained for one in designs)
+    head += ["network: RMSE", "19 of 20"] if trained else []
+    yield from ("| " + " | ".join(head) + " |", "|" + "---|" * len(head))
+    for one in designs:
+        figures = [one.foreseen, one.played]
+        cells = [f"{getattr(figure, name):.4f}°" if figure else "" for name in _FIGURES for figure in figures]
+        cells += [f"{getattr(one.trained, name):.3f}°" if one.trained else "" for name in _FIGURES] if trained else []
+        first = [one.title, one.name, str(one.markers), f"{one.distance:g}", f"{one.force_n:.2f}"]
+        yield "| " + " | ".join([*first, *cells]) + " |"
+
+
+_FIGURES = ("rmse_deg", "worst_deg")
+
+
+def _sentences(proof: Proof) -> Iterator[str]:
+    played = [one for one in proof.designs if one.played and one.foreseen]
+    if played:
+        counts = " and ".join(sorted({f"{one.played.units} units" for one in played if one.played}))
+        yield (
+            f"{counts} of each design, pressed by finite elements on another mesh, read from rendered images after "
+            f"{proof.known} known presses."
+        )
+        yield f"Foreseen and played are within {100 * max(one.off for one in played):.0f} % of each other"
+        order = "their order is the same" if proof.same_order else "their order is not the same"
+        yield f"and {order}." if len(played) > 1 else "in both figures."
+    for one in proof.designs:
+        lost = [one.problem] if one.problem else list(one.played.failures if one.played else ())
+        yield from (f"{one.title} ({one.name}): {problem}" for problem in lost)
+    if proof.second is not None:
+        two = proof.second
+        yield (
+            f"CalculiX presses the winner without friction to {two.depth:.1f} mm by {two.force_n:.3f} N, palpate by "
+            f"{two.own_force_n:.3f} N ({100 * (two.own_force_n / two.force_n - 1):+.1f} %); dots are "
+            f"{two.markers_mm:.3f} mm apart (rms)."
+        )
+        if two.parts_mm is not None:
+            yield f"From {two.parts_mm:.1f} mm on one of them shows the inverted state: ask for a single state."
+    elif proof.second_problem:
+        yield f"CalculiX did not press the winner: {proof.second_problem}"

@@ -1,0 +1,311 @@
+"""Prove a search: play the winner and its rivals on the bench, and let a second solver press the winner.
+
+Every unit that is played, every press of it, every network and every press of CalculiX is an artefact of the search's
+store: a proof that was stopped goes on where it was.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+
+import numpy as np
+
+from palpate.bench import BENCH_VERSION, Bench, VirtualBenchSpec, play_unit
+from palpate.built import ForeseeSpec, draw_deviation, foresee
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
+from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
+from palpate.design import MarkerSpec, Skin, SkinSpec, build_skin, place_markers
+from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, write_press
+from palpate.material import get_material
+from palpate.mesh import mesh_skin
+from palpate.optimise.design_study import camera_of, design_study
+from palpate.optimise.front import Entry, Front
+from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
+from palpate.optimise.propose import plan_proposal
+from palpate.optimise.spec import RequirementsSpec
+from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study, write_json
+from palpate.twin import read_twin
+
+UNITS = 20
+"""Units of each design that are played."""
+_MOST_KNOWN = 5
+"""Most known presses that a bench makes."""
+_FINALISTS = 2
+"""Finalists that are played beside the winner."""
+
+
+@dataclass(frozen=True)
+class UnitTask(Task):
+    """Play one built unit of a design on the bench."""
+
+    reader: Task
+    """Makes what reads: the design's twin, or a trained network."""
+    skin: SkinSpec
+    material: str
+    markers: MarkerSpec
+    camera: CameraSpec
+    spec: VirtualBenchSpec
+    unit: int
+
+    suffix = ".json"
+
+    @property
+    def name(self) -> str:
+        return f"unit {self.unit} of {self.skin.build().name} {self.markers.count} markers, {self.reader.recipe.kind}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        spec = {
+            "bench": self.spec.model_dump(mode="json", exclude={"units"}),
+            "skin": dict(self.skin.build().spec_data),
+            "material": get_material(self.material).key_data(),
+            "markers": self.markers.model_dump(mode="json"),
+            "camera": self.camera.model_dump(mode="json"),
+            "unit": self.unit,
+        }
+        return Recipe("proof", spec, (self.reader.recipe.key,), f"{BENCH_VERSION}/{FEA_VERSION}")
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.reader,)
+
+    @property
+    def cost(self) -> float:
+        return 5.0 * (self.spec.tilts + 2 * bool(self.spec.known)) * self.spec.depth / 8.0
+
+    def make(self, store: ArtefactStore) -> None:
+        model, material = find_made(store, self.reader), get_material(self.material)
+        bench = Bench(self.spec, self.skin, self.markers, material, self.camera, model, store)
+        bench.check()
+        played = play_unit(bench, draw_deviation(self.spec.tolerance, self.spec.seed, self.unit))
+        errors = played.corrected() - played.truth
+        seen = np.isfinite(errors).all(axis=1)
+        found = {
+            "images": len(errors),
+            "seen": int(seen.sum()),
+            "squares": (errors[seen] ** 2).sum(axis=0).tolist(),
+            "worst_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
+            "failure": played.failure,
+        }
+        store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
+
+
+@dataclass(frozen=True)
+class CalculixTask(Task):
+    """Let CalculiX do a press."""
+
+    press: PressTask
+
+    @property
+    def name(self) -> str:
+        return f"{self.press.name} by CalculiX"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        own = self.press.recipe
+        spec = {**own.spec, "solver": {"calculix": CalculixSpec().model_dump(mode="json")}}
+        return Recipe(own.kind, spec, (), FEA_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return ()
+
+    @property
+    def cost(self) -> float:
+        return 60.0 * self.press.wall.depth / 8.0
+
+    def make(self, store: ArtefactStore) -> None:
+        mesh = mesh_skin(build_skin(self.press.skin), self.press.mesh)
+        press = solve_press_calculix(mesh, self.press.material, self.press.wall)
+        store.write(self.recipe, lambda path: write_press(path, press))
+
+
+def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]) -> Proof:
+    """Play the winner of a front and its rivals.
+
+    Parameters
+    ----------
+    front
+        With a winner.
+    out
+        Folder of the search.
+    do
+        Does tasks, and says why some failed, by their keys.
+    """
+    assert front.winner is not None
+    spec, store = front.spec, ArtefactStore(out / "store")
+    designs = [_Candidate.of(front, title, entry) for title, entry in _finalists(front, front.winner)]
+    if spec.rival is not None:
+        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.rival.distance})
+        designs.append(_Candidate(spec, "rival", spec.rival.skin(), spec.materials[0], spec.rival.markers, camera))
+    winner = designs[0]
+    second, problem = winner.second_solver()
+    tasks = [task for design in designs for task in (*design.units, *design.trained_units)]
+    reasons = do([*tasks, *second])
+    problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
+    return Proof(
+        designs=tuple(design.judge(store, reasons) for design in designs),
+        known=winner.bench.known,
+        second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
+        second_problem=problem,
+    )
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A design that is played."""
+
+    spec: RequirementsSpec
+    title: str
+    skin: SkinSpec
+    material: str
+    markers: MarkerSpec
+    camera: CameraSpec
+
+    @classmethod
+    def of(cls, front: Front, title: str, entry: Entry) -> _Candidate:
+        """A design of a front."""
+        proposal = entry.tried.known
+        camera = camera_of(front.spec, entry)
+        return cls(front.spec, title, proposal.skin, proposal.material, entry.option.markers, camera)
+
+    @property
+    def built(self) -> Skin:
+        return self.skin.build()
+
+    @cached_property
+    def bench(self) -> VirtualBenchSpec:
+        spec = self.spec
+        return VirtualBenchSpec(
+            units=UNITS,
+            max_tilt_deg=spec.max_tilt_deg,
+            depth=spec.depth,
+            least_depth=spec.least_depth,
+            known=min(spec.known, _MOST_KNOWN),
+            tolerance=spec.tolerance,
+            seed=spec.seed,
+        )
+
+    @cached_property
+    def twin(self) -> TwinTask:
+        return plan_proposal(self.spec, self.skin, self.material, full=True).twin
+
+    @cached_property
+    def units(self) -> tuple[UnitTask, ...]:
+        return self._play(self.twin, self.bench)
+
+    @cached_property
+    def trained_units(self) -> tuple[UnitTask, ...]:
+        if self.spec.proof != "trained":
+            return ()
+        study = design_study(self.spec, self.spec.name, self.skin, self.material, self.markers, self.camera)
+        estimator = plan_study(on_its_device(study)).designs[0].estimator
+        return self._play(estimator, self.bench.model_copy(update={"known": 0}))
+
+    def _play(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTask, ...]:
+        design = (self.skin, self.material, self.markers, self.camera)
+        return tuple(UnitTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
+
+    def second_solver(self) -> tuple[tuple[Task, ...], str]:
+        """A press by palpate and by CalculiX, and why there is none by the latter."""
+        wall = WallSpec(tilt_deg=self.spec.max_tilt_deg, contact="frictionless", depth=self.spec.depth)
+        straight = self.twin.presses[0]
+        plain = straight.solver.model_copy(update={"derivatives": ()})
+        own = replace(straight, wall=wall, solver=plain)
+        try:
+            CalculixSolver().check(wall)
+        except PalpateError as error:
+            return (), str(error.what)
+        return (own, CalculixTask(own)), ""
+
+    def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:
+        """What was foreseen and what was played."""
+        empty = ProvenDesign(
+            self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, foreseen=None, played=None
+        )
+        if store.find(self.twin.recipe) is None:
+            return replace(empty, problem=next((reasons[task.recipe.key] for task in self.units), "it has no twin."))
+        spec = ForeseeSpec(
+            known=self.bench.known,
+            least_depth=self.spec.least_depth,
+            max_tilt_deg=self.spec.max_tilt_deg,
+            seed=self.spec.seed,
+        )
+        presses = (read_press(find_made(store, press)) for press in self.twin.presses)
+        twin, layout = read_twin(find_made(store, self.twin)), place_markers(self.built, self.markers)
+        played, failures = _gather(store, self.units, reasons)
+        return replace(
+            empty,
+            problem="" if played else failures[0],
+            force_n=max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses),
+            foreseen=foresee(twin, layout, build_camera(self.camera), self.spec.tolerance, spec),
+            played=played,
+            trained=_gather(store, self.trained_units, reasons)[0],
+        )
+
+
+def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
+    """The winner, and the best designs of other finalists."""
+    yield "winner", winner
+    others = sorted(
+        (
+            Entry(one, option)
+            for one in front.tried
+            if one.full is not None and one.meets and one.number != winner.tried.number
+            if (option := one.full.best(front.spec.markers)) is not None
+        ),
+        key=lambda entry: entry.value("error"),
+    )
+    for entry in others[:_FINALISTS]:
+        yield f"skin {entry.tried.number}", entry
+
+
+def _gather(
+    store: ArtefactStore, tasks: Sequence[UnitTask], reasons: Mapping[str, str]
+) -> tuple[BenchFigure | None, list[str]]:
+    """The figures of all units of a design that could be played, and why others could not."""
+    failures = [reasons[task.recipe.key] for task in tasks if task.recipe.key in reasons]
+    made = (task for task in tasks if task.recipe.key not in reasons)
+    found = [json.loads(find_made(store, task).read_text("utf-8")) for task in made]
+    failures += [unit["failure"] for unit in found if unit["failure"]]
+    units = [unit for unit in found if unit["seen"]]
+    if not units:
+        return None, failures or ["No image of any unit gave a pose."]
+    images, seen = (sum(unit[name] for unit in units) for name in ("images", "seen"))
+    squares = np.sum([unit["squares"] for unit in units], axis=0) / seen
+    figure = BenchFigure(
+        units=len(units),
+        images=images,
+        without_pose=images - seen,
+        rmse_deg=float(np.sqrt(squares[:2].mean())),
+        worst_deg=float(np.quantile([unit["worst_deg"] for unit in units], 0.95)),
+        depth_rmse=float(np.sqrt(squares[2])),
+        failures=tuple(failures),
+    )
+    return figure, failures
+
+
+def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SecondSolver:
+    """CalculiX beside palpate at the greatest depth that both reached in the same state."""
+    own, other = (read_press(find_made(store, task)) for task in tasks)
+    reached = other.depth[other.depth <= own.depth[-1] + 1e-6]
+    nearest = np.abs(own.depth - reached[:, None]).argmin(axis=1)
+    parted = np.append(own.branch[nearest] != other.branch[: len(reached)], True)
+    first = int(parted.argmax())
+    depth = reached[max(first - 1, 0)]
+    at = partial(_at_depth, depth=depth, dots=dots)
+    (force, here), (second_force, there) = at(own), at(other)
+    apart = np.sqrt(np.mean(np.sum((here - there) ** 2, axis=1)))
+    parts = float(reached[first]) if first < len(reached) else None
+    return SecondSolver(float(depth), second_force, force, float(apart), parts)
+
+
+def _at_depth(press: Press, depth: float, dots: FloatArray) -> tuple[float, FloatArray]:
+    """Force in N on the wall, and dots (m, 3), of the increment nearest to a depth."""
+    nearest = int(np.abs(press.depth - depth).argmin())
+    return float(np.linalg.norm(press.force[nearest])), press.positions(dots)[nearest]
