@@ -26,9 +26,9 @@ _NOTES = """
   R/h = 20 that is 2 to 5 %, the same to 0.2 % on a mesh of twice the layers and half the cell, and under a contact
   eight times as stiff; h/R is therefore added to the 2 % there. The ratio to the reference, carried to h/R = 0 by a
   line through R/h = 20, 50 and 100, is held to 2 % in rows of its own.
-* *Clamped caps*: digitised curves (AQUINAS-FE, BSD-3-Clause) whose two codes differ by up to 11 % of the load where it
-  is steep; so points are held by their distance from our curve, each axis over its greatest value, and single figures
-  by the nearest within the range of the codes. Pressure keeps the direction that it had at rest.
+* *Clamped caps*: digitised curves (AQUINAS-FE, BSD-3-Clause) whose two codes differ by up to 11 % of the load where
+  it is steep; so points are held by their distance from our curve, each axis over its greatest value, and single
+  figures by the nearest within the range of the codes. Pressure keeps the direction that it had at rest.
 * *Domes* are pressed by the product's default mesh and contact, but for the thickest (two cells through the wall) and
   the pair against CalculiX, whose reference is itself a coarse mesh with soft contact.
 """
