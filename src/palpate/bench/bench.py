@@ -178,7 +178,8 @@ def presses_of(bench: Bench, deviation: Deviation) -> Iterator[Press]:
 
 def _branch(bench: Bench, deviation: Deviation) -> Branch:
     """The state in which a unit is read."""
-    return Branch.INVERTED if deviation.unit > bench.spec.units - bench.spec.inverted else Branch.FLAT
+    other = bench.spec.inverted and deviation.unit > bench.spec.units - bench.spec.inverted
+    return Branch.INVERTED if other else Branch.FLAT
 
 
 def _press(bench: Bench, deviation: Deviation, tilt: float, branch: Branch = Branch.FLAT) -> Press:
