@@ -7,7 +7,7 @@ go through detection, naming and fit. Walls differ in tilt, distance and frictio
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from palpate.built import (
     KNOWN_TILTS,
     KNOWN_TURN_DEG,
     Deviation,
-    PoseFitter,
     RobotSpec,
     ToleranceSpec,
     draw_deviation,
@@ -180,10 +179,7 @@ class PlayedUnit:
                     images.append(image)
                     poses.append(np.array([*truth, depth]) + off)
             presses.append((np.array(poses), images, np.full(len(poses), np.nan)))
-        identify_unit(self._sensor, presses, _JIG)
-        reader: Any = self._sensor.reader
-        known: PoseFitter = reader.fitter
-        reader.fitter = PoseFitter(known.model, known.noise_px, None, known.scale)
+        identify_unit(self._sensor, presses, _JIG, on_robot=False)
 
     def _cell(self, wall: FlatWall, mounted: Placement, unreadable: float, rng: np.random.Generator) -> SimulatedCell:
         return SimulatedCell(self._unit, wall, mounted, unreadable, rng)

@@ -36,8 +36,10 @@ class _Seen(NamedTuple):
     forces: FloatArray
 
 
-def identify_unit(sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSpec | None = None) -> Identified:
-    """Learn the sensor's unit, mounting and stiffness from known presses; it reads on the robot's scale from then on.
+def identify_unit(
+    sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSpec | None = None, *, on_robot: bool = True
+) -> Identified:
+    """Learn the sensor's unit, mounting and stiffness from known presses; it reads by them from then on.
 
     Images with few dots or no touch are left out, and so are those that no press of the unit looks like.
 
@@ -49,6 +51,9 @@ def identify_unit(sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSp
         Poses and images of each press, and the load cell's readings of those that have any.
     robot
         How well it knows its poses and forces.
+    on_robot
+        Whether poses are on the robot's scale from then on; otherwise they stay in the dome's frame, as for a unit
+        that is taken off it.
 
     Raises
     ------
@@ -63,7 +68,7 @@ def identify_unit(sensor: Sensor, presses: Iterable[KnownImages], robot: RobotSp
     found = identify(model, [each.press for each in seen], noise, robot)
     known = model.believing(found.belief)
     scale = _weigh(PoseFitter(known, noise, found.mounting, ForceScale(1.0, 0.0)), seen, robot.force)
-    reader.fitter = PoseFitter(known, noise, found.mounting, scale)
+    reader.fitter = PoseFitter(known, noise, found.mounting if on_robot else None, scale)
     return replace(found, scale=scale)
 
 
