@@ -5,7 +5,6 @@ import pytest
 
 from palpate.core import FloatArray
 from palpate.mechanics import (
-    Body,
     Continuation,
     DeadLoad,
     DeadLoading,
@@ -18,6 +17,7 @@ from palpate.mechanics import (
     make_linear_solver,
 )
 from palpate.mechanics.linear import Pattern
+from palpate.mechanics.solid import Body
 
 HALF_SPAN, RISE, STIFFNESS = 10.0, 1.0, 2000.0
 
