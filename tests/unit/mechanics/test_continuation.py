@@ -5,6 +5,7 @@ import pytest
 
 from palpate.core import FloatArray
 from palpate.mechanics import (
+    ArcLength,
     Continuation,
     DeadLoad,
     DeadLoading,
@@ -103,3 +104,16 @@ def test_an_increment_that_leads_elsewhere_is_cut_back() -> None:
     assert not path.advance(2 * LIMIT)
     assert path.last.depth == pytest.approx(LIMIT, rel=0.02)
     assert height(path) > 0
+
+
+def test_by_arc_length_the_truss_is_followed_through_both_limit_points() -> None:
+    problem = Problem(Truss(), make_linear_solver("superlu"), 1e-10, RISE)
+    path = ArcLength(problem, np.array([[0.0, 0.0, -1.0]]), step=0.02, longest=0.03)
+    while path.points[-1].state.u[0, 2] > -2.3 * RISE:
+        path.advance()
+    z = RISE + np.array([point.state.u[0, 2] for point in path.points])
+    load = np.array([point.factor for point in path.points])
+    assert load == pytest.approx(STIFFNESS / HALF_SPAN**3 * z * (RISE**2 - z**2), abs=1e-9)
+    assert (np.diff(z) < 0).all()
+    inside = np.abs(z) < RISE
+    assert [load[inside].max(), load[inside].min()] == pytest.approx([LIMIT, -LIMIT], rel=2e-3)
