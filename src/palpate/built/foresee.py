@@ -3,13 +3,15 @@
 Every unit's numbers are drawn from what is known of them after the image at rest, or after known presses as well. At
 each of many poses the image of such a unit is read by the fit of the twin, in its linear model about the truth
 
-    error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
+    error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + e + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
 
-with the unit's numbers δq, the same in all its images, and noise n of its own in each. How the unit sits on the robot
-is added, and what the twin itself is off (`TWIN_SD`, from the bench of one design). Nothing is pressed or trained.
+with the unit's numbers δq and the errors e of its dots in the image at rest, the same in all its images, and noise n
+of its own in each. Known presses take e for something of the unit (−T e, see `TaughtUnit`), so that a part of it
+cancels in what is read afterwards. How the unit sits on the robot is added, and what the twin itself is off
+(`TWIN_SD`, from the bench of one design). Nothing is pressed or trained.
 
-Units, poses and known presses are drawn alike for every layout, camera and skin, so that two designs differ by what
-they are and not by chance. Noise is drawn as the error of the pose that it makes, so that no draw belongs to a dot.
+Poses and known presses are drawn alike for every layout, camera and skin, and errors from the same random numbers by
+their covariance over all images of a unit, so that two designs differ by what they are and not by chance.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-FORESEE_VERSION = "2"
+FORESEE_VERSION = "3"
 """Version of the code that decides what is foreseen; part of an artefact's key."""
 
 
@@ -93,11 +95,13 @@ class BuiltFigure:
 class PoseGain(NamedTuple):
     """Error (3,) of a pose by what is unknown (15,) of unit and mounting, each over its standard deviation.
 
-    `of_image` is the covariance (3, 3) of the error that each image has of its own, `alone` the standard deviation
-    (3,) by noise where all else is known.
+    `by_dot` (3, 2 n) is the same by an error (px) of each coordinate of the dots seen at rest, `of_image` the
+    covariance (3, 3) of the error that each image has of its own, `alone` the standard deviation (3,) by noise where
+    all else is known.
     """
 
     by_unit: FloatArray
+    by_dot: FloatArray
     of_image: FloatArray
     alone: FloatArray
 
@@ -121,27 +125,46 @@ def foresee(
     belief = learn_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
     model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
     mounting = mount_unit(belief, tolerance)
-    if spec.known:
-        presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
-        learnt = learn_presses(model, mounting, presses, spec.noise_px, spec.robot)
-        mounting = replace(mounting, covariance=learnt)
+    known = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
+    learnt = learn_presses(model, mounting, known, spec.noise_px, spec.robot)
+    mounting = replace(mounting, covariance=learnt.covariance)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     gains = [pose_gain(model, mounting, spread, *place, spec.noise_px) for place in places]
-    units = generator(spec.seed, "foresee", "units").standard_normal((spec.units, len(spread)))
-    images = generator(spec.seed, "foresee", "images").standard_normal((spec.units, len(gains), 3))
-    own = np.linalg.cholesky([gain.of_image for gain in gains])
-    errors = np.einsum("kij,uj->uki", np.array([gain.by_unit for gain in gains]), units)
-    errors += np.einsum("kij,ukj->uki", own, images)
+    taken = np.linalg.solve(spread, learnt.by_dot[:, np.repeat(model.seen, 2)])
+    covariance = _over_images(gains, taken, spec.noise_px)
+    drawn = generator(spec.seed, "foresee", "errors").standard_normal((spec.units, len(covariance)))
+    errors = (drawn @ np.linalg.cholesky(covariance).T).reshape(spec.units, -1, 3)
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
     return BuiltFigure(
         known=spec.known,
-        rmse_deg=float(np.sqrt(np.mean(errors[..., :2] ** 2))),
+        rmse_deg=float(np.sqrt(np.mean(np.diag(covariance).reshape(-1, 3)[:, :2]))),
         worst_deg=float(np.quantile(worst, 0.95)),
         depth_rmse=float(np.sqrt(np.mean(errors[..., 2] ** 2))),
         noise_deg=float(np.sqrt(np.mean([gain.alone[:2] ** 2 for gain in gains]))),
     )
+
+
+def _over_images(gains: list[PoseGain], taken: FloatArray, noise_px: float) -> FloatArray:
+    """Covariance (3 p, 3 p) of the errors of one unit's images.
+
+    Parameters
+    ----------
+    gains
+        Of p poses.
+    taken
+        (15, 2 n) what known presses take an error of a dot at rest for, each over its standard deviation.
+    noise_px
+        Standard deviation of a dot's coordinate in one image.
+    """
+    by_unit = np.concatenate([gain.by_unit for gain in gains])
+    by_dot = np.concatenate([gain.by_dot for gain in gains])
+    cancelled = by_unit @ taken @ by_dot.T
+    found = by_unit @ by_unit.T + noise_px**2 * (by_dot @ by_dot.T - cancelled - cancelled.T)
+    for k, gain in enumerate(gains):
+        found[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += gain.of_image
+    return np.asarray(found, float)
 
 
 def draw_places(
@@ -206,5 +229,5 @@ def pose_gain(
     alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
     nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
     drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
-    of_image = 2.0 * noise_px**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(TWIN_SD[:3] ** 2)
-    return PoseGain(by_noise @ by_unit - truth, of_image, alone)
+    of_image = noise_px**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(TWIN_SD[:3] ** 2)
+    return PoseGain(by_noise @ by_unit - truth, by_noise, of_image, alone)

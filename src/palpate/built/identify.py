@@ -77,15 +77,12 @@ class Identified:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
         before = [*prior_sd(tolerance), *mounting_sd(tolerance), expect_scale(tolerance).sd]
         means = [*self.belief.mean, *self.mounting.mean, self.scale.mean]
-        spread = [*np.sqrt(np.diag(self.mounting.covariance)), self.scale.sd]
-        found = [
-            {
-                "name": name,
-                "mean": float(mean),
-                "sd": float(np.hypot(sd, _LENS_SD.get(name, 0.0))),
-                "before": float(first),
-            }
-            for name, mean, sd, first in zip((*UNKNOWN, *MOUNTING, "stiffness"), means, spread, before, strict=True)
+        names = (*UNKNOWN, *MOUNTING, "stiffness")
+        lens = [_LENS_SD.get(name, 0.0) for name in names]
+        spread = np.hypot([*np.sqrt(np.diag(self.mounting.covariance)), self.scale.sd], lens)
+        found: list[dict[str, Any]] = [
+            {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
+            for name, mean, sd, first in zip(names, means, spread, before, strict=True)
         ]
         slips = zip(self.slips, self.slips_sd, strict=True)
         return found + [
@@ -125,30 +122,44 @@ def identify(
     return _Fit(model, presses, noise_px, robot or RobotSpec()).run(model)
 
 
+class TaughtUnit(NamedTuple):
+    """What presses would leave unknown of a unit.
+
+    `covariance` is (15, 15), of `UNKNOWN` and `MOUNTING`; `by_dot` (15, 2 m) what an error (px) of each coordinate of
+    the dots at rest, which is in all images, is taken for.
+    """
+
+    covariance: FloatArray
+    by_dot: FloatArray
+
+
 def learn_presses(
     model: UnitModel,
     mounting: Mounting,
     presses: Sequence[tuple[RobotPress, float]],
     noise_px: float,
     robot: RobotSpec,
-) -> FloatArray:
-    """Covariance (15, 15) of `UNKNOWN` and `MOUNTING` after presses of a unit that is as believed.
+) -> TaughtUnit:
+    """What presses of a unit that is as believed would leave unknown of it.
 
     Parameters
     ----------
     model, mounting
         What is known of the unit before; the presses are what it shows.
     presses
-        Known presses, each with its 1/µ.
+        Known presses, each with its 1/µ; without any, nothing is learnt.
     noise_px, robot
         As for `identify`.
     """
-    recorded = [press for press, _ in presses]
-    fit = _Fit(model, recorded, noise_px, robot)
+    if not presses:
+        return TaughtUnit(mounting.covariance, np.zeros((len(mounting.covariance), 2 * len(model.seen))))
+    fit = _Fit(model, [press for press, _ in presses], noise_px, robot)
     values = np.zeros(fit.size)
     values[fit.slips] = [slip for _, slip in presses]
     found = fit.assemble(model, mounting, values)
-    return fit.covariance(found, fit.information(mounting))[: fit.shared, : fit.shared]
+    information = fit.information(mounting)
+    by_dot: FloatArray = np.asarray(np.linalg.solve(found.normal + information, found.common), float)
+    return TaughtUnit(fit.covariance(found, information)[: fit.shared, : fit.shared], by_dot[: fit.shared])
 
 
 def twin_off_sd() -> FloatArray:
@@ -161,9 +172,10 @@ class PressInformation(NamedTuple):
 
     Attributes
     ----------
-    normal, common
-        (g, n, n) information about `UNKNOWN`, `MOUNTING` and what is each press's own; and how errors that are alike
-        in all of their images enter the gradient, by their variance.
+    normal
+        (g, n, n) information about `UNKNOWN`, `MOUNTING` and what is each press's own.
+    by_dot
+        (m, 2, n) how an error of each coordinate that is alike in all of their images enters the gradient.
     own_prior
         (n - 15,) precision beforehand of what is each press's own.
     alike_variance
@@ -171,7 +183,7 @@ class PressInformation(NamedTuple):
     """
 
     normal: FloatArray
-    common: FloatArray
+    by_dot: FloatArray
     own_prior: FloatArray
     alike_variance: float
 
@@ -189,7 +201,7 @@ def press_information(
     The other parameters are those of `learn_presses`.
     """
     fit, groups = _Fit(model, [press for press, _ in presses], noise_px, robot), int(group.max()) + 1
-    normal, common = np.zeros((2, groups, fit.size, fit.size))
+    normal = np.zeros((groups, fit.size, fit.size))
     alike = np.zeros((len(group), 2, fit.size))
     for k, (press, slip) in enumerate(presses):
         own = fit.shared + fit.own * k
@@ -202,9 +214,8 @@ def press_information(
             np.add.at(block, group, squares)
             normal[np.ix_(np.arange(groups), columns, columns)] += block
             alike[..., columns] += rows / fit.variance
-    np.add.at(common, group, np.einsum("mci,mcj->mij", alike, alike, optimize=True))
     prior = np.diag(fit.information(mounting))[fit.shared :]
-    return PressInformation(normal, common, prior, fit.shared_variance)
+    return PressInformation(normal, alike, prior, fit.shared_variance)
 
 
 class _Normal(NamedTuple):

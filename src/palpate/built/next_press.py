@@ -64,8 +64,9 @@ def rank_presses(
             poses = _deepening(model, spec, tilt, turn_deg, slip)
             pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
             known = [(RobotPress(poses, pixels), slip)]
-            learnt = replace(mounting, covariance=learn_presses(model, mounting, known, spec.noise_px, spec.robot))
-            found.append(NextPress(tilt, float(turn_deg), _rmse(model, learnt, slip, places, spec.noise_px)))
+            learnt = learn_presses(model, mounting, known, spec.noise_px, spec.robot)
+            after = replace(mounting, covariance=learnt.covariance)
+            found.append(NextPress(tilt, float(turn_deg), _rmse(model, after, slip, places, spec.noise_px)))
     return now, tuple(sorted(found, key=lambda press: press.rmse_deg))
 
 

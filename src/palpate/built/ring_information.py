@@ -8,7 +8,7 @@ replaced by their expectation.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,8 +42,11 @@ class RingInformation:
         (12,) precision of camera and print beforehand.
     presses
         Of known presses; `None` without any.
+    common, crossed
+        (g, n, n) how errors of dots at rest, alike in all images, enter the gradients of known presses together, and
+        (p, g, n, 19) with those of images at p poses.
     reads
-        (p, g, 19, 19) of images at p poses, about touch and unit, over the variance.
+        (p, g, 19, 19) of these images, about touch and unit, over the variance.
     touch_prior
         (8,) precision of a touch beforehand; infinite for what does not happen.
     by_mounting
@@ -52,54 +55,82 @@ class RingInformation:
         (g,) whether the dots of a group are in the image at all of these poses.
     unit_sd, mounting_sd
         (11,) and (4,) standard deviations of `UNKNOWN` and of the mounting beforehand.
+    noise_px, model_px
+        Standard deviations of a dot's coordinate in an image, and of what a fit takes the twin to be off.
     """
 
     rest: FloatArray
     rest_prior: FloatArray
     presses: PressInformation | None
+    common: FloatArray
+    crossed: FloatArray
     reads: FloatArray
     touch_prior: FloatArray
     by_mounting: FloatArray
     inside: BoolArray
     unit_sd: FloatArray
     mounting_sd: FloatArray
+    noise_px: float
+    model_px: float
+
+    def at_best(self) -> RingInformation:
+        """The same for the best of estimators: its variance is convex, and no greater.
+
+        Noise is all that it has to do with, and where presses are known, it knows what is alike in all images.
+        """
+        own = self.noise_px**2
+        assumed, presses = 2.0 * own + self.model_px**2, self.presses
+        if presses is None:
+            return replace(self, reads=self.reads * assumed / (2.0 * own), model_px=0.0)
+        normal = presses.normal * (own + presses.alike_variance) / own
+        presses, reads = presses._replace(normal=normal), self.reads * assumed / own
+        none = 0.0 * self.common, 0.0 * self.crossed
+        return replace(self, presses=presses, reads=reads, model_px=0.0, common=none[0], crossed=none[1])
 
     def variance(self, share: FloatArray) -> float:
         """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
-        covariance = self._learn(share)
+        on = np.flatnonzero(share)
+        part = share[on]
+        covariance, taken = self._learn(on, part)
         spread = np.linalg.cholesky(covariance + 1e-15 * np.eye(_SHARED))
         free = np.flatnonzero(np.isfinite(self.touch_prior))
         touch = len(self.touch_prior)
         carry = np.zeros((touch + _UNIT, len(free) + _SHARED))
         carry[free, np.arange(len(free))] = 1.0
         carry[touch:, len(free) :] = spread[:_UNIT]
-        normal = np.einsum("g,pgij->pij", share, self.reads, optimize=True)
-        normal = carry.T @ normal @ carry
-        normal[:, np.arange(len(normal[0])), np.arange(len(normal[0]))] += np.append(
-            self.touch_prior[free], np.ones(_SHARED)
-        )
+        seen = carry.T @ np.einsum("g,pgij->pij", part, self.reads[:, on], optimize=True) @ carry
+        normal = seen + np.diag(np.append(self.touch_prior[free], np.ones(_SHARED)))
         to_robot = np.zeros((len(normal), 2, len(free) + _SHARED))
         to_robot[:, [0, 1], [0, 1]] = 1.0
         to_robot[:, :, len(free) :] = self.by_mounting[:, :2] @ spread[_UNIT:]
-        found = np.einsum("pai,pij,paj->pa", to_robot, np.linalg.inv(normal), to_robot, optimize=True)
+        gain = to_robot @ np.linalg.inv(normal)
+        model = self.model_px**2 / (2.0 * self.noise_px**2 + self.model_px**2)
+        found = np.einsum("pai,pai->pa", gain, to_robot - model * gain @ seen)
+        if taken is not None:
+            # what known presses take an error at rest for, and what an image makes of it again
+            by_unit = gain @ seen[:, :, len(free) :] - to_robot[:, :, len(free) :]
+            crossed = np.einsum("g,pgij->pij", part, self.crossed[:, on], optimize=True) @ carry
+            again = by_unit @ np.linalg.solve(spread, taken) @ crossed
+            found = found - 2.0 * self.noise_px**2 * np.einsum("pai,pai->pa", again, gain)
         return float(found.mean() + np.mean(TWIN_SD[:2] ** 2))
 
-    def _learn(self, share: FloatArray) -> FloatArray:
-        """Covariance (15, 15) of unit and mounting before an image is read."""
-        rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", share, self.rest))
+    def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+        """Covariance (15, 15) of unit and mounting before an image is read, and what known presses make (15, n) of
+        the gradient."""
+        rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", part, self.rest[on]))
         covariance = np.diag(np.concatenate([np.zeros(len(CAMERA)), self.unit_sd[-1:], self.mounting_sd]) ** 2)
         covariance[: len(CAMERA), : len(CAMERA)] = rest[: len(CAMERA), : len(CAMERA)]
         known = self.presses
         if known is None:
-            return covariance
+            return covariance, None
         size = _SHARED + len(known.own_prior)
         before = np.zeros((size, size))
         before[:_SHARED, :_SHARED] = np.linalg.inv(covariance + 1e-18 * np.eye(_SHARED))
         before[np.arange(_SHARED, size), np.arange(_SHARED, size)] = known.own_prior
-        inverse = np.linalg.inv(before + np.einsum("g,gij->ij", share, known.normal))
-        alike = inverse @ np.einsum("g,gij->ij", share, known.common) @ inverse
+        inverse = np.linalg.inv(before + np.einsum("g,gij->ij", part, known.normal[on]))
+        alike = inverse @ np.einsum("g,gij->ij", part, self.common[on]) @ inverse
         learnt = (inverse + known.alike_variance * alike)[:_SHARED, :_SHARED]
-        return np.asarray(learnt + np.diag(twin_off_sd() ** 2), float)
+        return np.asarray(learnt + np.diag(twin_off_sd() ** 2), float), inverse[:_SHARED]
 
 
 def measure_rings(
@@ -122,13 +153,12 @@ def measure_rings(
         As for `foresee`; ``spec.units`` is not used.
     """
     spec = spec or ForeseeSpec()
-    rng = generator(spec.seed, "measure rings", spec.known)
     rest_px = camera.project(layout.positions)
     sd = prior_sd(tolerance)
     belief = UnitBelief(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
     model = model_unit(twin, layout, belief, tolerance)
     slopes, spread = rest_slopes(twin, layout, camera, tolerance, spec.noise_px)
-    places = draw_places(twin, spec, tolerance, rng)
+    places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     touch = touch_sd(tolerance)
     if len(twin.slips) == 1:
         touch[3] = 0.0
@@ -136,7 +166,10 @@ def measure_rings(
     inside = np.ones(group.max() + 1, dtype=np.bool_)
     _leave(inside, group, camera, rest_px)
     variance = 2.0 * spec.noise_px**2 + MODEL_PX**2
-    reads = []
+    presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
+    known = press_information(model, mounting, presses, group, spec.noise_px, spec.robot) if presses else None
+    alike = known.by_dot if known else np.zeros((len(group), 2, 0))
+    reads, crossed = [], []
     for pose, slip in places:
         looked = model.look(pose, slip, np.zeros(3) if touch[4:].any() else None)
         assert looked.by_unit is not None
@@ -144,30 +177,32 @@ def measure_rings(
         rows[..., : looked.by_pose.shape[-1]] = looked.by_pose
         rows[..., len(touch) :] = looked.by_unit
         _leave(inside, group, camera, looked.pixels)
-        reads.append(_add_up(rows / np.sqrt(variance), group))
-    presses = known_presses(model, spec, tolerance, rng)
-    known = press_information(model, mounting, presses, group, spec.noise_px, spec.robot) if presses else None
+        reads.append(_add_up(rows, rows / variance, group))
+        crossed.append(_add_up(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch**-2.0
     pad = np.full(2, max(tolerance.pad, 1e-6) / np.sqrt(3.0))
     return RingInformation(
-        rest=_add_up(slopes / spread, group),
+        rest=_add_up(slopes, slopes / spread**2, group),
         rest_prior=np.concatenate([sd[: len(CAMERA)], pad]) ** -2.0,
         presses=known,
+        common=_add_up(alike, alike, group),
+        crossed=np.array(crossed),
         reads=np.array(reads),
         touch_prior=touch_prior,
         by_mounting=np.array([mounting.by_mounting(pose) for pose, _ in places]),
         inside=inside,
         unit_sd=sd,
         mounting_sd=mounting_sd(tolerance),
+        noise_px=spec.noise_px,
+        model_px=MODEL_PX,
     )
 
 
-def _add_up(rows: FloatArray, group: IntArray) -> FloatArray:
-    """Information (g, n, n) of the rows (m, 2, n) of dots, by their group."""
-    found = np.zeros((group.max() + 1, rows.shape[-1], rows.shape[-1]))
-    rows = np.nan_to_num(rows)
-    np.add.at(found, group, np.einsum("mci,mcj->mij", rows, rows, optimize=True))
+def _add_up(left: FloatArray, right: FloatArray, group: IntArray) -> FloatArray:
+    """Products (g, n, k) of the rows (m, 2, n) and (m, 2, k) of dots, added up by their group."""
+    found = np.zeros((group.max() + 1, left.shape[-1], right.shape[-1]))
+    np.add.at(found, group, np.einsum("mci,mcj->mij", np.nan_to_num(left), np.nan_to_num(right), optimize=True))
     return found
 
 

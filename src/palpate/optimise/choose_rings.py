@@ -8,12 +8,12 @@ The expected square is a convex function of how much of each ring is printed, wh
 trace of an inverse of a sum; see Boyd and Vandenberghe, Convex Optimization, section 7.5). Its least over mixtures of
 all sets of rings that can be printed bounds every one of them from below. It is found by the method of Frank and
 Wolfe, whose steps are shortest paths outward and whose own gap is subtracted, so that the bound holds wherever it was
-stopped. Known presses add a term that is not convex: the bound leaves it out.
+stopped. Known presses add terms that are not convex: the bound is of a unit whose dots at rest are known.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -262,10 +262,7 @@ def bound_rings(places: RingPlaces, markers: int, steps: int = 40) -> float:
 
     Parts of rings may be mixed here, of every set of rings that can be printed.
     """
-    information = places.information
-    if information.presses is not None:
-        presses = information.presses
-        information = replace(information, presses=presses._replace(common=np.zeros_like(presses.common)))
+    information = places.information.at_best()
     count = next(n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers)
     share, bound = places.share(_best_chain(places, np.zeros((count, len(places.radii))))), 0.0
     for step in range(steps):

@@ -43,16 +43,17 @@ def test_no_choice_of_all_that_can_be_printed_is_better_by_two_hundredths(places
 def test_the_bound_is_below_every_choice_and_not_idle(places: RingPlaces, rings: int) -> None:
     markers = 1 + 3 * rings * (rings + 1)
     least, bound = choose_rings(places, markers).rmse_deg, bound_rings(places, markers)
-    assert 0.6 * least < bound <= least
+    worth = 0.6 if places.information.presses is None else 0.57  # a unit known to the dot has a third of the variance
+    assert worth * least < bound <= least
 
 
-@pytest.mark.parametrize(("known", "count"), [(0, 91), (0, 37), (4, 91)])
+@pytest.mark.parametrize(("known", "count"), [(0, 91), (0, 37), (4, 91), (4, 37)])
 def test_information_that_is_added_up_is_what_units_that_are_drawn_show(twin: Twin, known: int, count: int) -> None:
     layout = place_markers(twin.skin, MarkerSpec(count=count))
     spec = ForeseeSpec(known=known, max_tilt_deg=9.0, units=400)
     group = np.arange(len(layout)) % 5
     found = measure_rings(twin, layout, group, CAMERA, TOLERANCE, spec).variance(np.ones(5))
-    assert np.sqrt(found) == pytest.approx(foresee(twin, layout, CAMERA, TOLERANCE, spec).rmse_deg, rel=0.15)
+    assert np.sqrt(found) == pytest.approx(foresee(twin, layout, CAMERA, TOLERANCE, spec).rmse_deg, rel=0.01)
 
 
 def test_information_does_not_depend_on_how_dots_are_grouped(twin: Twin) -> None:
