@@ -28,9 +28,10 @@ TILT_SD_DEG = 20.0
 """Standard deviation of a tilt before its image is seen."""
 _DEPTH_SD = 1e3
 """The same of a depth, mm: next to nothing is known of it."""
-_STEPS, _BENT_STEPS, _ENOUGH = 12, 25, 5
-"""Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall; steps
-after which a fit that explains the image ends, as of a light touch, that leaves tilt and friction open."""
+_GAINED = 0.05
+"""A fit ends with the step that is expected to take less than this off its cost, 0.2 standard deviations."""
+_STEPS, _BENT_STEPS = 12, 25
+"""Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall."""
 TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
 """What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
 _BEND, _DRIFT = 4, 5
@@ -137,8 +138,11 @@ class PoseFitter:
         self._sd = touch_sd(self.model.tolerance)
         self._mean = np.zeros(len(TOUCH))
         self._mean[3] = self.model.tolerance.slip[0]
-        slips = len(self.model.dots.twin.slips) > 1
-        self._free = np.flatnonzero((self._sd > 0) & (slips | (np.arange(len(TOUCH)) != TOUCH.index("slip"))))
+        slips = self.model.dots.twin.slips
+        self._slips = float(slips[0]), min(float(slips[-1]), SLIP_MOST)
+        self._free = np.flatnonzero(
+            (self._sd > 0) & ((len(slips) > 1) | (np.arange(len(TOUCH)) != TOUCH.index("slip")))
+        )
         self._drifts = bool((self._sd[_DRIFT:] > 0).any())
         self.scale = self.scale or expect_scale(self.model.tolerance)
         self._tables()
@@ -222,8 +226,7 @@ class PoseFitter:
 
     def _at_limit(self, slip: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught."""
-        slips = self.model.dots.twin.slips
-        return len(slips) > 1 and not slips[0] < slip < min(slips[-1], SLIP_MOST)
+        return self._slips[0] < self._slips[1] and not self._slips[0] < slip < self._slips[1]
 
     def _begin(self, seen_px: FloatArray) -> FloatArray:
         """The pose and 1/µ of those looked at beforehand that is most like an image."""
@@ -247,7 +250,8 @@ class PoseFitter:
         variance = 2.0 * self.noise_px**2 + MODEL_PX**2
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
-        mean, prior = self._mean[free], self._sd[free] ** -2.0
+        mean, prior, gain = self._mean[free], self._sd[free] ** -2.0, np.inf
+        least = 0.0 if _BEND in free else _GAINED
         for step in range(1, (_BENT_STEPS if _BEND in free else _STEPS) + 1):
             looked, every = self._look(theta, again=step in (1, 3))
             by_unit = every[there].reshape(-1, len(z))
@@ -260,15 +264,15 @@ class PoseFitter:
             gradient = weighted.T @ left
             gradient[:known] -= prior * (theta[free] - mean)
             gradient[known:] -= z
-            change = np.linalg.solve(normal, gradient)
-            shrink = min(1.0, float(np.min(_TRUST[free] / np.maximum(np.abs(change[:known]), 1e-12))))
+            change = self._solve(normal, gradient, theta)
+            gain, last = float(gradient @ change), gain
+            most = 0.5 if step > 3 and gain > 0.5 * last else 1.0  # it swings about the pose
+            shrink = min(most, float(np.min(_TRUST[free] / np.maximum(np.abs(change[:known]), 1e-12))))
             before = theta.copy()
             theta[free] += shrink * change[:known]
             z = z + shrink * change[known:]
             theta = self._inside(theta)
-            if (np.abs(theta - before) < _SMALL).all() and step >= 2:
-                break
-            if step >= _ENOUGH and _BEND not in free and np.mean(left**2) < _DOUBTED * variance:
+            if step >= 2 and (gain < least or (np.abs(theta - before) < _SMALL).all()):
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
         pose, covariance = self._on_robot(theta, z, whole)
@@ -287,6 +291,18 @@ class PoseFitter:
             cost=float(0.5 * (np.minimum(left**2 / variance, _OUTLIER).sum() + z @ z)),
             unit=(self._unit_spread @ z)[: len(UNKNOWN)],
         )
+
+    def _solve(self, normal: FloatArray, gradient: FloatArray, theta: FloatArray) -> FloatArray:
+        """The Gauss-Newton step that leaves 1/µ within what was pressed."""
+        change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
+        for column in np.flatnonzero(self._free == TOUCH.index("slip")):
+            slip = theta[3] + change[column]
+            held = min(max(slip, self._slips[0]), self._slips[1]) - theta[3]
+            if held != change[column]:
+                others = np.delete(np.arange(len(change)), column)
+                pull = gradient[others] - normal[others, column] * held
+                change[others], change[column] = np.linalg.solve(normal[np.ix_(others, others)], pull), held
+        return change
 
     def _force(self, looked: Look, theta: FloatArray, whole: FloatArray) -> Force:
         """Force on the wall, and its covariance from that of all unknowns."""
@@ -318,7 +334,7 @@ class PoseFitter:
         if tilt > most:
             theta[:2] *= most / tilt
         theta[2] = np.clip(theta[2], twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1])
-        theta[3] = np.clip(theta[3], twin.slips[0], min(twin.slips[-1], SLIP_MOST))
+        theta[3] = np.clip(theta[3], *self._slips)
         return theta
 
 

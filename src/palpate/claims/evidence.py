@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any, TypeVar
 
+from palpate.core import PalpateError
 from palpate.grid import Cell, Row, SpecificationGrid, rows_of
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
@@ -49,10 +52,13 @@ class Evidence:
         Rows of one study.
     folder
         Name of its folder, for messages.
+    built
+        Columns about built units of the paper's designs, from elsewhere.
     """
 
     grid: SpecificationGrid
     folder: str
+    built: Mapping[Design, Row] = field(default_factory=dict)
 
     @cached_property
     def rows(self) -> Mapping[Design, Row]:
@@ -85,7 +91,7 @@ class Evidence:
 
     def has(self, column: str) -> bool:
         """Whether every of the paper's designs has such a number."""
-        return all(isinstance(self.rows.get(design, {}).get(column), int | float) for design in DESIGNS)
+        return all(isinstance(self._cell(column, design), int | float) for design in DESIGNS)
 
     def domes(self, column: str, domes: Iterable[Dome]) -> dict[Dome, float]:
         """One number a dome, from the first of its rows that has it; errors: see `figures`."""
@@ -105,8 +111,12 @@ class Evidence:
         found = self._of_domes(lambda row: row.get("presses"), domes)
         return {dome: next(self._numbers(column, dome), None) for dome in found}
 
+    def _cell(self, column: str, design: Design) -> Cell:
+        own = self.rows.get(design, {}).get(column)
+        return self.built.get(design, {}).get(column) if own is None else own
+
     def _cells(self, column: str, designs: Iterable[Design]) -> dict[Design, Cell]:
-        found = {design: self.rows.get(design, {}).get(column) for design in designs}
+        found = {design: self._cell(column, design) for design in designs}
         missing = [design for design, cell in found.items() if cell is None]
         if missing:
             raise MissingEvidenceError(missing, (str(self.rows.get(one, {}).get("failure") or "") for one in missing))
@@ -132,6 +142,27 @@ class Evidence:
     def _numbers(self, column: str, dome: Dome) -> Iterator[float]:
         cells = (row.get(column) for row in self._rows_of(dome))
         return (float(cell) for cell in cells if isinstance(cell, int | float))
+
+
+def read_built(path: Path) -> dict[Design, Row]:
+    """Columns about built units, by design, from the table that `palpate twin` writes.
+
+    Raises
+    ------
+    PalpateError
+        If it is not such a table.
+    """
+    found: dict[Design, Row] = {}
+    try:
+        with path.open(encoding="utf-8", newline="") as lines:
+            for row in csv.DictReader(lines):
+                key = (float(row["height_mm"]), float(row["thickness_mm"]), int(row["markers"]))
+                when = "known" if int(row["known"]) else "built"
+                figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "worst_deg")}
+                found[key] = {**found.get(key, {}), **figures}
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise PalpateError(f"{path} is no table of built units: {error}.", "Run palpate twin again.") from error
+    return found
 
 
 def _say_missing(designs: Iterable[Design], reasons: Iterable[str]) -> str:

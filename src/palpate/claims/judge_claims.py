@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from palpate.claims.claim import CLAIMS, Answer, ClaimFinding, Verdict
-from palpate.claims.evidence import Evidence, MissingEvidenceError
+from palpate.claims.evidence import Evidence, MissingEvidenceError, read_built
 from palpate.claims.judge_errors import judge_best, judge_height, judge_line, judge_markers, judge_thickness
 from palpate.claims.judge_material import CONVERGENCE, judge_law, judge_mesh
 from palpate.claims.judge_presses import (
@@ -36,19 +36,28 @@ JUDGES: dict[str, Callable[[Evidence], ClaimFinding]] = {
 """Claims that one grid decides."""
 
 
+BUILT = Path("twins", "built.csv")
+"""What `palpate twin` foresees of built units, in its result folder."""
 NO_MESHES = ClaimFinding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
 
 
 def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
     """Read result folders: the grids, and the tables of convergence studies.
 
+    What `palpate twin` foresaw of built units, under all frictions, stands beside the first grid.
+
     Raises
     ------
     PalpateError
-        If a folder holds neither.
+        If a folder holds none of these.
     """
     meshes = {folder: sorted(folder.glob(CONVERGENCE)) for folder in folders}
-    grids = tuple(Evidence(read_grid(folder), str(folder)) for folder in folders if not meshes[folder])
+    built = [folder for folder in folders if (folder / BUILT).is_file() and not (folder / "grid.json").is_file()]
+    studies = [folder for folder in folders if not meshes[folder] and folder not in built]
+    beside = {design: row for folder in built for design, row in read_built(folder / BUILT).items()}
+    grids = tuple(
+        Evidence(read_grid(folder), str(folder), {} if number else beside) for number, folder in enumerate(studies)
+    )
     return grids, tuple(path for paths in meshes.values() for path in paths)
 
 

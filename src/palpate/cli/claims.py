@@ -15,7 +15,7 @@ from palpate.cli.output import print_json, print_table
 if TYPE_CHECKING:
     from palpate.claims import Answer
 
-_FOLDERS = "Result folders of studies of the paper's designs, and of `palpate convergence --out`."
+_FOLDERS = "Result folders of studies of the paper's designs, of `palpate twin`, and of `palpate convergence --out`."
 
 
 def claims(

@@ -115,6 +115,24 @@ def test_built_units_stand_beside_and_do_not_decide(claim):
     assert "built" not in without.figures
 
 
+def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
+    """From the table that `palpate twin` writes, in a folder without a grid; a broken one is refused."""
+    (tmp_path / "built" / "twins").mkdir(parents=True)
+    table = tmp_path / "built" / "twins" / "built.csv"
+    rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
+    head = "height_mm,thickness_mm,markers,known,rmse_deg,worst_deg,depth_rmse_mm,noise_deg"
+    table.write_text("\n".join([head, *rows]))
+    write_grid(tmp_path / "study", grid().grid)
+    grids, _ = read_evidence([tmp_path / "built", tmp_path / "study"])
+    assert len(grids) == 1
+    assert grids[0].figures("known_rmse_deg") == {design: pytest.approx(error(*design)) for design in DESIGNS}
+    (found,) = (one.finding for one in judge_claims(grids) if one.claim.name == "C9")
+    assert "built, after known presses: falls on 12 of 12 domes" in found.figures
+    table.write_text("height_mm,markers\n20,7\n")
+    with pytest.raises(PalpateError, match=r"built.csv is no table of built units"):
+        read_evidence([tmp_path / "built", tmp_path / "study"])
+
+
 def test_thin_domes_that_invert_at_gentle_angles_only_refute_it():
     gentle = grid(branches=lambda h, t: {0: "inverted" if t == 1 else "flat", 6: "flat", 12: "flat"})
     assert verdict("C5", gentle) == FAILS
