@@ -33,6 +33,11 @@ def load_torch() -> Any:
     return load_extra("torch", "learn")
 
 
+def _has_short_floats(torch: Any) -> bool:
+    """Whether the processor itself multiplies numbers of 16 bit, with which pictures are learnt twice as fast."""
+    return bool(getattr(torch.cpu, "_is_avx512_bf16_supported", lambda: False)())
+
+
 @dataclass(frozen=True)
 class CourseSpec:
     """How a network is trained.
@@ -73,6 +78,9 @@ class Course:
     def __init__(self, net: Any, lesson: Lesson, inputs: Any, targets: Any, spec: CourseSpec) -> None:
         self.torch = load_torch()
         self.net, self.inputs, self.targets, self.spec = net, inputs, targets, spec
+        self.short = spec.grey is not None and _has_short_floats(self.torch)
+        if spec.grey is not None:
+            net.to(memory_format=self.torch.channels_last)
         self.teach = self.torch.as_tensor(np.flatnonzero(lesson.teach))
         self.judge = self.torch.as_tensor(np.flatnonzero(lesson.judge))
         self.optimiser = self.torch.optim.AdamW(net.parameters(), spec.rate, weight_decay=spec.decay)
@@ -112,7 +120,9 @@ class Course:
 
     def _batch(self, rows: Any) -> Any:
         inputs, grey = self.inputs[rows], self.spec.grey
-        return inputs if grey is None else (inputs.float() / 255.0 - grey[0]) / grey[1]
+        if grey is None:
+            return inputs
+        return ((inputs.float() / 255.0 - grey[0]) / grey[1]).contiguous(memory_format=self.torch.channels_last)
 
     def _rate(self, step: int, steps: int) -> float:
         rise = self.spec.rise * steps
@@ -142,7 +152,9 @@ class Course:
             inputs = self._shifted(self._batch(rows))
             inputs = inputs + self.spec.noise * self.torch.randn_like(inputs)
             self.optimiser.zero_grad()
-            loss = ((self.net(inputs) - self.targets[rows]) ** 2).mean()
+            with self.torch.autocast("cpu", self.torch.bfloat16, enabled=self.short):
+                found = self.net(inputs).float()
+            loss = ((found - self.targets[rows]) ** 2).mean()
             for now, before in zip(self.net.parameters(), self.begin, strict=False):
                 loss = loss + self.spec.tie * ((now - before) ** 2).sum()
             loss.backward()
