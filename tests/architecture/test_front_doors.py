@@ -140,6 +140,7 @@ FRONT_DOORS = {
     "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
     "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},
     "robot": {"AlignSpec", "Aligner", "Alignment", "Ending", "Placement", "Robot", "Tool", "find_tool_offset"},
+    "simulator": {"AssetFormat", "AssetSpec", "SensorAsset", "build_asset", "export_asset"},
     "cli": {"main"},
 }
 
