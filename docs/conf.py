@@ -43,6 +43,7 @@ STAGES = [
     "dataset",
     "learn",
     "recording",
+    "ros",
     "fabricate",
     "sensor",
     "bench",

@@ -1,4 +1,4 @@
-"""Robot: the last metre: a tool that is squared to walls, and the sensor's axes against the drill's."""
+"""Robot: the last metre: a tool that is squared to walls, the sensor's axes against the drill's, and ROS."""
 
 from palpate.robot.align import OFFSET_TURNS, Aligner, NextImage
 from palpate.robot.alignment import Alignment, Ending, Touch
@@ -7,6 +7,7 @@ from palpate.robot.placement import Placement, tilt_of
 from palpate.robot.play import Play, PlayedUnit, PlayedWall
 from palpate.robot.read_source import SourceReader
 from palpate.robot.robot import Robot
+from palpate.robot.ros_sensor import TOPICS, RosSensor, RosSpec, read_ros_spec
 from palpate.robot.simulated_robot import SimulatedRobot
 from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
 from palpate.robot.tool import Tool
@@ -15,6 +16,7 @@ from palpate.robot.write_alignment import describe_alignment, describe_wall, lis
 
 __all__ = [
     "OFFSET_TURNS",
+    "TOPICS",
     "AlignSpec",
     "Aligner",
     "Alignment",
@@ -26,6 +28,8 @@ __all__ = [
     "PlayedUnit",
     "PlayedWall",
     "Robot",
+    "RosSensor",
+    "RosSpec",
     "SimulatedRobot",
     "SimulatedRobotSpec",
     "SourceReader",
@@ -35,6 +39,7 @@ __all__ = [
     "describe_wall",
     "find_tool_offset",
     "list_touches",
+    "read_ros_spec",
     "tilt_of",
     "write_alignments",
 ]
