@@ -7,6 +7,7 @@ Configured, it has the images at rest and reads on; active, it publishes. What i
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from threading import Thread
 from typing import Any
 
@@ -16,7 +17,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from palpate.core import PalpateError, parameters
-from palpate.robot import TOPICS, RosSensor, RosSpec, read_ros_spec
+from palpate.robot import TOPICS, RosSensor, RosSpec, read_open_spec
 from palpate.ros import Message, build_message
 from palpate_ros.convert import make_message, message_type
 
@@ -31,8 +32,8 @@ class SensorNode(LifecycleNode):
         super().__init__("palpate")
         self._names = [note.name for note in parameters(RosSpec)]
         for note in parameters(RosSpec):
-            default = "" if note.default is None else note.default
-            self.declare_parameter(note.name, default, ParameterDescriptor(description=note.help))
+            described = ParameterDescriptor(description=note.help)
+            self.declare_parameter(note.name, _plain(note.default), described)
         self._outlets: dict[str, Any] = {}
         self._palpate: RosSensor | None = None
         self._thread: Thread | None = None
@@ -40,8 +41,8 @@ class SensorNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the sensor; the dome is untouched."""
         try:
-            spec = read_ros_spec({name: self.get_parameter(name).value for name in self._names})
-            self._palpate = RosSensor(spec, self._publish)
+            values = {name: self.get_parameter(name).value for name in self._names}
+            self._palpate = RosSensor(read_open_spec(RosSpec, values), self._publish)
         except PalpateError as error:
             self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE
@@ -77,6 +78,11 @@ class SensorNode(LifecycleNode):
             self.destroy_lifecycle_publisher(outlet)
         self._outlets, self._palpate, self._thread = {}, None, None
         return TransitionCallbackReturn.SUCCESS
+
+
+def _plain(default: Any) -> Any:
+    """A default as a parameter: no path is an empty text."""
+    return "" if default in (None, Path()) else default
 
 
 def main() -> None:

@@ -3,11 +3,12 @@
 from palpate.robot.align import OFFSET_TURNS, Aligner, NextImage
 from palpate.robot.alignment import Alignment, Ending, Touch
 from palpate.robot.broadcast import Broadcast
+from palpate.robot.open_by import OpenSpec, open_by, read_open_spec
 from palpate.robot.placement import Placement, tilt_of
 from palpate.robot.play import Play, PlayedUnit, PlayedWall
 from palpate.robot.read_source import SourceReader
 from palpate.robot.robot import Robot
-from palpate.robot.ros_sensor import TOPICS, RosSensor, RosSpec, read_ros_spec
+from palpate.robot.ros_sensor import TOPICS, RosSensor, RosSpec
 from palpate.robot.simulated_robot import SimulatedRobot
 from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
 from palpate.robot.tool import Tool
@@ -23,6 +24,7 @@ __all__ = [
     "Broadcast",
     "Ending",
     "NextImage",
+    "OpenSpec",
     "Placement",
     "Play",
     "PlayedUnit",
@@ -39,7 +41,8 @@ __all__ = [
     "describe_wall",
     "find_tool_offset",
     "list_touches",
-    "read_ros_spec",
+    "open_by",
+    "read_open_spec",
     "tilt_of",
     "write_alignments",
 ]

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import closing
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError, field_validator
-from pydantic_core import PydanticCustomError
 
-from palpate.built import read_unit
-from palpate.camera import open_source, read_calibration
-from palpate.core import PalpateError, Spec, parameter
-from palpate.design import MarkerSpec, place_markers
+from palpate.camera import open_source
+from palpate.core import PalpateError, parameter
 from palpate.robot.broadcast import Row
+from palpate.robot.open_by import OpenSpec, open_by
 from palpate.robot.read_source import GONE, SourceReader
 from palpate.ros import (
     Level,
@@ -31,8 +26,7 @@ from palpate.ros import (
     pose_with_covariance,
     wrench_stamped,
 )
-from palpate.sensor import Flag, Reading, RigSpec, Sensor, Unit, open_sensor
-from palpate.twin import read_twin
+from palpate.sensor import Flag, Reading
 
 TOPICS = {
     "image_raw": "sensor_msgs/msg/Image",
@@ -47,46 +41,12 @@ _LOST = (Flag.UNREADABLE, Flag.FEW_MARKERS)
 Publish = Callable[[str, Message], None]
 
 
-class RosSpec(Spec):
+class RosSpec(OpenSpec):
     """Parameters of the node."""
 
-    twin: Path = parameter(..., unit="", meaning="file of the design's twin, of palpate twin")
-    source: str = parameter("0", unit="", meaning="number of a camera, a video, or a folder of images")
-    markers: int = parameter(169, unit="1", meaning="number of markers of the design", ge=1)
-    layout: Path | None = parameter(None, unit="", meaning="CSV of a free layout, in the place of markers")
-    mark: bool = parameter(True, unit="", meaning="whether the orientation mark is printed")
-    lens: Path | None = parameter(None, unit="", meaning="YAML file of palpate calibrate")
-    unit: Path | None = parameter(None, unit="", meaning="what palpate identify wrote about this unit")
-    rest_images: int = parameter(1, unit="1", meaning="images of the untouched dome at the start", ge=1, le=1000)
     frame: str = parameter("dome", unit="", meaning="frame of pose, wrench and dots")
     camera_frame: str = parameter("camera_optical", unit="", meaning="frame of images")
     retry_s: float = parameter(1.0, unit="s", meaning="time between two tries to open a camera that is gone", gt=0)
-
-    @field_validator("markers")
-    @classmethod
-    def _is_a_ring_number(cls, count: int) -> int:
-        try:
-            return MarkerSpec(count=count).count
-        except ValidationError as error:
-            raise PydanticCustomError("no_ring_number", "{says}", {"says": error.errors()[0]["msg"]}) from None
-
-
-def read_ros_spec(values: dict[str, Any]) -> RosSpec:
-    """Parameters as ROS hands them over: texts, numbers and truths.
-
-    Raises
-    ------
-    PalpateError
-        If one is missing, unknown or out of bounds.
-    """
-    try:
-        return RosSpec.model_validate(values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        name = ".".join(str(part) for part in first["loc"])
-        raise PalpateError(
-            f"The parameter {name}: {first['msg'].rstrip('.')}.", "Set it in the node's parameters."
-        ) from None
 
 
 class RosSensor:
@@ -102,12 +62,12 @@ class RosSensor:
     Raises
     ------
     PalpateError
-        If a file cannot be read, the source not be opened, or its first images do not show this design at rest.
+        As `open_by`.
     """
 
     def __init__(self, spec: RosSpec, publish: Publish) -> None:
         self.spec, self._publish = spec, publish
-        self._sensor = _open(spec)
+        self._sensor = open_by(spec)
         self._image: NDArray[Any] | None = None
         self._reading: Reading | None = None
         self._reader = SourceReader(self, self._publish_last)
@@ -160,20 +120,3 @@ class RosSensor:
         }
         says = "; ".join([*reading.flags, *([reading.reason] if reading.reason else [])])
         return diagnostics(level, f"palpate: {self.spec.frame}", says or "good", values, header)
-
-
-def _open(spec: RosSpec) -> Sensor:
-    twin = read_twin(spec.twin)
-    markers = MarkerSpec(file=spec.layout) if spec.layout else MarkerSpec(count=spec.markers)
-    lens = read_calibration(spec.lens).camera_spec() if spec.lens else None
-    known = read_unit(spec.unit) if spec.unit else None
-    unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, known=known)
-    with closing(open_source(spec.source)) as source:
-        first = list(islice(source.images(), spec.rest_images))
-    images = [image for image in first if not isinstance(image, PalpateError)]
-    if len(images) < spec.rest_images:
-        raise PalpateError(
-            f"{spec.rest_images} images at rest were asked for, {len(images)} can be read.",
-            "Look at the camera, or ask for fewer.",
-        )
-    return open_sensor(images, unit, twin, RigSpec(rest_images=spec.rest_images))

@@ -13,7 +13,7 @@ from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.robot import TOPICS, RosSensor, read_ros_spec
+from palpate.robot import TOPICS, RosSensor, RosSpec, read_open_spec
 from palpate.ros import Message, build_message, header_of, pose_message, pose_with_covariance
 from palpate.twin import TWIN_DERIVATIVES, build_twin, write_twin
 from small_chain import DOME, MARKERS, MATERIAL
@@ -46,7 +46,8 @@ PRESSED = press(4.0, 30.0)
 
 
 def spec_of(folder, **values):
-    return read_ros_spec({"twin": str(folder / "twin.h5"), "source": str(folder / "images"), "markers": 37} | values)
+    chosen = {"twin": str(folder / "twin.h5"), "source": str(folder / "images"), "markers": 37} | values
+    return read_open_spec(RosSpec, chosen)
 
 
 @pytest.fixture(scope="module")

@@ -224,4 +224,4 @@ def test_the_package_names_its_node_launch_file_and_parameters():
     assert set(written) == set(RosSpec.model_fields)
     for name, value in written.items():
         default = RosSpec.model_fields[name].default
-        assert name in ("twin", "rest_images") or value == ("" if default is None else default)
+        assert name == "rest_images" or value == ("" if default in (None, Path()) else default)
