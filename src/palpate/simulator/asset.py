@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import nnls
 
 from palpate.cad import SurfaceMesh
 from palpate.camera import Camera
@@ -65,8 +66,8 @@ class SensorAsset:
 
     @property
     def damping(self) -> float:
-        """N s/m of a touch: that many times the critical one of the dome's mass on its spring at first touch."""
-        return 2.0 * self.spec.damping_ratio * float(np.sqrt(self.spring[0] * self.body.mass_kg))
+        """N s/m of a touch: that many times the critical one of the dome's mass on its mean stiffness."""
+        return 2.0 * self.spec.damping_ratio * float(np.sqrt(self.stiffness * self.body.mass_kg))
 
     @property
     def camera_position(self) -> FloatArray:
@@ -131,8 +132,14 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
 
 
 def _fit(depth: FloatArray, force: FloatArray, terms: int) -> tuple[FloatArray, float]:
-    """Coefficients (terms,) of ``d (s0 + s1 d + …)`` nearest to a force, and what is left of it, N rms."""
-    powers = depth[:, None] ** np.arange(1, terms + 1)
+    """Coefficients (terms,) of ``d (s0 + s1 d + …)`` nearest to a force, and what is left of it, N rms.
+
+    Where that would fall anywhere, as no spring of a stable skin does, none of them is negative.
+    """
+    order = np.arange(1, terms + 1)
+    powers = depth[:, None] ** order
     scale = powers.max(axis=0)
     found = np.linalg.lstsq(powers / scale, force, rcond=None)[0] / scale
+    if (order * depth[:, None] ** (order - 1) @ found <= 0).any():
+        found = nnls(powers / scale, force)[0] / scale
     return found, float(np.sqrt(np.mean((powers @ found - force) ** 2)))

@@ -157,7 +157,7 @@ def test_what_is_wrong_stands_in_the_diagnostics(messages):
     assert int(values["found"]) >= 35
 
 
-def test_colours_and_greys_are_told_apart():
+def test_a_colour_image_says_so():
     from palpate.ros import image_message
 
     picture = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)

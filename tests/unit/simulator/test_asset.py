@@ -1,5 +1,6 @@
 """A sensor as an asset: what it weighs by closed forms, and what each simulator makes of it by its own means."""
 
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,7 +10,7 @@ import pytest
 from needs import needs
 from palpate.camera import Camera, CameraSpec, build_camera
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, build_skin
+from palpate.design import DomeSpec, EllipsoidSpec, build_skin
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
@@ -75,8 +76,10 @@ def test_a_hemispherical_shell_weighs_what_its_closed_form_says() -> None:
     assert body.inertia == pytest.approx(np.diag(moments), rel=1e-6)
 
 
-@pytest.mark.parametrize("spec", [DomeSpec(height=8), DomeSpec(height=26, thickness=3)])
-def test_the_surface_encloses_what_the_mesh_weighs(spec: DomeSpec) -> None:
+@pytest.mark.parametrize(
+    "spec", [DomeSpec(height=8), DomeSpec(height=26, thickness=3), EllipsoidSpec(height=14, aspect=0.7)]
+)
+def test_the_surface_encloses_what_the_mesh_weighs(spec: DomeSpec | EllipsoidSpec) -> None:
     skin = build_skin(spec)
     surface = skin_surface(skin)
     assert surface.is_watertight
@@ -221,8 +224,18 @@ def test_density_and_damping_are_chosen(press: Press, asset: SensorAsset, camera
     heavy = build_asset(press, camera, AssetSpec(density=2140.0, damping_ratio=0.5))
     assert heavy.body.mass_kg == pytest.approx(2 * asset.body.mass_kg)
     assert heavy.damping == pytest.approx(np.sqrt(0.5) * asset.damping)
-    omega = np.sqrt(asset.spring[0] / asset.body.mass_kg)
+    omega = np.sqrt(asset.stiffness / asset.body.mass_kg)
     assert asset.damping / (2 * asset.body.mass_kg * omega) == pytest.approx(1.0)
+
+
+def test_a_spring_never_falls_even_where_the_press_softens(press: Press, camera: Camera) -> None:
+    depth = press.depth / press.depth[-1]
+    soft = replace(press, force=press.force * 0.0 + (depth * (1.0 - 1.95 * depth + 1.1 * depth**2))[:, None])
+    asset = build_asset(soft, camera)
+    slope = asset.spring @ [np.ones(50), *(k * np.linspace(0, asset.reach, 50) ** (k - 1) for k in (2, 3))]
+    assert (np.diff(soft.force[:, 2]) < 0).any(), "the press does fall"
+    assert (slope >= 0).all()
+    assert asset.spring_rms > 0.005, "and it is said how far the spring is off"
 
 
 def test_what_is_no_straight_press_or_too_short_is_refused(camera: Camera) -> None:
