@@ -43,6 +43,7 @@ STAGES = [
     "dataset",
     "learn",
     "recording",
+    "ros",
     "fabricate",
     "sensor",
     "bench",
@@ -51,12 +52,13 @@ STAGES = [
     "claims",
     "optimise",
     "robot",
+    "simulator",
     "verify",
     "testing",
 ]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims optimise fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live serve learn bench align accept verify doctor".split()
+    "calibrate find inspect live serve learn bench align export accept verify doctor".split()
 )
 
 

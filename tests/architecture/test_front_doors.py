@@ -139,7 +139,9 @@ FRONT_DOORS = {
     "fabricate": {"FabricationPack", "PackSpec", "ProcessSpec", "draw_artwork", "write_pack"},
     "study": {"DesignResult", "Observer", "Study", "StudyResult", "list_presets", "read_study", "run_study"},
     "grid": {"SpecificationGrid", "evaluate_grid", "write_grid"},
+    "ros": {"Message", "build_message", "header_of"},
     "robot": {"AlignSpec", "Aligner", "Alignment", "Ending", "Placement", "Robot", "Tool", "find_tool_offset"},
+    "simulator": {"AssetFormat", "AssetSpec", "SensorAsset", "build_asset", "export_asset"},
     "cli": {"main"},
 }
 

@@ -22,6 +22,7 @@ EXPECTED = {
     "ex11_ball": pytest.approx(0.0670, rel=0.01),
     "ex12_ellipsoid": pytest.approx(0.18, rel=0.2),
     "ex13_ball_sensor": pytest.approx(0.124, rel=0.2),
+    "ex14_mujoco": pytest.approx(2.99, abs=0.02),
 }
 NEEDS = {
     "ex05_mold": ["build123d"],
@@ -29,6 +30,7 @@ NEEDS = {
     "ex10_train": ["torch"],
     "ex12_ellipsoid": ["torch"],
     "ex13_ball_sensor": ["torch"],
+    "ex14_mujoco": ["mujoco", "trimesh"],
 }
 
 

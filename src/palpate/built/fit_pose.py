@@ -193,9 +193,21 @@ class PoseFitter:
                 found, self._was_other = again, not self._was_other
         return self._of_other(found) if self._was_other else found
 
+    def places(self, found: PoseFit) -> FloatArray:
+        """Dots (m, 3) mm as a fit has them, in the dome's frame; NaN for one that was not seen at rest."""
+        model = self._model_of(found)
+        drift = found.theta[_DRIFT:] if self._drifts else None
+        thicker = float(model.belief.mean[-1])
+        moved = model.dots.move(found.theta[:3], float(found.theta[3]), thicker, drift, float(found.theta[_BEND]))
+        return np.where(model.seen[:, None], moved.positions, np.nan)
+
+    def _model_of(self, found: PoseFit) -> UnitModel:
+        """The model of the state in which a fit has the skin."""
+        return (self._other if found.inverted and self._other else self).model
+
     def foresee(self, found: PoseFit) -> FloatArray:
         """Dots (m, 2) px as a fit has them; NaN for one that was not seen at rest."""
-        model = (self._other if found.inverted and self._other else self).model
+        model = self._model_of(found)
         drift = found.theta[_DRIFT:] if self._drifts else None
         looked = model.look(found.theta[:3], float(found.theta[3]), drift, float(found.theta[_BEND]))
         assert looked.by_unit is not None

@@ -37,6 +37,7 @@ app.command("palpate.cli.view:view", name="view", help="Look at results in a bro
 app.command("palpate.cli.serve:serve", name="serve", help="Readings of a sensor for other programs, by websocket.")
 app.command("palpate.cli.claims:claims", name="claims", help="Hold finished studies against the paper's claims.")
 app.command("palpate.cli.make:make", name="make", help="Write mold, print pattern, enclosure and instructions.")
+app.command("palpate.cli.export:export", name="export", help="A sensor as an asset of MuJoCo, URDF or USD.")
 app.command("palpate.cli.specimens:specimens", name="specimens", help="Write molds of test specimens.")
 app.command("palpate.cli.calibrate:calibrate", name="calibrate", help="The lens of a camera from images of a board.")
 app.command("palpate.cli.sensor:find", name="find", help="Find the dots in a folder of images.")

@@ -3,6 +3,7 @@
 from palpate.fabricate.artwork import Artwork, carry_to_dome, draw_artwork, flatten
 from palpate.fabricate.check_process import check_process
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
+from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
 from palpate.fabricate.pack import FabricationPack, PackSpec
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
@@ -28,6 +29,7 @@ __all__ = [
     "check_process",
     "draw_artwork",
     "flatten",
+    "write_mesh",
     "write_pack",
     "write_specimen_molds",
 ]

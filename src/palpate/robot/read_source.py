@@ -5,17 +5,25 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
 from palpate.camera import Source
 from palpate.core import PalpateError
 from palpate.robot.broadcast import Row
-from palpate.sensor import Reading, Sensor, describe_reading
+from palpate.sensor import Reading, describe_reading
 
 THERE, GONE = "there", "gone"
 """What `camera` of a row says: images come; the source has ended or cannot be opened."""
+_ENDED = "The source has ended."
+
+
+class ReadsImages(Protocol):
+    """A sensor, or what stands before one."""
+
+    def read(self, image: NDArray[Any] | PalpateError) -> Reading:
+        """Reading of the next image, or of what came in its place."""
 
 
 class SourceReader:
@@ -29,7 +37,7 @@ class SourceReader:
         Gets every reading as plain data, from the thread that read it.
     """
 
-    def __init__(self, sensor: Sensor, publish: Callable[[Row], None]) -> None:
+    def __init__(self, sensor: ReadsImages, publish: Callable[[Row], None]) -> None:
         self._sensor, self._publish = sensor, publish
         self._lock = threading.Lock()
         self._stop = threading.Event()
@@ -56,7 +64,7 @@ class SourceReader:
         """
         told = False
         while not self._stop.is_set():
-            reason = "The source has ended."
+            reason = _ENDED
             try:
                 with open_again() as source:
                     for item in source.images():
@@ -65,7 +73,7 @@ class SourceReader:
                         if isinstance(item, PalpateError):
                             reason = item.what
                         else:
-                            told = False
+                            told, reason = False, _ENDED
                         self.read(item)
             except PalpateError as error:
                 reason = error.what

@@ -16,12 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built import Force
 from palpate.core import PalpateError, load_extra, writing
+from palpate.ros import Message, build_message, header_of, pose_message, pose_stamped, wrench_stamped
 from palpate.sensor.reading import Reading
 
 _VERSION = 9
 """Version of the bag's metadata: ROS 2 Jazzy and later."""
+_FRAME = "dome"
+"""Frame of poses and forces: the sensor's."""
 
 
 class Bag:
@@ -44,10 +46,10 @@ class Bag:
         """Write one reading and its plain row at the time of now."""
         now = time.time_ns()
         if np.isfinite(reading.depth_mm):
-            self._write(self._pose, now, self._pose_of(reading, now))
+            self._write(self._pose, now, pose_stamped(_pose_of(reading), header_of(now, _FRAME)))
         if reading.force is not None and reading.touching:
-            self._write(self._force, now, self._force_of(reading.force, now))
-        self._write(self._reading, now, self._store.types["std_msgs/msg/String"](data=json.dumps(row)))
+            self._write(self._force, now, wrench_stamped(reading.force.vector, header_of(now, _FRAME)))
+        self._write(self._reading, now, Message("std_msgs/msg/String", {"data": json.dumps(row)}))
 
     def close(self) -> None:
         """Finish the bag."""
@@ -56,33 +58,15 @@ class Bag:
     def _connect(self, topic: str, kind: str) -> Any:
         return self._writer.add_connection(topic, kind, typestore=self._store)
 
-    def _write(self, connection: Any, now: int, message: Any) -> None:
-        self._writer.write(connection, now, self._store.serialize_cdr(message, connection.msgtype))
+    def _write(self, connection: Any, now: int, message: Message) -> None:
+        built = build_message(message, lambda kind, fields: self._store.types[kind](**fields))
+        self._writer.write(connection, now, self._store.serialize_cdr(built, connection.msgtype))
 
-    def _pose_of(self, reading: Reading, now: int) -> Any:
-        types = self._store.types
-        first = np.array([*reading.pose[:2], 0.0])
-        rotation, offset = (np.radians(first), np.zeros(3)) if reading.space.tilts else (np.zeros(3), first / 1e3)
-        angle = float(np.linalg.norm(rotation))
-        vector = 0.5 * np.sinc(angle / (2.0 * np.pi)) * rotation
-        place = types["geometry_msgs/msg/Point"](x=float(offset[0]), y=float(offset[1]), z=-reading.depth_mm / 1e3)
-        turned = types["geometry_msgs/msg/Quaternion"](*(float(v) for v in vector), w=float(np.cos(angle / 2.0)))
-        return types["geometry_msgs/msg/PoseStamped"](
-            header=self._header(now),
-            pose=types["geometry_msgs/msg/Pose"](position=place, orientation=turned),
-        )
 
-    def _force_of(self, force: Force, now: int) -> Any:
-        types = self._store.types
-        vector = types["geometry_msgs/msg/Vector3"]
-        wrench = types["geometry_msgs/msg/Wrench"](
-            force=vector(*(float(v) for v in force.vector)), torque=vector(0.0, 0.0, 0.0)
-        )
-        return types["geometry_msgs/msg/WrenchStamped"](header=self._header(now), wrench=wrench)
-
-    def _header(self, now: int) -> Any:
-        stamp = self._store.types["builtin_interfaces/msg/Time"](sec=now // 10**9, nanosec=now % 10**9)
-        return self._store.types["std_msgs/msg/Header"](stamp=stamp, frame_id="dome")
+def _pose_of(reading: Reading) -> Message:
+    first, none = reading.pose[:2], (0.0, 0.0)
+    tilt, place = (first, none) if reading.space.tilts else (none, first)
+    return pose_message(tilt, place, reading.depth_mm)
 
 
 def write_bag(folder: Path, rows: Iterable[tuple[Reading, dict[str, Any]]]) -> Iterator[Reading]:

@@ -1,5 +1,6 @@
 """Twin: where every marker goes and what the wall bears, interpolated from presses for any pose and friction."""
 
+from palpate.twin.batch_twin import BatchTwin
 from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
 from palpate.twin.field import MarkerField, build_field
 from palpate.twin.force_field import ForceField, build_force_field
@@ -11,6 +12,7 @@ from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path
 __all__ = [
     "TWIN_DERIVATIVES",
     "TWIN_VERSION",
+    "BatchTwin",
     "ForceField",
     "MarkerField",
     "MovedDots",

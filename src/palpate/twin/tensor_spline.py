@@ -9,8 +9,9 @@ from scipy.interpolate import make_interp_spline
 
 from palpate.core import FloatArray, kernel
 
-_DEGREE = 3
-_BEYOND = 0.25
+DEGREE = 3
+"""Of the splines."""
+BEYOND = 0.25
 """How far a spline is carried on beyond its last place, over the last distance of its knots."""
 
 
@@ -45,10 +46,10 @@ def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArr
     for axis, places in enumerate(axes):
         if len(places) == 1:
             ends = places[0] + np.array([-1.0, 1.0])
-            knots.append(np.repeat(ends, _DEGREE + 1))
-            found = np.repeat(found, _DEGREE + 1, axis=axis)
+            knots.append(np.repeat(ends, DEGREE + 1))
+            found = np.repeat(found, DEGREE + 1, axis=axis)
             continue
-        spline = make_interp_spline(places, found, k=_DEGREE, axis=axis)
+        spline = make_interp_spline(places, found, k=DEGREE, axis=axis)
         knots.append(np.asarray(spline.t, float))
         found = np.moveaxis(spline.c, 0, axis) if axis else spline.c
     return TensorSpline((knots[0], knots[1], knots[2]), np.ascontiguousarray(found))
@@ -57,15 +58,15 @@ def fit_spline(axes: tuple[FloatArray, FloatArray, FloatArray], values: FloatArr
 @kernel
 def _basis(knots: FloatArray, x: float, value: FloatArray, slope: FloatArray) -> int:
     """Write the four cubic B-splines (4,) that live at x and their slopes; return the number of the first."""
-    last = len(knots) - _DEGREE - 2
-    beyond = _BEYOND * (knots[last + 1] - knots[last])
-    x = min(max(x, knots[_DEGREE]), knots[last + 1] + beyond)
-    span = _DEGREE
+    last = len(knots) - DEGREE - 2
+    beyond = BEYOND * (knots[last + 1] - knots[last])
+    x = min(max(x, knots[DEGREE]), knots[last + 1] + beyond)
+    span = DEGREE
     while span < last and x >= knots[span + 1]:
         span += 1
     value[0] = 1.0
-    for degree in range(1, _DEGREE + 1):
-        if degree == _DEGREE:  # the quadratics give the slopes of the cubics
+    for degree in range(1, DEGREE + 1):
+        if degree == DEGREE:  # the quadratics give the slopes of the cubics
             slope[:] = 0.0
             for k in range(degree):
                 width = knots[span + k + 1] - knots[span + k + 1 - degree]
@@ -78,7 +79,7 @@ def _basis(knots: FloatArray, x: float, value: FloatArray, slope: FloatArray) ->
             value[k] = saved + right * share
             saved = left * share
         value[degree] = saved
-    return span - _DEGREE
+    return span - DEGREE
 
 
 @kernel

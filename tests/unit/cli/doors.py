@@ -113,6 +113,12 @@ ROWS = {
     "make": Row(
         "--out new", ("--layout",), ("--out",), ("--markers 8", "--camera x", "--mapping x", "--material cheese")
     ),
+    "export": Row(
+        "--to mjcf --out new --cells 4",
+        ("--lens",),
+        ("--out",),
+        ("--to sdf", "--depth 0.5", "--material cheese", "--contact sticky", "--density 1", "--skin x"),
+    ),
     "specimens": Row("--out new", (), ("--out",), ("--count 0",)),
     "calibrate": Row(
         "--folder {photos} --board chessboard:9x6:25",

@@ -1,0 +1,1 @@
+"""A tactile sensor in ROS 2."""

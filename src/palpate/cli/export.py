@@ -1,0 +1,73 @@
+"""`palpate export`: a sensor as an asset of a simulator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from palpate.camera import CameraSpec, build_camera, read_calibration
+from palpate.cli.compiling import announce_compilation
+from palpate.cli.flag import JsonFlag, flags_of
+from palpate.cli.output import print_json
+from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
+from palpate.design import DomeSpec, build_skin, read_skin
+from palpate.fea import WallSpec, solve_press
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.simulator import (
+    AssetFormat,
+    AssetSpec,
+    build_asset,
+    check_asset,
+    check_wall,
+    describe_asset,
+    export_asset,
+)
+from palpate.study import MaterialSpec
+
+_TO = "Language: MuJoCo's mjcf, urdf with what Gazebo reads of contacts, or usd with UsdPhysics."
+_OUT = "New folder for the asset."
+_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class AssetFlags:
+    """What is exported."""
+
+    dome: DomeFlags = DomeSpec()
+    skin: SkinFlag = "dome"
+    material: MaterialFlags = MaterialSpec()
+    mesh: Annotated[MeshSpec, flags_of(MeshSpec, only="cells", group="Mesh")] = MeshSpec()
+    wall: Annotated[WallSpec, flags_of(WallSpec, only="depth image_step contact", group="Wall")] = WallSpec()
+    spec: Annotated[AssetSpec, flags_of(AssetSpec, group="Asset")] = AssetSpec()
+    lens: Annotated[Path | None, Parameter(help=_LENS)] = None
+
+
+def export(
+    *,
+    to: Annotated[AssetFormat, Parameter(help=_TO)],
+    out: Annotated[Path, Parameter(name=("--out", "-o"), help=_OUT)],
+    flags: AssetFlags = AssetFlags(),
+    json: JsonFlag = False,
+) -> None:
+    """Write a sensor as an asset: its mesh, mass, camera and frames, and how far it yields by a press of it."""
+    check_asset(out)
+    check_wall(flags.wall)
+    lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()
+    mesh = mesh_skin(build_skin(read_skin(flags.skin, flags.dome)), flags.mesh)
+    announce_compilation()
+    press = solve_press(mesh, flags.material.material(), flags.wall)
+    asset = build_asset(press, build_camera(lens), flags.spec)
+    path = export_asset(out, asset, to)
+    if json:
+        print_json({"file": str(path), **describe_asset(asset)})
+        return
+    centre = asset.body.centre_mm[2]
+    print(
+        f"{path}: {1e3 * asset.body.mass_kg:.3f} g, centre {centre:.2f} mm over the base; "
+        f"{asset.stiffness:.1f} N/m to {1e3 * asset.reach:.1f} mm (rms {1e3 * asset.stiffness_rms:.0f} mN), "
+        f"as a curve rms {1e3 * asset.spring_rms:.1f} mN"
+    )

@@ -1,0 +1,34 @@
+"""What a person may choose about a sensor as a simulator's asset."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from palpate.core import Spec, parameter
+
+
+class AssetFormat(StrEnum):
+    """Language that an asset is written in."""
+
+    MJCF = "mjcf"
+    URDF = "urdf"
+    USD = "usd"
+
+
+class AssetSpec(Spec):
+    """What a simulator asks of a skin and the presses of palpate do not: its mass, and what a touch loses."""
+
+    density: float = parameter(
+        1070.0,
+        unit="kg/m3",
+        meaning="density of the cured elastomer",
+        source="Smooth-On technical bulletin, Ecoflex series: specific gravity of Ecoflex 00-30",
+        ge=100,
+        le=5000,
+    )
+    friction: float = parameter(
+        1.0, unit="1", meaning="coefficient of friction of the asset's contacts", ge=0, le=10, flag="asset-friction"
+    )
+    damping_ratio: float = parameter(
+        1.0, unit="1", meaning="damping of a touch over the critical one of the dome's own mass", ge=0, le=10
+    )

@@ -1,0 +1,184 @@
+"""The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
+
+The same splines, waves and camera as `PrintedTwin.move` and `Camera.project`, with the poses as the first axis of
+every array, and with torch's derivatives through all of it. Walls are flat and come straight down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from palpate.camera import Camera
+from palpate.core import FloatArray, PalpateError, load_extra
+from palpate.twin.tensor_spline import BEYOND, DEGREE
+from palpate.twin.twin import STRAIGHT_DEG, PrintedTwin
+
+Tensor = Any
+"""A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
+_PIECE = 4096
+"""Poses at a time, which bounds the memory."""
+
+
+class BatchTwin:
+    """Pixels of a print's dots for many poses.
+
+    Parameters
+    ----------
+    dots
+        The print's twin.
+    camera
+        What sees it.
+    bias_px
+        (m, 2) how far a dot's trace lies from its centre; 0 without it.
+    thickness
+        By how much the wall is thicker than designed, mm.
+    device, dtype
+        Of torch: ``"cpu"``, ``"cuda"``; ``"float64"`` or ``"float32"``.
+
+    Raises
+    ------
+    MissingExtraError
+        If torch is not installed.
+    PalpateError
+        If the camera's lens is known to no batch.
+    """
+
+    def __init__(
+        self,
+        dots: PrintedTwin,
+        camera: Camera,
+        bias_px: FloatArray | None = None,
+        thickness: float = 0.0,
+        device: str = "cpu",
+        dtype: str = "float64",
+    ) -> None:
+        self._torch = load_extra("torch", "learn")
+        if camera.lens.name not in _LENSES:
+            raise PalpateError(
+                f"The lens {camera.lens.name} is not known to the twin in batch.",
+                f"Take {' or '.join(_LENSES)}, or UnitModel.look pose by pose.",
+            )
+        self._kind = {"device": device, "dtype": getattr(self._torch, dtype)}
+        self._camera, twin = camera, dots.twin
+        half = twin.amplitudes.coefficients.shape[-1] // 3
+        pressed = twin.amplitudes.coefficients[..., :half]
+        if thickness:
+            pressed = pressed + thickness * twin.amplitudes.coefficients[..., half : 2 * half]
+        self._shape = pressed.shape[:3]
+        self._knots = [self._tensor(knots) for knots in twin.amplitudes.knots]
+        self._table, self._order = self._tensor(pressed.reshape(-1, half)), self._tensor(twin.order)
+        self._waves, self._places = self._tensor(dots.waves.T), self._tensor(dots.places)
+        self._bias = self._tensor(np.zeros(2) if bias_px is None else bias_px)
+        self._turn, self._origin = self._tensor(camera.camera_from_dome.T), self._tensor(camera.origin)
+        spec = camera.spec
+        self._scale = self._tensor(np.array([spec.fx_px, spec.fy_px]))
+        self._middle = self._tensor(np.array([spec.cx_px, spec.cy_px]))
+
+    def pixels(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
+        """Pixels (n, m, 2) of the dots.
+
+        Parameters
+        ----------
+        poses
+            (n, 3) rx, ry (degrees) and depth (mm).
+        slips
+            (n,) 1/µ.
+        """
+        return self._in_pieces(lambda *each: self._project(self._move(*each)), poses, slips)
+
+    def positions(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
+        """Positions (n, m, 3) mm of the dots; `poses` and `slips` as for `pixels`."""
+        return self._in_pieces(self._move, poses, slips)
+
+    def forces(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
+        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `slips` as for `pixels`."""
+        return self._in_pieces(self._force, poses, slips)
+
+    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, slips: Any) -> Tensor:
+        poses, slips = self._tensor(poses), self._tensor(slips)
+        pieces = zip(poses.split(_PIECE), slips.split(_PIECE), strict=True)
+        return self._torch.cat([does(*piece) for piece in pieces])
+
+    def _tensor(self, values: Any) -> Tensor:
+        return self._torch.as_tensor(values, **self._kind)
+
+    def _amplitudes(self, poses: Tensor, slips: Tensor) -> tuple[Tensor, Tensor]:
+        """Amplitudes (n, r + 3) of modes and force, and azimuths (n,) of the tilts."""
+        torch = self._torch
+        tilt = torch.hypot(poses[:, 0], poses[:, 1]).clamp(min=STRAIGHT_DEG)
+        first, weight = self._basis(0, slips)
+        for axis, at in ((1, tilt), (2, poses[:, 2])):
+            number, share = self._basis(axis, at)
+            first = (first[:, :, None] * self._shape[axis] + number[:, None, :]).flatten(1)
+            weight = (weight[:, :, None] * share[:, None, :]).flatten(1)
+        found = torch.nn.functional.embedding_bag(first, self._table, mode="sum", per_sample_weights=weight)
+        return found, torch.atan2(poses[:, 1], poses[:, 0])
+
+    def _basis(self, axis: int, at: Tensor) -> tuple[Tensor, Tensor]:
+        """Numbers (n, 4) of the B-splines that live at places (n,) of an axis, and their values."""
+        torch, knots = self._torch, self._knots[axis]
+        last = len(knots) - DEGREE - 2
+        end = knots[last + 1] + BEYOND * (knots[last + 1] - knots[last])
+        at = torch.minimum(torch.maximum(at, knots[DEGREE]), end)
+        span = (torch.searchsorted(knots, at.detach().contiguous(), right=True) - 1).clamp(DEGREE, last)
+        values = [torch.ones_like(at)]
+        for degree in range(1, DEGREE + 1):
+            saved, raised = torch.zeros_like(at), []
+            for k, value in enumerate(values):
+                right, left = knots[span + k + 1] - at, at - knots[span + k + 1 - degree]
+                share = value / (right + left)
+                raised.append(saved + right * share)
+                saved = left * share
+            values = [*raised, saved]
+        steps = torch.arange(DEGREE + 1, device=span.device)
+        return span[:, None] - DEGREE + steps, torch.stack(values, dim=1)
+
+    def _move(self, poses: Tensor, slips: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, slips)
+        modes, angle = found[:, : len(self._order)], azimuth[:, None] * self._order
+        rows = self._torch.cat([modes * angle.cos(), modes * angle.sin()], dim=1)
+        return self._places + (rows @ self._waves).reshape(len(poses), -1, 3)
+
+    def _force(self, poses: Tensor, slips: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, slips)
+        slope, axial, axis = found[:, len(self._order) :].T
+        c, s = azimuth.cos(), azimuth.sin()
+        return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)
+
+    def _project(self, points: Tensor) -> Tensor:
+        seen = (points - self._origin) @ self._turn
+        lens = self._camera.lens
+        plane = _LENSES[lens.name](self._torch, seen[..., :2] / seen[..., 2:], lens.coefficients)
+        return plane * self._scale + self._middle + self._bias
+
+
+def _brown(torch: Any, points: Tensor, coefficients: tuple[float, ...]) -> Tensor:
+    """`palpate.camera.lenses.brown` in torch."""
+    if not any(coefficients):
+        return points
+    k1, k2, p1, p2, k3 = coefficients
+    x, y = points[..., 0], points[..., 1]
+    square = x * x + y * y
+    radial = 1.0 + square * (k1 + square * (k2 + square * k3))
+    across = x * radial + 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x)
+    down = y * radial + p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y
+    return torch.stack([across, down], dim=-1)
+
+
+def _kannala_brandt(torch: Any, points: Tensor, coefficients: tuple[float, ...]) -> Tensor:
+    """`palpate.camera.lenses.kannala_brandt` in torch."""
+    radius = points.norm(dim=-1, keepdim=True).clamp(min=1e-12)
+    angle = radius.atan()
+    square, series = angle * angle, 0.0
+    for coefficient in reversed(coefficients):
+        series = square * (coefficient + series)
+    return points * angle * (1.0 + series) / radius
+
+
+_LENSES: dict[str, Callable[[Any, Tensor, tuple[float, ...]], Tensor]] = {
+    "brown": _brown,
+    "kannala-brandt": _kannala_brandt,
+}

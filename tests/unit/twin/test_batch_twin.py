@@ -1,0 +1,148 @@
+"""The twin in batch against the compiled kernels, pose by pose."""
+
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from needs import needs
+from palpate.built import ToleranceSpec, learn_rest, model_unit
+from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.camera.lens import Lens
+from palpate.core import PalpateError
+from palpate.design import build_skin, place_markers
+from palpate.fea import WallSpec, solve_press
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import TWIN_DERIVATIVES, BatchTwin, PrintedTwin, Twin, build_twin
+from small_chain import DOME, MARKERS, MATERIAL
+
+torch = needs("torch")
+SKIN = build_skin(DOME)
+LAYOUT = place_markers(SKIN, MARKERS)
+LEANING = {"tilt_x_deg": 3.0, "roll_deg": 12.0, "offset_x": 0.7}
+
+
+@pytest.fixture(scope="module")
+def twin() -> Twin:
+    mesh, solver = mesh_skin(SKIN, MeshSpec(cells=4)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    walls = [
+        WallSpec(tilt_deg=tilt, depth=2.0, image_step=0.5, contact=contact)
+        for contact in ("no-slip", 1.5, 0.7, 0.4)
+        for tilt in (0.0, 4.0, 8.0, 12.0)
+    ]
+    return build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls])
+
+
+@pytest.fixture(scope="module")
+def dots(twin: Twin) -> PrintedTwin:
+    return twin.print_dots(LAYOUT.positions)
+
+
+def draw(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Poses and 1/µ within what was pressed, straight ones, ones at knots, and ones beyond every end."""
+    rng = np.random.default_rng(3)
+    poses = np.column_stack([rng.uniform(-8, 8, (count, 2)), rng.uniform(0, 2, count)])
+    slips = rng.uniform(0, 2.5, count)
+    poses[:6] = [[0, 0, 0], [0, 0, 2], [4, 0, 1], [0, -12, 2], [30, 20, 9], [1, 1, -5]]
+    slips[:6] = [0, 1 / 1.5, 0, 2.5, 9, -3]
+    return poses, slips
+
+
+def one_by_one(dots: PrintedTwin, camera: Camera, poses: np.ndarray, slips: np.ndarray) -> np.ndarray:
+    return np.array([camera.project(dots.move(*each).positions) for each in zip(poses, slips, strict=True)])
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        CameraSpec(**LEANING),
+        CameraSpec(distortion=(-0.2, 0.05, 1e-3, -2e-3, 0.01), **LEANING),
+        CameraSpec(lens="kannala-brandt", distortion=(0.05, -0.01, 2e-3, 1e-4), **LEANING),
+    ],
+)
+def test_pixels_are_those_of_the_kernels(dots: PrintedTwin, spec: CameraSpec) -> None:
+    camera, (poses, slips) = build_camera(spec), draw(300)
+    found = BatchTwin(dots, camera).pixels(poses, slips).numpy()
+    assert found == pytest.approx(one_by_one(dots, camera, poses, slips), abs=1e-9)
+
+
+def test_forces_and_positions_are_those_of_the_kernels(dots: PrintedTwin) -> None:
+    poses, slips = draw(300)
+    batch = BatchTwin(dots, build_camera())
+    moved = [dots.move(*each) for each in zip(poses, slips, strict=True)]
+    assert batch.forces(poses, slips).numpy() == pytest.approx(np.array([each.force for each in moved]), abs=1e-12)
+    assert batch.positions(poses, slips).numpy() == pytest.approx(
+        np.array([each.positions for each in moved]), abs=1e-11
+    )
+
+
+def test_pieces_join_without_a_seam(dots: PrintedTwin, monkeypatch: pytest.MonkeyPatch) -> None:
+    poses, slips = draw(25)
+    batch = BatchTwin(dots, build_camera())
+    whole = batch.pixels(poses, slips)
+    monkeypatch.setattr("palpate.twin.batch_twin._PIECE", 10)
+    assert batch.pixels(poses, slips).numpy() == pytest.approx(whole.numpy(), abs=1e-10)
+
+
+def test_a_unit_looks_as_its_model_has_it(twin: Twin) -> None:
+    """Dots where the rest image shows them, the traces' bias, and a thicker wall."""
+    rest = build_camera(CameraSpec(offset_x=0.2, tilt_y_deg=0.4)).project(LAYOUT.positions)
+    rest[5] = np.nan
+    belief = learn_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
+    mean = belief.mean.copy()
+    mean[-1] = 0.05
+    model = model_unit(twin, LAYOUT, replace(belief, mean=mean), ToleranceSpec())
+    poses, slips = draw(40)
+    found = BatchTwin(model.dots, model.camera, model.bias_px, 0.05).pixels(poses, slips).numpy()
+    looked = np.array([model.look(*each, unit=False).pixels for each in zip(poses, slips, strict=True)])
+    assert np.flatnonzero(np.isnan(looked[0, :, 0])).tolist() == [5]
+    assert found[:, model.seen] == pytest.approx(looked[:, model.seen], abs=1e-9)
+    plain = BatchTwin(model.dots, model.camera, model.bias_px).pixels(poses, slips).numpy()
+    assert np.abs(plain - found)[:, model.seen].max() > 1e-3
+
+
+def test_torch_differentiates_through_the_twin(dots: PrintedTwin) -> None:
+    pose, slip = torch.tensor([[3.0, -2.0, 1.7]], dtype=torch.float64), torch.tensor([0.8], dtype=torch.float64)
+    batch = BatchTwin(dots, build_camera())
+    by_pose, by_slip = torch.autograd.functional.jacobian(batch.positions, (pose, slip))
+    moved = dots.move(pose[0].numpy(), 0.8)
+    assert by_pose[0, :, :, 0].numpy() == pytest.approx(moved.by[..., :3], abs=1e-9)
+    assert by_slip[0, :, :, 0].numpy() == pytest.approx(moved.by[..., 3], abs=1e-9)
+
+
+def test_single_precision_is_good_to_a_thousandth_of_a_pixel(dots: PrintedTwin) -> None:
+    camera, (poses, slips) = build_camera(), draw(300)
+    found = BatchTwin(dots, camera, dtype="float32").pixels(poses, slips)
+    assert found.dtype == torch.float32
+    assert found.numpy() == pytest.approx(one_by_one(dots, camera, poses, slips), abs=1e-3)
+
+
+@dataclass(frozen=True)
+class Mirror(Lens):
+    """A lens that no batch knows."""
+
+    name: ClassVar[str] = "mirror"
+    limit = float("inf")
+
+    def distort(self, points: np.ndarray) -> np.ndarray:
+        return -points
+
+    undistort = distort
+
+    def mirrored(self) -> "Mirror":
+        return self
+
+
+def test_a_lens_that_the_batch_does_not_know_is_refused(dots: PrintedTwin) -> None:
+    with pytest.raises(PalpateError, match="mirror"):
+        BatchTwin(dots, replace(build_camera(), lens=Mirror()))
+
+
+def test_the_room_of_twins_opens_without_torch() -> None:
+    code = "import sys, palpate.twin; print('torch' in sys.modules)"
+    shown = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert shown.stdout.strip() == "False"
