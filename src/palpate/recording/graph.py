@@ -50,8 +50,8 @@ def graph_of(arrays: Mapping[str, NDArray[Any]]) -> bytes:
         nodes.append(helper.make_node("Relu", [f"c{number}"], [f"r{number}"]))
         now = f"r{number}"
         if number > 0:
-            pool = helper.make_node("MaxPool", [now], [f"p{number}"], kernel_shape=[2, 2], strides=[2, 2])
-            nodes.append(pool)
+            kind = "AveragePool" if "averages" in arrays else "MaxPool"
+            nodes.append(helper.make_node(kind, [now], [f"p{number}"], kernel_shape=[2, 2], strides=[2, 2]))
             now = f"p{number}"
     nodes.append(helper.make_node("Flatten", [now], ["flat"]))
     nodes.append(helper.make_node("Gemm", ["flat", "dense_0", "add_0"], ["d0"], transB=1))

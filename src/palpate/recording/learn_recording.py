@@ -27,7 +27,7 @@ from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import find_shift
 from palpate.recording.train_part import train_dots_network, train_picture_network
 
-PART_VERSION = "4"
+PART_VERSION = "5"
 """Version of the code that decides what a part predicts; part of an artefact's key."""
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
 """Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""

@@ -153,7 +153,7 @@ def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:
             torch.nn.BatchNorm2d(outward),
             torch.nn.ReLU(),
         ]
-        layers += [] if number == 0 else [torch.nn.MaxPool2d(2)]
+        layers += [] if number == 0 else [torch.nn.AvgPool2d(2)]
         side = (side + 1) // 2 if number == 0 else side // 2
         inward = outward
         if min(side) < 8:
@@ -163,7 +163,6 @@ def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:
         torch.nn.Flatten(),
         torch.nn.Linear(inward * int(side.prod()), DENSE),
         torch.nn.ReLU(),
-        torch.nn.Dropout(0.1),
         torch.nn.Linear(DENSE, outputs),
     )
 
@@ -185,5 +184,8 @@ def _folded(state: dict[str, Any], level: float, spread: float) -> dict[str, NDA
         arrays[f"shift_{layer}"] = own["bias"] - own["running_mean"] * factor
     arrays["level"], arrays["spread"] = np.array(level), np.array(spread)
     arrays["dense_0"], arrays["add_0"] = state["2.weight"].numpy(), state["2.bias"].numpy()
-    arrays["dense_1"], arrays["add_1"] = state["5.weight"].numpy(), state["5.bias"].numpy()
+    arrays["dense_1"], arrays["add_1"] = state["4.weight"].numpy(), state["4.bias"].numpy()
+    arrays["averages"] = np.array(
+        1
+    )  # older ones pool by the maximum, which forgets where in four px a dot is
     return arrays

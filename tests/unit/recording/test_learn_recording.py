@@ -29,7 +29,9 @@ from palpate.recording import (
     recording_report,
     write_model,
 )
+from palpate.recording.course import CourseSpec
 from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.train_part import train_picture_network
 
 SENSOR = DrawnSensor(rings=4)
 COUNT = 150
@@ -321,3 +323,19 @@ def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
     with pytest.raises(SystemExit) as left:
         main(["accept", str(drawn[0] / "images" / "truth.csv"), "--model", str(out / "model.h5"), *words])
     assert left.value.code == 0
+
+
+def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path) -> None:
+    """A bright dot whose place is the target: what is handed on, pooling and all, errs as the best epoch did."""
+    needs("torch")
+    needs("onnxruntime")
+    rng = np.random.default_rng(0)
+    places, rows = rng.uniform(16, 48, (300, 2)), np.arange(64)
+    across, down = (np.exp(-(((rows - places[:, k, None]) / 2.5) ** 2)) for k in (0, 1))
+    pictures = (255 * down[:, :, None] * across[:, None, :]).astype(np.uint8)
+    lesson = Lesson(pictures, places, np.arange(300) < 240, np.arange(300) >= 240)
+    said: list[str] = []
+    part = train_picture_network("picture-network", lesson, 2, CourseSpec(8), tmp_path / "kept", said.append)
+    least = min(float(text.split("error ")[1].split()[0]) for text in said)
+    assert lesson.error(part.predict(pictures[240:])) == pytest.approx(least, abs=2e-4)
+    assert least < 0.1
