@@ -147,6 +147,7 @@ class PoseFitter:
         self.scale = self.scale or expect_scale(self.model.tolerance)
         self._tables()
         self._last: FloatArray | None = None
+        self._moved = self._motion = np.zeros(len(TOUCH))
         self._checked_mm = np.inf
         self._by_unit: tuple[FloatArray, FloatArray] | None = None
         self._was_other = False
@@ -221,13 +222,20 @@ class PoseFitter:
 
     def _fit_near(self, seen_px: FloatArray) -> PoseFit:
         """Fit one image from where the last one was."""
-        found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._last)
+        found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._last + self._motion)
         if self._last is not None and self._doubted(found):
             again = self._fit(seen_px, self._begin(seen_px))
             found = again if again.cost < found.cost else found
             self._checked_mm = float(found.theta[2])
-        self._last = found.theta if found.misfit <= _LOST else None
+        self._follow(found)
         return found
+
+    def _follow(self, found: PoseFit) -> None:
+        """The next image is looked for where the wall goes on as before, if it just did."""
+        moved = np.zeros(len(TOUCH)) if self._last is None else found.theta - self._last
+        turned, far = (float(np.linalg.norm((each / _NEAR)[:3])) for each in (moved - self._moved, moved))
+        self._moved, self._motion = moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH))
+        self._last = found.theta if found.misfit <= _LOST else None
 
     def _doubted(self, found: PoseFit) -> bool:
         """Whether a fit that began from the last may have gone astray."""

@@ -185,7 +185,5 @@ def _folded(state: dict[str, Any], level: float, spread: float) -> dict[str, NDA
     arrays["level"], arrays["spread"] = np.array(level), np.array(spread)
     arrays["dense_0"], arrays["add_0"] = state["2.weight"].numpy(), state["2.bias"].numpy()
     arrays["dense_1"], arrays["add_1"] = state["4.weight"].numpy(), state["4.bias"].numpy()
-    arrays["averages"] = np.array(
-        1
-    )  # older ones pool by the maximum, which forgets where in four px a dot is
+    arrays["averages"] = np.array(1)  # older ones pool by the maximum, which forgets where in four px a dot is
     return arrays

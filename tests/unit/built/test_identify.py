@@ -349,6 +349,25 @@ def test_what_is_foreseen_is_what_units_show(twin: Twin, units: list[Built], see
     assert fewer.rmse_deg > 1.5 * beforehand.rmse_deg
 
 
+def test_a_wall_that_goes_on_as_before_is_read_in_fewer_steps(twin: Twin, units: list[Built]) -> None:
+    """Against images in an order that no motion explains; what is read is the same."""
+    belief, rng = opened(twin, units[0]), np.random.default_rng(1)
+    shown = model_unit(twin, LAYOUT, belief, TOLERANCE)
+    poses = np.column_stack([np.full(24, 3.0), np.full(24, -4.0), np.linspace(1.0, 4.0, 24)])
+    images = [shown.look(pose, 1.0, unit=False).pixels + rng.normal(0, NOISE, (len(LAYOUT), 2)) for pose in poses]
+    orders = np.arange(24), rng.permutation(24)
+    fits = []
+    for order in orders:
+        fitter = PoseFitter(shown, NOISE)
+        found = {int(k): fitter.fit(images[k]) for k in order}
+        fits.append([found[k] for k in range(24)])
+    steady, shuffled = fits
+    assert np.mean([fit.steps for fit in steady]) < 0.75 * np.mean([fit.steps for fit in shuffled])
+    spread = np.sqrt(np.diag(steady[-1].covariance)[:2])
+    apart = [np.abs(one.pose - other.pose)[:2] for one, other in zip(steady, shuffled, strict=True)]
+    assert np.max(apart / spread) < 0.5
+
+
 def test_the_budget_adds_up_to_what_is_foreseen(twin: Twin) -> None:
     """Seating is told by no image, so it costs alone what its absence saves; camera and print only cost together."""
     spec = ForeseeSpec(units=60, poses=20, least_depth=2.0, max_tilt_deg=10.0, noise_px=NOISE)
