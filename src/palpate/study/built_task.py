@@ -17,7 +17,7 @@ from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_made, write_json
-from palpate.twin import TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, twin_path, write_twin
+from palpate.twin import BUILD_VERSION, TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, twin_path, write_twin
 
 _SHARE, _INVERTED_SHARE = 0.5, 0.25
 """Increments of a twin over those of the study's images; the inverted state changes quickly where it begins."""
@@ -39,7 +39,7 @@ class TwinTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         keys = tuple(press.recipe.key for press in self.needs)
-        return Recipe(kind="twin", spec={}, inputs=keys, version=TWIN_VERSION)
+        return Recipe(kind="twin", spec={}, inputs=keys, version=f"{TWIN_VERSION}/{BUILD_VERSION}")
 
     @property
     def needs(self) -> tuple[PressTask, ...]:

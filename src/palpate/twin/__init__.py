@@ -1,7 +1,7 @@
 """Twin: where every marker goes and what the wall bears, interpolated from presses for any pose and friction."""
 
 from palpate.twin.batch_twin import BatchTwin
-from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
+from palpate.twin.build_twin import BUILD_VERSION, TWIN_DERIVATIVES, build_twin
 from palpate.twin.field import MarkerField, build_field
 from palpate.twin.force_field import ForceField, build_force_field
 from palpate.twin.jacobian import image_jacobian
@@ -10,6 +10,7 @@ from palpate.twin.twin import MovedDots, PrintedTwin, Twin
 from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, write_twin
 
 __all__ = [
+    "BUILD_VERSION",
     "TWIN_DERIVATIVES",
     "TWIN_VERSION",
     "BatchTwin",

@@ -18,6 +18,8 @@ from palpate.twin.tilt_runs import SAME_DEPTH_MM, match_depths
 from palpate.twin.twin import FORCES, Twin
 from palpate.twin.twin_file import material_text
 
+BUILD_VERSION = "2"
+"""Version of the code that interpolates; part of an artefact's key."""
 THICKNESS = "thickness"
 TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.DRIFTS)
 """Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""
@@ -92,6 +94,9 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     values = np.array(fields).reshape(*shape, ORDERS, 3, CIRCLES)
     pushes = np.array(forces).reshape(*shape, FORCES)
     _refuse_holes(values, slips, tilts)
+    reach = np.array([_reach(press) for press in table]).reshape(shape[:2])
+    for filled in (values, pushes):
+        _bridge(filled, reach, slips, depths)
     _straighten(values, pushes)
     order, modes, amplitudes = _reduce(values.reshape(*shape, ORDERS, -1))
     blocks = np.concatenate([amplitudes, pushes], axis=-1)
@@ -111,7 +116,7 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
         tilts_deg=tilts,
         depths_mm=depths,
         slips=slips,
-        reach_mm=np.array([_reach(press) for press in table]).reshape(shape[:2]),
+        reach_mm=reach,
         amplitudes=pressed,
         drifts=drifts,
         material=material_text(table[0].material),
@@ -211,6 +216,24 @@ def _refuse_holes(values: FloatArray, slips: FloatArray, tilts: FloatArray) -> N
             f"{law}; there is no twin across a jump.",
             "Take a thicker or lower skin, or less depth.",
         )
+
+
+def _bridge(values: FloatArray, reach: FloatArray, slips: FloatArray, depths: FloatArray) -> None:
+    """Carry presses that end before those of the next frictions on both sides on as between these.
+
+    In values (slip, tilt, 6, depth, …) of presses that reach (slip, tilt) mm. So does a thin skin that goes over into
+    its other state under some friction: carried on straight, it would spoil what is read under the others.
+    """
+    count = (depths <= reach[..., None] + SAME_DEPTH_MM).sum(axis=-1)
+    for k, tilt in np.ndindex(max(len(slips) - 2, 0), reach.shape[1]):
+        row, known = k + 1, count[k + 1, tilt]
+        last = min(count[row - 1, tilt], count[row + 1, tilt])
+        if last <= known:
+            continue
+        share = (slips[row] - slips[row - 1]) / (slips[row + 1] - slips[row - 1])
+        between = (1 - share) * values[row - 1, tilt] + share * values[row + 1, tilt]
+        apart = values[row, tilt, :, known - 1 : known] - between[:, known - 1 : known]
+        values[row, tilt, :, known:] = between[:, known:] + apart
 
 
 def _straighten(values: FloatArray, forces: FloatArray) -> None:

@@ -178,6 +178,22 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
         build_twin([*presses, press(0.0, 0.9, thickness=3.0)])
 
 
+def test_presses_that_end_early_under_one_friction_leave_the_others_as_they_were(presses: list[Press]) -> None:
+    """All presses under 1.2 go over into the other state at 1.6 mm: the twin goes on as between no slip and 0.6."""
+    cut = []
+    for one in presses[4:8]:
+        gone = one.depth > 1.7
+        branch = np.where(gone, "inverted", one.branch)
+        wild = np.where(gone[:, None, None], 7.0, one.displacement)
+        cut.append(replace(one, branch=branch, displacement=wild))
+    twin = build_twin([*presses[:4], *cut, *presses[8:]])
+    seen = press(6.0, 0.9)
+    moved = twin.print_dots(LAYOUT.positions).move(at(6.0, 0.0, 3.2), 1 / 0.9)
+    assert pixels_apart(moved.positions, seen, 8) < 0.06
+    assert moved.force == pytest.approx(seen.force[8], abs=0.02 * seen.force[8, 2])
+    assert twin.reach(6.0, 1 / 1.2) == pytest.approx(1.6)
+
+
 def test_presses_that_jump_make_no_twin(presses: list[Press]) -> None:
     """A jump is drawn as a press has it: derivatives are nan from there on."""
     jumped = presses[5]
