@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -26,7 +27,19 @@ _SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, th
 _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
 _KNOWN = "Known presses of each unit in the second half of the table; without it, as the study says, or 5."
 _TOLERANCE = "Tolerances as NAME=VALUE, as for `palpate bench`."
-_COLUMNS = ("height_mm", "thickness_mm", "markers", "known", "rmse_deg", "worst_deg", "depth_rmse_mm", "noise_deg")
+_COLUMNS = (
+    "height_mm",
+    "thickness_mm",
+    "markers",
+    "known",
+    "rmse_deg",
+    "worst_deg",
+    "depth_rmse_mm",
+    "noise_deg",
+    "twin_off_mm",
+)
+_MUCH_MM = 0.03
+"""Beyond this a twin is off by several times the noise of dots."""
 
 
 @Parameter(name="*")
@@ -88,12 +101,28 @@ def twin(
         )
         print(
             "rmse_deg: rx and ry of all units; worst_deg: greatest error that 19 of 20 units stay below; known: "
-            f"presses by which each unit was identified. Twins: {folder / 'twins'}"
+            "presses by which each unit was identified; twin_off_mm: root mean square by which the twin differs from "
+            f"presses between its own. Twins: {folder / 'twins'}"
         )
+    for name, off in {design.skin.build().name: _off(design.twin) for design in found if design.twin}.items():
+        if off > _MUCH_MM:
+            print(
+                f"The twin of {name} is off by {off:.2f} mm between its presses, more than the figures know: "
+                "take more frictions or tilts, or more cells.",
+                file=sys.stderr,
+            )
     failed = [design for design in found if design.problem]
     for design in failed:
         print(f"{design.skin.build().name}, {design.markers.count} markers: {design.problem}", file=sys.stderr)
     return 1 if failed else 0
+
+
+@cache
+def _off(path: Path) -> float:
+    """What a twin says of itself, mm; nan where it was not checked."""
+    from palpate.twin import read_twin
+
+    return read_twin(path).off_mm
 
 
 def _rows(design: BuiltDesign) -> list[dict[str, Any]]:
@@ -107,6 +136,7 @@ def _rows(design: BuiltDesign) -> list[dict[str, Any]]:
             "worst_deg": round(figure.worst_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
+            "twin_off_mm": round(_off(design.twin), 4) if design.twin else None,
         }
         for figure in design.figures
     ]

@@ -110,7 +110,7 @@ def plan_proposal(spec: RequirementsSpec, skin: SkinSpec, material: str, *, full
         material=MaterialSpec(name=material),
         mesh=MeshSpec() if full else MeshSpec(cells=_COARSE_CELLS),
         tilts_deg=tuple(round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, tilts)),
-        built=BuiltSpec(contacts=BuiltSpec().contacts if full else _COARSE_CONTACTS, inverted=False),
+        built=BuiltSpec(inverted=False) if full else BuiltSpec(contacts=_COARSE_CONTACTS, checks=0, inverted=False),
     )
     study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "image_step": step})})
     twin = plan_twin(study, skin)

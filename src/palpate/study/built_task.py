@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
 from palpate.camera import CameraSpec, build_camera
@@ -17,10 +18,21 @@ from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_made, write_json
-from palpate.twin import BUILD_VERSION, TWIN_DERIVATIVES, TWIN_VERSION, build_twin, read_twin, twin_path, write_twin
+from palpate.twin import (
+    BUILD_VERSION,
+    TWIN_DERIVATIVES,
+    TWIN_VERSION,
+    build_twin,
+    measure_off,
+    read_twin,
+    twin_path,
+    write_twin,
+)
 
 _SHARE, _INVERTED_SHARE = 0.5, 0.25
 """Increments of a twin over those of the study's images; the inverted state changes quickly where it begins."""
+_TURN_DEG = 77.0
+"""Direction of the first check; the others are as far on."""
 _ROUND = 2
 """Core of an inverted skin's mesh: with four cells along half a turn its soft waves of order 4 are 0.07 mm high."""
 
@@ -31,6 +43,7 @@ class TwinTask(Task):
 
     presses: tuple[PressTask, ...]
     inverted: tuple[PressTask, ...] = ()
+    checks: tuple[PressTask, ...] = ()
 
     @property
     def name(self) -> str:
@@ -43,17 +56,19 @@ class TwinTask(Task):
 
     @property
     def needs(self) -> tuple[PressTask, ...]:
-        return (*self.presses, *self.inverted)
+        return (*self.presses, *self.inverted, *self.checks)
 
     @property
     def cost(self) -> float:
         return 0.2 * len(self.needs)
 
     def make(self, store: ArtefactStore) -> None:
-        flat, inverted = (
-            [read_press(find_made(store, press)) for press in presses] for presses in (self.presses, self.inverted)
+        flat, inverted, checks = (
+            [read_press(find_made(store, press)) for press in presses]
+            for presses in (self.presses, self.inverted, self.checks)
         )
         twin = build_twin(flat, inverted)
+        twin = replace(twin, off_mm=measure_off(twin, checks))
         store.write(self.recipe, lambda path: write_twin(path, twin))
 
 
@@ -109,7 +124,8 @@ def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     """The twin of one skin of a study."""
     asked = study.built or BuiltSpec()
-    return TwinTask(tuple(_plan_presses(study, skin)), tuple(_plan_inverted(study, skin)) if asked.inverted else ())
+    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted else ()
+    return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))
 
 
 def plan_built(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerSpec) -> BuiltTask:
@@ -134,6 +150,30 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
                 wall=study.wall.model_copy(update=changed),
                 solver=solver,
             )
+
+
+def _plan_checks(study: Study, skin: SkinSpec, asked: BuiltSpec) -> Iterator[PressTask]:
+    """Presses between those of the twin, in other directions, spread over its tilts and frictions."""
+    slips = sorted(0.0 if contact == "no-slip" else 1.0 / float(contact) for contact in asked.contacts)
+    for number in range(asked.checks):
+        share = (number + 0.5) / asked.checks
+        tilt, slip = (_between(values, share) for values in (study.tilts_deg, slips))
+        changed: dict[str, Any] = {"tilt_deg": tilt, "azimuth_deg": _TURN_DEG * (number + 1)}
+        if study.wall.contact != "frictionless":
+            changed["contact"] = round(1.0 / slip, 6) if slip > 0 else "no-slip"
+        yield PressTask(
+            skin=skin,
+            mesh=study.mesh,
+            material=study.material.material(),
+            wall=study.wall.model_copy(update=changed),
+            solver=study.solver,
+        )
+
+
+def _between(values: Sequence[float], share: float) -> float:
+    """The middle of the step that is so far along rising values."""
+    step = min(int(share * (len(values) - 1)), len(values) - 2)
+    return 0.5 * (values[step] + values[step + 1]) if len(values) > 1 else values[0]
 
 
 def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:

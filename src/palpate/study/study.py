@@ -120,6 +120,9 @@ class BuiltSpec(Spec):
     inverted: bool = parameter(
         True, unit="", meaning="whether the twin has the skin's inverted state as well, where there is one"
     )
+    checks: int = parameter(
+        2, unit="1", meaning="presses between those of the twin, against which it is held", ge=0, le=20
+    )
     tolerance: ToleranceSpec = ToleranceSpec()
 
 

@@ -5,6 +5,7 @@ from palpate.twin.build_twin import BUILD_VERSION, TWIN_DERIVATIVES, build_twin
 from palpate.twin.field import MarkerField, build_field
 from palpate.twin.force_field import ForceField, build_force_field
 from palpate.twin.jacobian import image_jacobian
+from palpate.twin.measure_off import measure_off
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin
 from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, write_twin
@@ -28,6 +29,7 @@ __all__ = [
     "image_jacobian",
     "label_presses",
     "match_depths",
+    "measure_off",
     "read_twin",
     "shared_depths",
     "twin_path",

@@ -53,6 +53,8 @@ class Twin:
         What was pressed, as JSON; empty in files that do not say.
     inverted
         The twin of the skin's other state; `None` where it has none, or it was not pressed.
+    off_mm
+        Root mean square by which it differs from presses between its own (`measure_off`); nan without any.
     """
 
     skin: Skin
@@ -66,6 +68,7 @@ class Twin:
     drifts: TensorSpline
     material: str = ""
     inverted: Twin | None = None
+    off_mm: float = float("nan")
 
     def reach(self, tilt_deg: float, slip: float = 0.0) -> float:
         """Depth in mm to which the presses about a tilt and 1/µ got: the least of the neighbours."""

@@ -73,6 +73,7 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["skin"] = json.dumps(twin.skin.spec_data)
             file.attrs["material"] = twin.material
             file.attrs["made_by"] = json.dumps(provenance())
+            file.attrs["off_mm"] = twin.off_mm
             _write_branch(file, twin)
             if twin.inverted is not None:
                 _write_branch(file.create_group(_INVERTED), twin.inverted)
@@ -125,6 +126,7 @@ def _read_branch(group: h5py.Group, made: h5py.AttributeManager) -> Twin:
         amplitudes=TensorSpline(knots, group["amplitudes"][:]),
         drifts=TensorSpline(knots, group["drifts"][:]),
         material=str(made.get("material", "")),
+        off_mm=float(made.get("off_mm", np.nan)),
     )
 
 

@@ -1,6 +1,7 @@
 """The twin of a design against presses that it has not seen, whole presses of other units, and closed forms."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -13,7 +14,7 @@ from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, measure_off, read_twin, write_twin
 from palpate.twin.tensor_spline import fit_spline
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
@@ -176,6 +177,24 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
         build_twin([each for each in presses if each.wall.tilt_deg <= 4.0])
     with pytest.raises(PalpateError, match="of several designs"):
         build_twin([*presses, press(0.0, 0.9, thickness=3.0)])
+
+
+def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press], twin: Twin, tmp_path: Path) -> None:
+    """Against the distance of dots, found here by themselves; a dome that is thicker is told apart."""
+    check = press(6.0, 0.9, azimuth_deg=77.0)
+    found = measure_off(twin, [check])
+    dots = twin.print_dots(LAYOUT.positions)
+    apart = [
+        dots.move(at(6.0, 77.0, depth), 1 / 0.9).positions - check.positions(LAYOUT.positions)[image]
+        for image, depth in enumerate(check.depth)
+        if depth > 0
+    ]
+    assert found == pytest.approx(np.sqrt(np.mean(np.sum(np.square(apart), axis=-1))), rel=0.4)
+    assert found < 0.01 < measure_off(twin, [press(6.0, 0.9, thickness=2.3)])
+    assert np.isnan(twin.off_mm)
+    assert np.isnan(measure_off(twin, []))
+    write_twin(tmp_path / "twin.h5", replace(twin, off_mm=found))
+    assert read_twin(tmp_path / "twin.h5").off_mm == found
 
 
 def test_presses_that_end_early_under_one_friction_leave_the_others_as_they_were(presses: list[Press]) -> None:
