@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from palpate.design import Ellipsoid
+from palpate.design import ConeSpec, Ellipsoid, SplineSpec
 from palpate.mechanics import ContactLaw
 
 HERE = Path(__file__).parent
@@ -58,19 +58,28 @@ def draw_truss() -> Figure:
 
 
 def draw_skins() -> Figure:
-    """Meridians of three skins of one height, base and thickness."""
-    figure = Figure(figsize=(6.4, 2.3), layout="constrained")
-    axis = figure.subplots()
-    disc = np.column_stack([np.linspace(-1.0, 1.0, 201), np.zeros(201)])
-    for aspect, colour in ((0.7, GREEN), (1.0, BLUE), (1.3, ORANGE)):
-        skin = Ellipsoid(15.0, 20.0, 1.5, aspect)
-        for layer in (0.0, 1.0):
-            points = skin.point(disc, layer)
-            name = f"k = {aspect:g}, apex radius {skin.radius:.0f} mm" if layer == 0.0 else None
-            axis.plot(points[:, 0], points[:, 2], color=colour, lw=1.2 if layer else 0.8, label=name)
-    axis.axhline(0.0, color="0.6", lw=0.8)
-    axis.set(aspect="equal", xlabel="mm", ylabel="mm", ylim=(-1, 18))
-    figure.legend(loc="outside right center", frameon=False, fontsize=8)
+    """Meridians of ellipsoids of one height, base and thickness, and of skins of the other kinds."""
+    ellipsoids = [(f"aspect {aspect:g}", Ellipsoid(15.0, 20.0, 1.5, aspect)) for aspect in (0.7, 1.0, 1.3)]
+    others = [
+        ("cone, edge 6", ConeSpec(height=22, base_radius=18, thickness=1.5, edge_radius=6).build()),
+        (
+            "cone, flat 6, edge 5",
+            ConeSpec(height=15, base_radius=18, thickness=1.5, flat_radius=6, edge_radius=5).build(),
+        ),
+        ("spline, taper 2", SplineSpec(height=18, thickness=1.5, points=((0.5, 0.9), (0.9, 0.4)), taper=2).build()),
+    ]
+    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    disc = np.column_stack([np.linspace(-1.0, 1.0, 401), np.zeros(401)])
+    for axis, skins in zip(figure.subplots(2), (ellipsoids, others), strict=True):
+        for (name, skin), colour in zip(skins, (GREEN, BLUE, ORANGE), strict=True):
+            for layer in (0.0, 1.0):
+                points = skin.point(disc, layer)
+                label = name if layer == 0.0 else None
+                axis.plot(points[:, 0], points[:, 2], color=colour, lw=1.2 if layer else 0.8, label=label)
+        axis.axhline(0.0, color="0.6", lw=0.8)
+        axis.set(aspect="equal", ylabel="mm")
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8)
+    axis.set(xlabel="mm")
     return figure
 
 

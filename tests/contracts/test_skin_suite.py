@@ -2,7 +2,8 @@
 
 import pytest
 
-from palpate.design import SKINS, Dome, Ellipsoid, Skin
+from palpate.design import SKINS, ConeSpec, Dome, Ellipsoid, Skin, SplineSpec
+from palpate.design.cone import Cone
 from palpate.testing import SkinSuite
 
 ROWS = [
@@ -12,6 +13,12 @@ ROWS = [
     Ellipsoid(20.0, 20.0, 2.0, 1.3),
     Ellipsoid(12.0, 20.0, 2.0, 0.7),
     Ellipsoid(28.0, 20.0, 1.0, 1.0),
+    Ellipsoid(18.0, 20.0, 2.0, 0.9, taper=1.6),
+    ConeSpec(height=22, base_radius=15, thickness=2, edge_radius=6).build(),
+    ConeSpec(height=20, base_radius=14, thickness=1.5, flat_radius=5, edge_radius=5, taper=0.6).build(),
+    Cone(30.0, 10.0, 1.0, 0.0, 10.0),
+    SplineSpec(height=16, base_radius=20, thickness=2, points=((0.5, 0.9), (0.85, 0.5))).build(),
+    SplineSpec(height=20, base_radius=14, points=((0.6, 0.9), (1.1, 0.4)), taper=1.3).build(),
 ]
 
 

@@ -2,6 +2,7 @@
 
 from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
 from palpate.design.check_design import check_design, refuse_errors
+from palpate.design.cone import ConeSpec
 from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
@@ -16,12 +17,14 @@ from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
+from palpate.design.spline import SplineSpec
 
 __all__ = [
     "OFFSET_DEPTH",
     "PRINT_TOLERANCE",
     "SKINS",
     "TILT_DEPTH",
+    "ConeSpec",
     "Dome",
     "DomeSpec",
     "Ellipsoid",
@@ -37,6 +40,7 @@ __all__ = [
     "Severity",
     "Skin",
     "SkinSpec",
+    "SplineSpec",
     "Symmetry",
     "build_module",
     "build_skin",

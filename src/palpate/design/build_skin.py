@@ -12,7 +12,12 @@ from palpate.design.spec import SkinSpec
 SKINS: Registry[type[SkinSpec]] = Registry(
     "palpate.skins",
     "skin",
-    {"dome": "palpate.design.dome:DomeSpec", "ellipsoid": "palpate.design.ellipsoid:EllipsoidSpec"},
+    {
+        "dome": "palpate.design.dome:DomeSpec",
+        "ellipsoid": "palpate.design.ellipsoid:EllipsoidSpec",
+        "cone": "palpate.design.cone:ConeSpec",
+        "spline": "palpate.design.spline:SplineSpec",
+    },
     lambda found: isinstance(found, type) and issubclass(found, SkinSpec),
 )
 """Skin specs by their `kind`."""

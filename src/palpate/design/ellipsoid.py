@@ -8,13 +8,13 @@ from typing import Any, Literal, Self, final
 import numpy as np
 
 from palpate.core import FloatArray, parameter
-from palpate.design.revolved import RevolvedSkin
-from palpate.design.spec import SkinSpec
+from palpate.design.revolved import RevolvedSkin, plain_numbers
+from palpate.design.spec import TaperedSpec
 
 
 @final
-class EllipsoidSpec(SkinSpec):
-    """Cap of an ellipsoid of revolution with a wall of even thickness, measured on its inner surface."""
+class EllipsoidSpec(TaperedSpec):
+    """Cap of an ellipsoid of revolution, measured on its inner surface."""
 
     kind: Literal["ellipsoid"] = "ellipsoid"
     aspect: float = parameter(
@@ -22,7 +22,7 @@ class EllipsoidSpec(SkinSpec):
     )
 
     def build(self) -> Ellipsoid:
-        return Ellipsoid(self.height, self.base_radius, self.thickness, self.aspect)
+        return Ellipsoid(self.height, self.base_radius, self.thickness, self.aspect, self.taper)
 
 
 @final
@@ -31,12 +31,12 @@ class Ellipsoid(RevolvedSkin):
     """Cap of an ellipsoid with the semi-axes a across and k a along its axis, cut at z = 0.
 
     From ``z0 + k a = H`` and ``B²/a² + z0²/(k a)² = 1``: ``z0 = (H² - k² B²) / (2 H)``, ``a = (H - z0) / k``; with
-    k = 1 that is the sphere of `Dome`. The wall has the same thickness everywhere along the normals.
+    k = 1 that is the sphere of `Dome`.
 
     Attributes
     ----------
-    height, base_radius, thickness
-        See `Skin`, mm.
+    height, base_radius, thickness, taper
+        See `RevolvedSkin`, mm.
     aspect
         k, semi-axis along the axis over that across: below 1 flatter at the apex than a sphere.
     """
@@ -45,6 +45,7 @@ class Ellipsoid(RevolvedSkin):
     base_radius: float
     thickness: float
     aspect: float
+    taper: float = 1.0
 
     @property
     def name(self) -> str:
@@ -56,7 +57,7 @@ class Ellipsoid(RevolvedSkin):
 
     @property
     def spec_data(self) -> dict[str, Any]:
-        return {"kind": "ellipsoid", **asdict(self)}
+        return plain_numbers("ellipsoid", asdict(self))
 
     @property
     def centre_height(self) -> float:
@@ -74,7 +75,7 @@ class Ellipsoid(RevolvedSkin):
 
     def scaled(self, factor: float) -> Self:
         sizes = (factor * self.height, factor * self.base_radius, factor * self.thickness)
-        return type(self)(*sizes, self.aspect)
+        return type(self)(*sizes, self.aspect, self.taper)
 
     def curve(self, t: FloatArray, order: int = 0) -> FloatArray:
         a, end = self.semi_axis, np.arctan2(self.aspect * self.base_radius, -self.centre_height)

@@ -1,14 +1,17 @@
 """Skins of revolution by their meridian: what `Skin` asks, answered by numbers for any smooth curve.
 
 The meridian runs from the apex (parameter 0) to the rim (1) and may go on a little beyond. The wall lies between it
-and the curve at the distance of its thickness along the normals. Points are carried to the meridian by their distance
-from the axis and their height; the nearest point is found from a table and by Newton's method.
+and the curve at the distance of its thickness along the normals, which changes from apex to rim by the taper. Points
+are carried to the meridian by their distance from the axis and their height; the nearest point is found from a table
+and by Newton's method.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,7 +35,19 @@ _SECTION = 33
 
 
 class RevolvedSkin(Skin):
-    """A skin of revolution; a final one gives its meridian with first and second derivative."""
+    """A skin of revolution; a final one gives its meridian with first and second derivative.
+
+    Attributes
+    ----------
+    taper
+        Thickness of the wall at the rim over that at the apex: ``T(t) = T (1 + (taper - 1) t²)``.
+    """
+
+    taper: float = 1.0
+
+    @property
+    def name(self) -> str:
+        return super().name + (f" taper {self.taper:g}" if self.taper != 1.0 else "")
 
     @abstractmethod
     def curve(self, t: FloatArray, order: int = 0) -> FloatArray:
@@ -41,6 +56,27 @@ class RevolvedSkin(Skin):
     @property
     def symmetry(self) -> Symmetry:
         return Symmetry.REVOLVED
+
+    def wall(self, t: FloatArray) -> FloatArray:
+        """Thickness (n,) mm along the normals at parameters (n,)."""
+        return np.asarray(self.thickness * (1.0 + (self.taper - 1.0) * t**2))
+
+    @property
+    def rim_thickness(self) -> float:
+        return self.thickness * self.taper
+
+    def _outside(self, t: FloatArray, layer: float = 1.0) -> FloatArray:
+        """The surface (n, 2) mm of a layer of the wall at parameters (n,)."""
+        return np.asarray(self.curve(t) + layer * self.wall(t)[:, None] * self._normals(t))
+
+    def _outer_slopes(self, t: FloatArray) -> FloatArray:
+        """Derivative (n, 2) mm of the outer surface at parameters (n,): ``c' + T' ν + T ν'`` with ``ν' = -κ c'``."""
+        slope, bend = self.curve(t, 1), self.curve(t, 2)
+        speed = np.linalg.norm(slope, axis=1)
+        hollow = (slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]) / speed**3
+        steeper = 2.0 * self.thickness * (self.taper - 1.0) * t
+        longer = 1.0 - self.wall(t) * hollow
+        return np.asarray(longer[:, None] * slope + steeper[:, None] * self._normals(t))
 
     def _normals(self, t: FloatArray) -> FloatArray:
         slope = self.curve(t, 1)
@@ -67,26 +103,32 @@ class RevolvedSkin(Skin):
             return self.base_radius, 0.0
         return float(curve[best, 0]), float(curve[best, 1])
 
-    def _end(self, offset: float, rim: Rim) -> float:
-        """Parameter at which the curve `offset` mm outside the meridian meets the base."""
-        if rim is Rim.RADIAL or offset == 0.0:
+    @property
+    def outer_widest(self) -> tuple[float, float]:
+        if self.taper == 1.0:
+            return super().outer_widest
+        outer = self._outside(np.linspace(0.0, self._end(1.0, Rim.FLAT), _TABLE))
+        best = int(outer[:, 0].argmax())
+        return float(outer[best, 0]), float(max(outer[best, 1], 0.0))
+
+    def _end(self, layer: float, rim: Rim) -> float:
+        """Parameter at which a layer of the wall meets the base."""
+        if rim is Rim.RADIAL or layer == 0.0:
             return 1.0
         t, _, _ = self._table
-        height = (self.curve(t) + offset * self._normals(t))[:, 1]
+        height = self._outside(t, layer)[:, 1]
         last = int(np.flatnonzero(height >= 0)[-1])
         low, high = float(t[last]), float(t[min(last + 1, len(t) - 1)])
         for _ in range(60):
             middle = (low + high) / 2
             at = np.array([middle])
-            above = (self.curve(at) + offset * self._normals(at))[0, 1] >= 0
+            above = self._outside(at, layer)[0, 1] >= 0
             low, high = (middle, high) if above else (low, middle)
         return low
 
     def point(self, disc: FloatArray, layer: float, rim: Rim = Rim.FLAT) -> FloatArray:
-        offset = layer * self.thickness
         s = np.hypot(disc[:, 0], disc[:, 1])
-        t = s * self._end(offset, rim)
-        place = self.curve(t) + offset * self._normals(t)
+        place = self._outside(s * self._end(layer, rim), layer)
         direction = np.divide(disc, s[:, None], out=np.zeros_like(disc), where=s[:, None] > 0)
         return np.column_stack([place[:, :1] * direction, place[:, 1]])
 
@@ -180,19 +222,24 @@ class RevolvedSkin(Skin):
         return points
 
     def touch(self, normal: FloatArray) -> FloatArray:
-        t = self._slope_at(float(np.arctan2(np.hypot(normal[0], normal[1]), normal[2])))
-        place = (self.curve(t) + self.thickness * self._normals(t))[0]
         across = np.hypot(normal[0], normal[1])
+        place = self._outside(self._highest(np.array([across, normal[2]])))[0]
         direction = np.array([normal[0], normal[1]]) / across if across > 0 else np.zeros(2)
         return np.array([*(place[0] * direction), place[1]])
 
-    def _slope_at(self, angle: float) -> FloatArray:
-        """Parameter (1,) at which the normal leans by an angle (rad) from the axis."""
-        low, high = 0.0, _BEYOND
+    @cached_property
+    def _outer_table(self) -> FloatArray:
+        return self._outside(self._table[0])
+
+    def _highest(self, way: FloatArray) -> FloatArray:
+        """Parameter (1,) at which the outer surface is farthest along a way (2,), nearest to the apex of several."""
+        t, height = self._table[0], self._outer_table @ way
+        best = int(np.flatnonzero(height >= height.max() - 1e-12 * self.base_radius)[0])
+        low, high = float(t[max(best - 1, 0)]), float(t[min(best + 1, len(t) - 1)])
         for _ in range(60):
             middle = (low + high) / 2
-            n = self._normals(np.array([middle]))[0]
-            low, high = (middle, high) if np.arctan2(n[0], n[1]) < angle else (low, middle)
+            rises = (self._outer_slopes(np.array([middle])) @ way)[0] > 0
+            low, high = (middle, high) if rises else (low, middle)
         return np.array([low])
 
     @property
@@ -201,8 +248,8 @@ class RevolvedSkin(Skin):
         return float(np.arctan2(n[0], n[1]))
 
     def rim_slope(self, rim: Rim) -> float:
-        n = self._normals(np.array([self._end(self.thickness, rim)]))[0]
-        return float(np.arctan2(n[0], n[1]))
+        slope = self._outer_slopes(np.array([self._end(1.0, rim)]))[0]
+        return float(np.arctan2(-slope[1], slope[0]))
 
     def clamp_depth(self, tilt: float, rim: Rim) -> float:
         normal = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
@@ -210,8 +257,24 @@ class RevolvedSkin(Skin):
         return float((self.touch(normal) - edge) @ normal / np.cos(tilt))
 
     def meridian(self, offset: float, *, down: bool) -> Outline:
-        t = np.linspace(0.0, self._end(offset, Rim.FLAT), _SECTION)
-        place = self.curve(t) + offset * self._normals(t)
+        if offset > 0:
+            layer = offset / self.thickness
+            place = self._outside(np.linspace(0.0, self._end(layer, Rim.FLAT), _SECTION), layer)
+        else:
+            place = self._parallel(offset)
         place[0, 0], place[-1, 1] = 0.0, 0.0
         points = place[1:] if down else place[-2::-1]
         return [SmoothCurve(tuple((float(x), float(z)) for x, z in points))]
+
+    def _parallel(self, offset: float) -> FloatArray:
+        """Points (n, 2) mm of the curve `offset` mm outside the meridian, from the axis to the base."""
+        t = self._table[0]
+        height = (self.curve(t) + offset * self._normals(t))[:, 1]
+        end = float(np.interp(0.0, -height[len(t) // 2 :], t[len(t) // 2 :])) if offset else 1.0
+        t = np.linspace(0.0, end, _SECTION)
+        return np.asarray(self.curve(t) + offset * self._normals(t))
+
+
+def plain_numbers(kind: str, numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """Numbers of a skin of revolution as a spec reads them; an even wall is not mentioned."""
+    return {"kind": kind, **{name: value for name, value in numbers.items() if name != "taper" or value != 1.0}}

@@ -45,7 +45,7 @@ class Skin(ABC):
     Attributes
     ----------
     height, base_radius, thickness
-        Of the inner surface's apex over the base, of its rim, and of the wall outward from it, mm.
+        Of the inner surface's apex over the base, of its rim, and of the wall outward from it at the apex, mm.
     """
 
     height: float
@@ -82,6 +82,11 @@ class Skin(ABC):
     @abstractmethod
     def widest(self) -> tuple[float, float]:
         """Greatest distance of the inner surface from the axis and its height over the base, mm."""
+
+    @property
+    def rim_thickness(self) -> float:
+        """Thickness of the wall at the rim, along the normal, mm; that at the apex unless a skin says otherwise."""
+        return self.thickness
 
     @abstractmethod
     def scaled(self, factor: float) -> Self:
@@ -172,7 +177,8 @@ class Skin(ABC):
     def meridian(self, offset: float, *, down: bool) -> Outline:
         """Half section (x, z) mm of the surface `offset` mm outside the inner one, apex to base (`down`) or back.
 
-        Its first point is left out, for an outline goes on from where it stands.
+        Its first point is left out, for an outline goes on from where it stands. Of a wall that is not even, an
+        offset above 0 is that at the apex, and elsewhere in proportion.
         """
 
     @property

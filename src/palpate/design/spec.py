@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any
 
-from pydantic import field_validator, model_validator
+from pydantic import SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 from pydantic_core import PydanticCustomError
 
 from palpate.core import PAPER, Spec, parameter
@@ -15,7 +15,7 @@ from palpate.design.skin import Skin
 
 
 class SkinSpec(Spec, ABC):
-    """A skin over a round base with a wall of even thickness, measured on its inner surface.
+    """A skin over a round base, measured on its inner surface.
 
     A skin of one's own adds its numbers and a ``kind`` that names it in files; a dome, the oldest, names none.
     """
@@ -44,6 +44,20 @@ class SkinSpec(Spec, ABC):
         PalpateError
             If there is none of these numbers.
         """
+
+
+class TaperedSpec(SkinSpec, ABC):
+    """A skin whose wall may grow or shrink from apex to rim."""
+
+    taper: float = parameter(
+        1.0, unit="1", meaning="thickness of the wall at the rim over that at the apex", ge=0.3, le=3
+    )
+
+    @model_serializer(mode="wrap")
+    def _leave_out_what_is_even(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A wall that is even is written as before there were others: artefacts keep their keys."""
+        content: dict[str, Any] = dump(self)
+        return {name: value for name, value in content.items() if name != "taper" or value != 1.0}
 
 
 class MountSpec(Spec):

@@ -30,7 +30,7 @@ def test_a_wrong_obstacle_is_refused_with_its_number_named(text: str, says: str)
 
 
 @pytest.mark.parametrize(
-    "text", ["cone", "ellipsoid:aspect", "ellipsoid:aspect=9", "ellipsoid:weight=1", "dome:aspect=1"]
+    "text", ["pyramid", "ellipsoid:aspect", "ellipsoid:aspect=9", "ellipsoid:weight=1", "dome:aspect=1"]
 )
 def test_a_wrong_skin_is_refused(text: str) -> None:
     with pytest.raises(PalpateError, match="skin"):

@@ -1,0 +1,134 @@
+"""A skin whose meridian is a spline through points: any smooth shape of revolution."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from itertools import chain
+from typing import Any, Literal, Self, final
+
+import numpy as np
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
+from scipy.interpolate import CubicSpline
+
+from palpate.core import FloatArray, PalpateError
+from palpate.design.revolved import RevolvedSkin, plain_numbers
+from palpate.design.spec import TaperedSpec
+
+_SAMPLES = 400
+_TIGHTEST = 0.9
+"""Greatest share of a hollow's radius of curvature that the wall may fill: beyond 1 the outer surface folds."""
+
+
+@final
+class SplineSpec(TaperedSpec):
+    """Skin whose meridian is a cubic spline from the apex through points to the rim."""
+
+    kind: Literal["spline"] = "spline"
+    points: tuple[tuple[float, float], ...] = Field(
+        ((0.5, 0.866),),
+        description="points of the meridian between apex and rim: distance from the axis over the base radius, and "
+        "height over the skin's",
+    )
+
+    @field_validator("points")
+    @classmethod
+    def _points_stand_over_the_base(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        for rho, z in points:
+            if not (0 < rho <= 3 and 0 < z <= 1.5):
+                raise PydanticCustomError(
+                    "point_not_over_the_base",
+                    "the point ({rho}, {z}) is not within 0 to 3 base radii of the axis and 0 to 1.5 heights",
+                    {"rho": f"{rho:g}", "z": f"{z:g}"},
+                )
+        return points
+
+    def build(self) -> Spline:
+        made = Spline(self.height, self.base_radius, self.thickness, self.points, self.taper)
+        made.refuse()
+        return made
+
+
+@final
+@dataclass(frozen=True)
+class Spline(RevolvedSkin):
+    """Cubic spline over the length of its chords, level at the apex; its last two pieces are one.
+
+    Attributes
+    ----------
+    height, base_radius, thickness, taper
+        See `RevolvedSkin`, mm.
+    points
+        (rho, z) between apex and rim, over base radius and height.
+    """
+
+    height: float
+    base_radius: float
+    thickness: float
+    points: tuple[tuple[float, float], ...]
+    taper: float = 1.0
+
+    @property
+    def name(self) -> str:
+        return f"spline {' '.join(f'{x:g}' for x in chain(*self.points))} {super().name}"
+
+    @property
+    def shape(self) -> str:
+        return f"skin of revolution through {len(self.points)} points of its meridian"
+
+    @property
+    def spec_data(self) -> dict[str, Any]:
+        return plain_numbers("spline", asdict(self) | {"points": [list(point) for point in self.points]})
+
+    @property
+    def radius(self) -> float:
+        """``ρ'² / -z''`` at the apex."""
+        zero = np.zeros(1)
+        bend = -float(self.curve(zero, 2)[0, 1])
+        return float(self.curve(zero, 1)[0, 0]) ** 2 / bend if bend > 0 else np.inf
+
+    def scaled(self, factor: float) -> Self:
+        sizes = (factor * self.height, factor * self.base_radius, factor * self.thickness)
+        return type(self)(*sizes, self.points, self.taper)
+
+    @cached_property
+    def _splines(self) -> tuple[CubicSpline, CubicSpline]:
+        between = np.array(self.points).reshape(-1, 2) * [self.base_radius, self.height]
+        knots = np.vstack([[0.0, self.height], between, [self.base_radius, 0.0]])
+        chords = np.linalg.norm(np.diff(knots, axis=0), axis=1)
+        t = np.concatenate([[0.0], np.cumsum(chords)]) / chords.sum()
+        bent, level, free = (2, 0.0), (1, 0.0), "not-a-knot"
+        return CubicSpline(t, knots[:, 0], bc_type=(bent, free)), CubicSpline(t, knots[:, 1], bc_type=(level, free))
+
+    def curve(self, t: FloatArray, order: int = 0) -> FloatArray:
+        inside = np.minimum(t, 1.0)
+        found = np.column_stack([each(inside, order) for each in self._splines])
+        beyond = (t - inside)[:, None]
+        if order == 0:
+            return np.asarray(found + beyond * np.column_stack([each(inside, 1) for each in self._splines]))
+        return np.asarray(np.where((beyond > 0) & (order > 1), 0.0, found))
+
+    def refuse(self) -> None:
+        """Refuse a meridian that crosses the axis or the base, or is so hollow that the wall would fold.
+
+        Raises
+        ------
+        PalpateError
+            If it does.
+        """
+        t = np.linspace(0.0, 1.0, _SAMPLES)
+        curve, slope, bend = (self.curve(t, order) for order in (0, 1, 2))
+        if curve[1:, 0].min() <= 0 or curve[:-1, 1].min() <= 0:
+            raise PalpateError(
+                f"The meridian of {self.name} crosses the axis or the base between its points.",
+                "Set more points, or points farther from them.",
+            )
+        hollow = (slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]) / np.linalg.norm(slope, axis=1) ** 3
+        fill = float((hollow * self.wall(t)).max())
+        if fill > _TIGHTEST:
+            raise PalpateError(
+                f"The meridian is hollow with a radius of {1 / hollow.max():.3g} mm, and its wall "
+                f"{self.thickness:g} mm thick: the outer surface would fold.",
+                "Take a thinner wall or points that bend less.",
+            )
