@@ -67,7 +67,7 @@ class PressFlags:
 
     def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
         """What is pressed: mesh, material and obstacle of these flags."""
-        return mesh_skin(self.build(), self.mesh), self.material.material(), self.pressed_by()
+        return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.pressed_by()
 
 
 @Parameter(name="*")

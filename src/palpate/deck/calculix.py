@@ -234,7 +234,13 @@ def stored_energy(mesh: Mesh, material: Material, displacement: FloatArray) -> f
     jacobian = np.einsum("eai,gaj->egij", rest, local)
     slope = np.einsum("gaj,egji->egai", local, np.linalg.inv(jacobian))
     F = np.eye(3) + np.einsum("eai,egaj->egij", displacement[mesh.cells], slope)
-    isochoric, _, _ = material.evaluate(F.reshape(-1, 3, 3))
-    volumetric = 0.5 * material.bulk_modulus * (np.linalg.det(F) - 1) ** 2
-    density = isochoric.reshape(volumetric.shape) + volumetric
-    return float((density * np.linalg.det(jacobian) * weights).sum())
+    volume = np.linalg.det(jacobian) * weights
+    parts = [(slice(mesh.filling, None), material)]
+    if material.gel is not None:
+        parts.append((slice(mesh.filling), material.gel))
+    stored = 0.0
+    for cells, own in parts:
+        isochoric, _, _ = own.evaluate(F[cells].reshape(-1, 3, 3))
+        volumetric = 0.5 * own.bulk_modulus * (np.linalg.det(F[cells]) - 1) ** 2
+        stored += float(((isochoric.reshape(volumetric.shape) + volumetric) * volume[cells]).sum())
+    return stored

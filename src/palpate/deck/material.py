@@ -20,8 +20,8 @@ _NO_TERM = {Dialect.ABAQUS: 0.0, Dialect.CALCULIX: 1e12}
 """D2 and D3 that leave their terms out: 0 in Abaqus, which CalculiX would replace by a default of its own."""
 
 
-def material_lines(material: Material, dialect: Dialect) -> Iterator[str]:
-    """Lines of the material SILICONE.
+def material_lines(material: Material, dialect: Dialect, name: str = "SILICONE") -> Iterator[str]:
+    """Lines of the material, and of one named FILLING where it has a gel inside.
 
     Raises
     ------
@@ -35,10 +35,12 @@ def material_lines(material: Material, dialect: Dialect) -> Iterator[str]:
         f"** volumetric part K/2 (J-1)^2, K = {material.bulk_modulus:.6g} MPa = {material.bulk_ratio:g} mu "
         f"(Poisson's ratio {material.poisson_ratio:.6f}): D1 = 2/K"
     )
-    yield "*MATERIAL, NAME=SILICONE"
+    yield f"*MATERIAL, NAME={name}"
     yield f"*HYPERELASTIC, {model}"
     for at in range(0, len(constants), _PER_LINE):
         yield ", ".join(f"{value:.10g}" for value in constants[at : at + _PER_LINE])
+    if material.gel is not None:
+        yield from material_lines(material.gel, dialect, "FILLING")
 
 
 def hyperelastic(law: Law, d1: float, no_term: float = 0.0) -> tuple[str, list[float]]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.core import FloatArray, IntArray
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.deck.spec import DeckElement, Dialect
 from palpate.mechanics import BRICK
 from palpate.mesh import Mesh
@@ -65,7 +65,8 @@ def deck_mesh(mesh: Mesh, dialect: Dialect, element: DeckElement) -> DeckMesh:
 
 def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
     elements = mesh.cells[:, BRICK]
-    used = np.unique(elements)
+    used, fill = np.unique(elements), mesh.filling
+    parts = {"GEL": np.arange(fill), "SKIN": np.arange(fill, len(elements))} if fill else {}
     first_outer = len(mesh.cells) - len(mesh.outer_faces)
     return DeckMesh(
         kind="C3D20R" if dialect is Dialect.CALCULIX else "C3D20RH",
@@ -81,7 +82,8 @@ def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
         },
         element_sets={
             "DOME": np.arange(len(elements)),
-            "INNER_CELLS": np.arange(len(mesh.inner_faces)),
+            **parts,
+            "INNER_CELLS": np.arange(fill, fill + len(mesh.inner_faces)),
             "OUTER_CELLS": np.arange(first_outer, len(elements)),
         },
         surfaces={"INNER_FACE": ("INNER_CELLS", "S1"), "OUTER_FACE": ("OUTER_CELLS", "S2")},
@@ -89,6 +91,8 @@ def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
 
 
 def _shell(mesh: Mesh) -> DeckMesh:
+    if mesh.filling:
+        raise PalpateError("A filled skin is no shell.", "Write the deck with --element solid.")
     layers = mesh.spec.layers
     level = len(mesh.nodes) // (2 * layers + 1) * layers
     faces = mesh.inner_faces + level

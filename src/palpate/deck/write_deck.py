@@ -114,7 +114,9 @@ def _sections(mesh: Mesh, spec: DeckSpec) -> Iterator[str]:
         yield f"{mesh.skin.thickness:.10g}, 5"
         return
     yield "** Section: solid"
-    yield "*SOLID SECTION, ELSET=DOME, MATERIAL=SILICONE"
+    yield f"*SOLID SECTION, ELSET={'SKIN' if mesh.filling else 'DOME'}, MATERIAL=SILICONE"
+    if mesh.filling:
+        yield "*SOLID SECTION, ELSET=GEL, MATERIAL=FILLING"
     if spec.dialect is Dialect.CALCULIX:
         yield "*MATERIAL, NAME=STIFF"
         yield "*ELASTIC"

@@ -8,11 +8,11 @@ from itertools import chain
 from typing import Any, Literal, Self, final
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import field_validator
 from pydantic_core import PydanticCustomError
 from scipy.interpolate import CubicSpline
 
-from palpate.core import FloatArray, PalpateError
+from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design.revolved import RevolvedSkin, plain_numbers
 from palpate.design.spec import TaperedSpec
 
@@ -26,10 +26,11 @@ class SplineSpec(TaperedSpec):
     """Skin whose meridian is a cubic spline from the apex through points to the rim."""
 
     kind: Literal["spline"] = "spline"
-    points: tuple[tuple[float, float], ...] = Field(
+    points: tuple[tuple[float, float], ...] = parameter(
         ((0.5, 0.866),),
-        description="points of the meridian between apex and rim: distance from the axis over the base radius, and "
-        "height over the skin's",
+        unit="1",
+        meaning="points of the meridian between apex and rim: distance from the axis and height, over base radius "
+        "and height",
     )
 
     @field_validator("points")

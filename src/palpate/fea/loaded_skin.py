@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.core import PalpateError
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mechanics import ContactLaw, ContactLoading, OuterSurface, Solid, SolverSpec
@@ -18,7 +19,12 @@ def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid
     fixed = np.zeros((len(mesh.nodes), 3), bool)
     fixed[mesh.base] = True
     fixed[mesh.mirror] |= np.array([not across, across, across])
-    return Solid(mesh.nodes, mesh.cells, material, fixed)
+    if material.gel is not None and not mesh.filling:
+        raise PalpateError(
+            f"The material fills the skin with {material.gel.name}, and the mesh is hollow.",
+            "Mesh the filling too: MeshSpec(filled=True).",
+        )
+    return Solid(mesh.nodes, mesh.cells, material, fixed, mesh.filling)
 
 
 def load_surface(

@@ -12,7 +12,8 @@ from palpate.mesh import gauss_points, shape_hexahedron
 
 def held_solid(press: Press) -> Solid:
     """The press's body with every node held: nothing is solved, so no pattern of a matrix is made."""
-    return Solid(press.mesh.nodes, press.mesh.cells, press.material, np.ones_like(press.mesh.nodes, bool))
+    mesh = press.mesh
+    return Solid(mesh.nodes, mesh.cells, press.material, np.ones_like(mesh.nodes, bool), mesh.filling)
 
 
 def nodal_von_mises(press: Press) -> FloatArray:
@@ -38,7 +39,7 @@ def nodal_stress(solid: Solid, u: FloatArray) -> FloatArray:
     cells = solid.cells
     F = np.eye(3) + np.einsum("eai,eqaj->eqij", u[cells.nodes], cells.gradient)
     swelling = np.einsum("eq,qk,eq->ek", cells.weight, cells.basis, np.linalg.det(F) - 1.0)
-    p = solid.material.bulk_modulus * np.einsum("ekm,em->ek", cells.inverse_mass, swelling)
+    p = solid.bulk[:, None] * np.einsum("ekm,em->ek", cells.inverse_mass, swelling)
     at_points = cauchy_stress(solid, State(np.ascontiguousarray(u), p))
     to_nodes = np.linalg.inv(shape_hexahedron(gauss_points(GAUSS)[0])[0])
     at_nodes = np.einsum("aq,eqk->eak", to_nodes, at_points)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, PalpateError
 from palpate.fea.derivative import differentiate_states, follow_derivatives, gather_derivatives
 from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
@@ -74,6 +74,8 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
+    if branch is Branch.INVERTED and mesh.filling:
+        raise PalpateError("A filled skin has no inverted state.", "Press it from rest.")
     mesh = refine(mesh) if branch is Branch.INVERTED else mesh
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.axisymmetric else mesh
     reachable = wall.clamp_depth(mesh)

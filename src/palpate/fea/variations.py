@@ -74,7 +74,7 @@ def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, .
     contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
     if not isinstance(wall, WallSpec):
         contact = [name for name in contact if name in ("depth", "shift", "shift_across", "friction")]
-    skin = [name for name, value in mesh.skin.spec_data.items() if isinstance(value, float)]
+    skin = [name for name, value in mesh.skin.spec_data.items() if isinstance(value, float) and not mesh.filling]
     return (*contact, *skin, *material.key_data()["constants"])
 
 

@@ -66,8 +66,11 @@ def material_from_data(data: dict[str, Any]) -> Material:
     Parameters
     ----------
     data
-        With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``.
+        With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``, and ``gel`` where it fills a skin.
     """
+    if "gel" in data:
+        wall = {name: value for name, value in data.items() if name != "gel"}
+        return replace(material_from_data(wall), gel=material_from_data(data["gel"]))
     made = LAWS.get(data["law"]).from_constants(data["constants"])
     if data["name"] not in library_names():
         return Material(data["name"], made, data["bulk_ratio"])

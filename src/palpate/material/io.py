@@ -98,13 +98,14 @@ def _make(content: dict[str, Any], name: str) -> Material:
     if not isinstance(ends, list) or len(ends) != 2:
         raise PalpateError(f"{name}: stretch_range is not two numbers.", "Write [0.5, 5.0].")
     low, high = (_number(end, "stretch_range", name, finite=False) for end in ends)
+    texts: dict[str, Any] = {key: str(content.get(key, "")).strip() for key in _TEXTS}
     try:
         return Material(
             name=str(content["name"]),
             law=LAWS.get(str(content["law"])).from_constants(numbers),
             bulk_ratio=_number(content.get("bulk_ratio", DEFAULT_BULK_RATIO), "bulk_ratio", name),
             stretch_range=(low, high),
-            **{key: str(content.get(key, "")).strip() for key in _TEXTS},
+            **texts,
         )
     except PalpateError as error:
         raise PalpateError(f"{name}: {error.what}", error.remedy) from None

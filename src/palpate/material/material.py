@@ -36,6 +36,8 @@ class Material:
         How well the law fits its data.
     caution
         What a user must know.
+    gel
+        What fills a skin of this material, tied to it and to its window; `None`: it is hollow.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Material:
     licence: str = ""
     quality: str = ""
     caution: str = ""
+    gel: Material | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.law.shear_modulus) and self.law.shear_modulus > 0):
@@ -76,8 +79,9 @@ class Material:
         return replace(self, bulk_ratio=bulk_ratio)
 
     def key_data(self) -> dict[str, Any]:
-        """Return the identity as plain values: law, constants (MPa) and bulk ratio; the name does not matter."""
-        return {"law": self.law.name, "constants": self.law.constants, "bulk_ratio": self.bulk_ratio}
+        """Return the identity as plain values: law, constants (MPa), bulk ratio, gel; the name does not matter."""
+        own = {"law": self.law.name, "constants": self.law.constants, "bulk_ratio": self.bulk_ratio}
+        return own if self.gel is None else {**own, "gel": {"name": self.gel.name, **self.gel.key_data()}}
 
     def evaluate(self, F: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Evaluate the isochoric part at many deformation gradients.

@@ -237,7 +237,7 @@ def deform_cells(cells: Cells, u: FloatArray, F: FloatArray) -> bool:
 
 @kernel
 def assemble_cells(
-    cells: Cells, response: Response, bulk: float, p: FloatArray, system: System, condensed: Condensed
+    cells: Cells, response: Response, bulk: FloatArray, p: FloatArray, system: System, condensed: Condensed
 ) -> float:
     """Assemble the condensed tangent and residual of all cells.
 
@@ -248,7 +248,7 @@ def assemble_cells(
     response
         What the law answers at the Gauss points.
     bulk
-        Bulk modulus, MPa.
+        (n_cells,) bulk modulus, MPa.
     p
         (n_cells, 4) MPa pressure.
     system
@@ -266,6 +266,7 @@ def assemble_cells(
     r = np.empty(DOFS)
     energy = 0.0
     for e in range(len(cells.nodes)):
+        own = bulk[e]
         cell = _Cell(K, S, r, condensed.coupling[e], condensed.volume_residual[e])
         K[:, :] = 0.0
         S[:, :] = 0.0
@@ -280,27 +281,28 @@ def assemble_cells(
             pressure = 0.0
             for k in range(PRESSURES):
                 pressure += cells.basis[q, k] * p[e, k]
-            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * bulk))
+            energy += w * (pressure * (J - 1.0) - pressure * pressure / (2.0 * own))
             add_volumetric(pressure * J, tau, c)
             _add_stress_divergence(w, g, tau, r, S)
             _add_material_stiffness(w, g, c, DB, K)
             for k in range(PRESSURES):
                 wb = w * cells.basis[q, k]
-                cell.rp[k] += wb * (J - 1.0 - pressure / bulk)
+                cell.rp[k] += wb * (J - 1.0 - pressure / own)
                 for a in range(NODES):
                     for i in range(3):
                         cell.C[k, 3 * a + i] += wb * J * g[a, i]
-        _condense(bulk, cells.inverse_mass[e], cell)
+        _condense(own, cells.inverse_mass[e], cell)
         _scatter(cells.nodes[e], cell, cells.place[e], system)
     return energy
 
 
 @kernel
-def add_residual(cells: Cells, response: Response, bulk: float, p: FloatArray, residual: FloatArray) -> None:
+def add_residual(cells: Cells, response: Response, bulk: FloatArray, p: FloatArray, residual: FloatArray) -> None:
     """Add the condensed residual of all cells alone to (3 n,) N; parameters as in `assemble_cells`."""
     g, r, C = np.empty((NODES, 3)), np.empty(DOFS), np.empty((PRESSURES, DOFS))
     rp, tau = np.empty(PRESSURES), np.empty(6)
     for e in range(len(cells.nodes)):
+        own = bulk[e]
         r[:] = 0.0
         C[:, :] = 0.0
         rp[:] = 0.0
@@ -313,7 +315,7 @@ def add_residual(cells: Cells, response: Response, bulk: float, p: FloatArray, r
             for k in range(6):
                 tau[k] = response.tau[e, q, k] + (pressure * J if k < 3 else 0.0)
             for k in range(PRESSURES):
-                rp[k] += w * cells.basis[q, k] * (J - 1.0 - pressure / bulk)
+                rp[k] += w * cells.basis[q, k] * (J - 1.0 - pressure / own)
             for a in range(NODES):
                 x, y, z = g[a, 0], g[a, 1], g[a, 2]
                 r[3 * a] += w * (tau[0] * x + tau[3] * y + tau[5] * z)
@@ -325,7 +327,7 @@ def add_residual(cells: Cells, response: Response, bulk: float, p: FloatArray, r
         for k in range(PRESSURES):
             factor = 0.0
             for m in range(PRESSURES):
-                factor += bulk * cells.inverse_mass[e, k, m] * rp[m]
+                factor += own * cells.inverse_mass[e, k, m] * rp[m]
             for j in range(DOFS):
                 r[j] += factor * C[k, j]
         for j in range(DOFS):
@@ -365,7 +367,7 @@ def _scatter(nodes: IntArray, cell: _Cell, place: IntArray, system: System) -> N
 
 
 @kernel
-def recover_pressure(cells: Cells, bulk: float, condensed: Condensed, du: FloatArray, dp: FloatArray) -> None:
+def recover_pressure(cells: Cells, bulk: FloatArray, condensed: Condensed, du: FloatArray, dp: FloatArray) -> None:
     """Write the pressure increments ``dp = K M^-1 (C du + r_p)``.
 
     Parameters
@@ -388,4 +390,4 @@ def recover_pressure(cells: Cells, bulk: float, condensed: Condensed, du: FloatA
             total = 0.0
             for m in range(PRESSURES):
                 total += cells.inverse_mass[e, k, m] * rhs[m]
-            dp[e, k] = bulk * total
+            dp[e, k] = bulk[e] * total

@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from palpate.core import BoolArray, FloatArray, IntArray
+from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.material import Material
 from palpate.mechanics.element import (
     DOFS,
@@ -102,10 +102,14 @@ class Solid(Body):
         The material.
     fixed
         (n, 3) bool, True where the displacement is prescribed (its value stands in the state).
+    filling
+        How many of the cells, the first, are of the material's gel.
     """
 
-    def __init__(self, nodes: FloatArray, cells: IntArray, material: Material, fixed: BoolArray) -> None:
-        self.nodes, self.material, self.fixed = nodes, material, fixed
+    def __init__(
+        self, nodes: FloatArray, cells: IntArray, material: Material, fixed: BoolArray, filling: int = 0
+    ) -> None:
+        self.nodes, self.material, self.fixed, self.filling = nodes, material, fixed, filling
         cells = np.ascontiguousarray(cells, dtype=np.int64)
         self.shape = shape_hexahedron(gauss_points(GAUSS)[0])[0]
         self.equation = np.full(nodes.size, -1, np.int64)
@@ -117,6 +121,7 @@ class Solid(Body):
         self.nodal_volume = np.zeros(len(nodes))
         np.add.at(self.nodal_volume, cells, np.einsum("eg,ga->ea", self.cells.weight, self.shape**2))
         self.shear_modulus = material.law.shear_modulus
+        self.bulk = self._bulk()
         self._F = np.empty((*self.cells.weight.shape, 3, 3))
         self._condensed = Condensed(np.empty((len(cells), PRESSURES, DOFS)), np.empty((len(cells), PRESSURES)))
 
@@ -132,19 +137,20 @@ class Solid(Body):
         response = self.respond(state)
         if response is None:
             return np.inf
-        return assemble_cells(self.cells, response, self.material.bulk_modulus, state.p, system, self._condensed)
+        return assemble_cells(self.cells, response, self.bulk, state.p, system, self._condensed)
 
     def add_residual(self, state: State, residual: FloatArray) -> None:
         """Add the condensed residual (3 n,) N alone to `residual`; the state must not turn a cell inside out."""
         response = self.respond(state)
         if response is not None:
-            add_residual(self.cells, response, self.material.bulk_modulus, state.p, residual)
+            add_residual(self.cells, response, self.bulk, state.p, residual)
 
     def remade(self, nodes: FloatArray, material: Material) -> Solid:
         """The same cells and unknowns with other nodes (n, 3) mm and another material."""
         other = copy(self)
         other.nodes, other.material = nodes, material
         other.shear_modulus = material.law.shear_modulus
+        other.bulk = other._bulk()
         other.cells = Cells(
             nodes=self.cells.nodes, basis=self.cells.basis, place=self.place, **_tables(nodes, self.cells.nodes)
         )
@@ -154,14 +160,39 @@ class Solid(Body):
         """What the law answers at the Gauss points; `None` where a cell is turned inside out."""
         if not deform_cells(self.cells, state.u, self._F):
             return None
-        found = self.material.evaluate(self._F.reshape(-1, 3, 3))
-        energy, tau, c = (np.require(each, np.float64, ("C", "W")) for each in found)  # a law may be another's
+        energy, tau, c = self._evaluate(self._F.reshape(-1, 3, 3))
         shape = self.cells.weight.shape
         return Response(self._F, energy.reshape(shape), tau.reshape(*shape, 6), c.reshape(*shape, 6, 6))
 
+    def _evaluate(self, F: FloatArray) -> tuple[FloatArray, ...]:
+        """What the laws answer at (n, 3, 3) deformation gradients: energy, stress and tangent."""
+        inside = self.filling * self.cells.weight.shape[1]
+        if not inside:
+            found: tuple[FloatArray, ...] = self.material.evaluate(F)
+        else:
+            parts = self._gel.evaluate(F[:inside]), self.material.evaluate(F[inside:])
+            found = tuple(np.concatenate(pair) for pair in zip(*parts, strict=True))
+        return tuple(np.require(each, np.float64, ("C", "W")) for each in found)  # a law may be another's
+
+    @property
+    def _gel(self) -> Material:
+        if self.material.gel is None:
+            raise PalpateError(
+                f"The skin is filled, and the material {self.material.name} names no gel.",
+                "Name one, or leave it hollow.",
+            )
+        return self.material.gel
+
+    def _bulk(self) -> FloatArray:
+        """Bulk modulus (n_cells,) MPa."""
+        bulk = np.full(len(self.cells.nodes), self.material.bulk_modulus)
+        if self.filling:
+            bulk[: self.filling] = self._gel.bulk_modulus
+        return bulk
+
     def recover_pressure(self, du: FloatArray) -> FloatArray:
         dp = np.empty((len(self.cells.nodes), PRESSURES))
-        recover_pressure(self.cells, self.material.bulk_modulus, self._condensed, du, dp)
+        recover_pressure(self.cells, self.bulk, self._condensed, du, dp)
         return dp
 
 

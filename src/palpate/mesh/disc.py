@@ -33,10 +33,17 @@ class DiscGrid:
         (n, 2) nodes.
     cells
         (n_cells, 9) node numbers, lexicographic, counter-clockwise.
+    core
+        (rows, columns) node numbers of the core, rows along y, columns along x.
+    sides
+        (rows, columns) node numbers of the rings beside each side of the core, rows along it, columns outward; of the
+        sides +x, +y, -x, -y, the third only of a whole disc.
     """
 
     points: FloatArray
     cells: IntArray
+    core: IntArray
+    sides: tuple[IntArray, ...]
 
 
 def grid_disc(core: int, rings: int, *, whole: bool) -> DiscGrid:
@@ -91,15 +98,18 @@ def _ring_patch(side: int, along: FloatArray, rings: int, size: float) -> FloatA
 
 def _join(patches: list[FloatArray]) -> DiscGrid:
     points, cells, start = [], [], 0
+    blocks: list[IntArray] = []
+    number: IntArray
     for patch in patches:
         rows, columns = patch.shape[:2]
         number = start + np.arange(rows * columns).reshape(rows, columns)
-        blocks = np.stack(
-            [number[j : rows - 2 + j : 2, i : columns - 2 + i : 2] for j in range(3) for i in range(3)], -1
-        )
-        cells.append(blocks.reshape(-1, 9))
+        faces = [number[j : rows - 2 + j : 2, i : columns - 2 + i : 2] for j in range(3) for i in range(3)]
+        cells.append(np.stack(faces, -1).reshape(-1, 9))
+        blocks.append(number)
         points.append(patch.reshape(-1, 2))
         start += rows * columns
     every = np.concatenate(points)
     _, first, merged = np.unique(np.round(every, 9) + 0.0, axis=0, return_index=True, return_inverse=True)
-    return DiscGrid(points=every[first], cells=merged.ravel()[np.concatenate(cells)])
+    number = merged.ravel()
+    named = [number[block] for block in blocks]
+    return DiscGrid(every[first], number[np.concatenate(cells)], named[0], tuple(named[1:]))

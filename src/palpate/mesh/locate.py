@@ -59,7 +59,7 @@ def locate_nodes(mesh: Mesh, other: Mesh) -> SurfacePoints:
     """Locate the nodes of another mesh of the same skin, of as many layers, half or whole alike."""
     layers = 2 * mesh.spec.layers + 1
     first = _locate(mesh, other.inner_disc[: len(other.inner_disc) // layers])
-    above = np.repeat(np.arange(layers) * (len(mesh.nodes) // layers), len(first.nodes))[:, None]
+    above = np.repeat(np.arange(layers) * (len(mesh.inner_disc) // layers), len(first.nodes))[:, None]
     return SurfacePoints(np.tile(first.nodes, (layers, 1)) + above, np.tile(first.weights, (layers, 1)))
 
 

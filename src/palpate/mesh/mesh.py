@@ -20,13 +20,15 @@ class Mesh:
     nodes
         (n, 3) mm, dome's frame.
     cells
-        (n_cells, 27) node numbers, lexicographic; the third local axis runs from inner to outer surface.
+        (n_cells, 27) node numbers, lexicographic; the third local axis runs from inner to outer surface. Those that
+        fill the skin are the first.
     inner_faces, outer_faces
         (n_faces, 9) node numbers of the 9-node faces of the two surfaces.
     inner_disc
-        (n, 2) place of every node on the unit disc (polar angle over that of the rim, azimuth).
+        (n, 2) place of every node of the wall, which are the first, on the unit disc (polar angle over that of the
+        rim, azimuth).
     base
-        Nodes of the base annulus, fixed in x, y and z.
+        Nodes of the base annulus, and of a filling bonded to its window, fixed in x, y and z.
     mirror
         Nodes of the mirror plane x = 0 (empty for a whole dome).
     pole
@@ -34,6 +36,8 @@ class Mesh:
         where it is the apex as yet.
     pole_inner, pole_outer
         Node at the pole of each surface.
+    filling
+        How many of the cells fill the skin.
     """
 
     skin: Skin
@@ -48,3 +52,4 @@ class Mesh:
     pole: FloatArray | None
     pole_inner: int
     pole_outer: int
+    filling: int = 0

@@ -8,7 +8,8 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.design import Skin
-from palpate.mesh.disc import grid_disc
+from palpate.mesh.disc import DiscGrid, grid_disc
+from palpate.mesh.fill import fill_hollow
 from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec
@@ -22,6 +23,8 @@ _FARTHEST_POLE = 0.35
 _GRADING_HIGH, _GRADING_LOW = 0.2, -0.3
 """Share by which cells at the pole are smaller than the mean, those at the rim larger: of a skin at least as high as
 its base radius, whose pole bears the contact, and of one at most half as high, whose clamp does."""
+_FILLED_CELLS, _FILLED_CORE = 10, 3
+"""Cells of a meridian of a filled skin, and its core: a block of cells stands under it."""
 _CELLS, _MORE_CELLS, _THICK = 14.0, 40.0, 0.1
 """Cells a radian of the meridian of a thin wall, how many more of a thick one over T/r, and where thick begins
 (docs/decisions/0063)."""
@@ -47,9 +50,12 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
     """
     spec = spec or MeshSpec()
     if spec.cells is None:
-        spec = spec.model_copy(update={"cells": default_cells(skin)})
+        spec = spec.model_copy(update={"cells": _FILLED_CELLS if spec.filled else default_cells(skin)})
     cells = spec.cells or 0
-    core = spec.core or default_core(skin, cells, centred=pole is not None)
+    if spec.filled:
+        core = spec.core or min(_FILLED_CORE, cells - 1)
+    else:
+        core = spec.core or default_core(skin, cells, centred=pole is not None)
     grid = grid_disc(core, max(cells - core, 1), whole=spec.whole)
     place = _grade(skin, grid.points)
     if pole is not None:
@@ -65,7 +71,7 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
     middle = int(np.argmin(np.hypot(*grid.points.T)))
     through = (np.arange(steps) * n)[:, None]
     nodes[(through + on_mirror).ravel(), 0] = 0.0
-    return Mesh(
+    made = Mesh(
         skin=skin,
         spec=spec,
         nodes=nodes,
@@ -78,6 +84,25 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
         pole=pole,
         pole_inner=middle,
         pole_outer=middle + (steps - 1) * n,
+    )
+    return _fill(made, grid) if spec.filled else made
+
+
+def _fill(mesh: Mesh, grid: DiscGrid) -> Mesh:
+    """The mesh with its hollow filled."""
+    n = len(mesh.nodes)
+    fill = fill_hollow(grid, mesh.nodes[: len(grid.points)], n, whole=mesh.spec.whole)
+    nodes = np.concatenate([mesh.nodes, fill.nodes])
+    inside = np.arange(n, len(nodes))
+    on_mirror = inside[:0] if mesh.spec.whole else inside[np.abs(fill.nodes[:, 0]) < 1e-9 * mesh.skin.base_radius]
+    nodes[on_mirror, 0] = 0.0
+    return replace(
+        mesh,
+        nodes=nodes,
+        cells=np.concatenate([fill.cells, mesh.cells]),
+        base=np.concatenate([mesh.base, fill.base]),
+        mirror=np.concatenate([mesh.mirror, on_mirror]),
+        filling=len(fill.cells),
     )
 
 

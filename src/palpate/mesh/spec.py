@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from pydantic import SerializerFunctionWrapHandler, model_serializer
+
 from palpate.core import Spec, parameter
 from palpate.design import Rim
 
@@ -29,3 +33,12 @@ class MeshSpec(Spec):
     layers: int = parameter(1, unit="1", meaning="cells through the thickness", ge=1, le=8)
     rim: Rim = parameter(Rim.FLAT, unit="", meaning="base cut flat at z = 0, or radially from the sphere's centre")
     whole: bool = parameter(False, unit="", meaning="solve the whole dome, not its half")
+    filled: bool = parameter(
+        False, unit="", meaning="mesh what fills the skin too; so where the material names a gel"
+    )
+
+    @model_serializer(mode="wrap")
+    def _leave_out_what_is_hollow(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A hollow skin is written as before there were others: artefacts keep their keys."""
+        content: dict[str, Any] = dump(self)
+        return {name: value for name, value in content.items() if name != "filled" or value}

@@ -124,7 +124,7 @@ def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     """The twin of one skin of a study."""
     asked = study.built or BuiltSpec()
-    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted else ()
+    inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
     return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))
 
 
@@ -145,7 +145,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
             changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.image_step}
             yield PressTask(
                 skin=skin,
-                mesh=study.mesh,
+                mesh=study.material.mesh(study.mesh),
                 material=study.material.material(),
                 wall=study.wall.model_copy(update=changed),
                 solver=solver,
@@ -163,7 +163,7 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: BuiltSpec) -> Iterator[Pre
             changed["contact"] = round(1.0 / slip, 6) if slip > 0 else "no-slip"
         yield PressTask(
             skin=skin,
-            mesh=study.mesh,
+            mesh=study.material.mesh(study.mesh),
             material=study.material.material(),
             wall=study.wall.model_copy(update=changed),
             solver=study.solver,

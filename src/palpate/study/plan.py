@@ -97,7 +97,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     for tilt_deg in study.tilts_deg:
         yield PressTask(
             skin=skin,
-            mesh=study.mesh,
+            mesh=study.material.mesh(study.mesh),
             material=study.material.material(),
             wall=study.wall.model_copy(update={"tilt_deg": tilt_deg}),
             solver=study.solver,

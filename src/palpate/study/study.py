@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -93,19 +94,32 @@ class MaterialSpec(Spec):
         le=1e7,
     )
 
-    @field_validator("name")
+    gel: str | None = parameter(
+        None,
+        unit="",
+        meaning="what fills the skin, tied to it and to its window: a material as above; empty: it is hollow",
+    )
+
+    @field_validator("name", "gel")
     @classmethod
-    def _is_known(cls, name: str) -> str:
+    def _is_known(cls, name: str | None) -> str | None:
         try:
-            get_material(name)
+            if name is not None:
+                get_material(name)
         except PalpateError as error:
             raise PydanticCustomError("unknown_material", "{says}", {"says": str(error)}) from None
         return name
 
     def material(self) -> Material:
-        """The material that this spec names."""
+        """The material that this spec names, with the gel inside."""
         material = get_material(self.name)
-        return material if self.bulk_ratio is None else material.with_bulk_ratio(self.bulk_ratio)
+        if self.bulk_ratio is not None:
+            material = material.with_bulk_ratio(self.bulk_ratio)
+        return material if self.gel is None else replace(material, gel=get_material(self.gel))
+
+    def mesh(self, spec: MeshSpec) -> MeshSpec:
+        """How a skin of this material is meshed: filled where it has a gel inside."""
+        return spec if self.gel is None else spec.model_copy(update={"filled": True})
 
 
 class BuiltSpec(Spec):

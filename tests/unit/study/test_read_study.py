@@ -22,7 +22,7 @@ def refusal(folder: Path, text: str) -> str:
 
 
 def test_presets_are_named() -> None:
-    assert list_presets() == ("any_wall", "best", "best_frictionless", "first", "paper", "paper_h20")
+    assert list_presets() == ("any_wall", "best", "best_frictionless", "first", "paper", "paper_h20", "small_tactip")
 
 
 @pytest.mark.parametrize(("name", "contact"), [("best", "no-slip"), ("best_frictionless", "frictionless")])
