@@ -4,6 +4,7 @@ import pytest
 
 from palpate.design import Dome, Ellipsoid
 from palpate.fea import OBSTACLES, BallSpec, CylinderSpec, ObstacleSpec, WallSpec
+from palpate.fea.edge import EdgeSpec
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.testing import ObstacleSuite
 
@@ -13,6 +14,8 @@ ROWS: list[ObstacleSpec] = [
     BallSpec(radius=40),
     CylinderSpec(radius=5, offset=-4),
     CylinderSpec(radius=5),
+    EdgeSpec(radius=3, offset=2),
+    EdgeSpec(radius=2, opening_deg=150, offset=-6),
 ]
 
 

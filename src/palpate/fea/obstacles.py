@@ -15,6 +15,7 @@ OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
         "wall": "palpate.fea.wall:WallSpec",
         "ball": "palpate.fea.ball:BallSpec",
         "cylinder": "palpate.fea.cylinder:CylinderSpec",
+        "edge": "palpate.fea.edge:EdgeSpec",
     },
     lambda found: isinstance(found, type) and issubclass(found, ObstacleSpec),
 )

@@ -14,6 +14,7 @@ from palpate.deck.calculix import stored_energy
 from palpate.deck.read_results import read_blocks, read_increments
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec, solve_press
+from palpate.fea.edge import EdgeSpec
 from palpate.material import get_material
 from palpate.mechanics import Ended
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
@@ -191,8 +192,12 @@ def test_stored_energy_of_a_swelling_is_that_of_its_bulk_modulus() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "obstacle",
-    [BallSpec(radius=8, offset=4, depth=3, image_step=1), CylinderSpec(radius=8, offset=3, depth=3, image_step=1)],
-    ids=["ball", "bar"],
+    [
+        BallSpec(radius=8, offset=4, depth=3, image_step=1),
+        CylinderSpec(radius=8, offset=3, depth=3, image_step=1),
+        EdgeSpec(radius=6, opening_deg=120, offset=2, depth=3, image_step=1),
+    ],
+    ids=["ball", "bar", "edge"],
 )
 def test_a_round_obstacle_presses_in_calculix_as_here(obstacle: ObstacleSpec) -> None:
     obstacle = obstacle.model_copy(update={"contact": "frictionless"})
