@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from palpate.design import SkinSpec, skin_from_data
 from palpate.optimise.spec import FIELDS, RequirementsSpec
 
-_GRAIN = {"height": 0.1, "base_radius": 0.1, "thickness": 0.05, "aspect": 0.02}
-"""What a workshop would write on a drawing: steps in mm, and of the aspect."""
+_GRAIN = {"height": 0.1, "base_radius": 0.1, "thickness": 0.05, "aspect": 0.02, "taper": 0.05}
+"""What a workshop would write on a drawing: steps in mm, and of the ratios."""
 Place = Mapping[str, float | str]
 
 
@@ -40,10 +40,11 @@ class SkinSpace:
         return cls(open_, fixed, spec.materials)
 
     def skin(self, place: Place) -> SkinSpec:
-        """The skin at a place, its numbers rounded to what can be made; part of a sphere where its aspect is 1."""
+        """The skin at a place, its numbers rounded to what can be made; a dome where aspect and taper are 1."""
         numbers = {**self.fixed, **{name: _round(name, float(place[name])) for name in self.ranges}}
-        aspect = numbers.pop("aspect")
-        return skin_from_data(numbers if aspect == 1.0 else {"kind": "ellipsoid", **numbers, "aspect": aspect})
+        ratios = {name: numbers.pop(name, 1.0) for name in ("aspect", "taper")}
+        shape = {} if set(ratios.values()) == {1.0} else {"kind": "ellipsoid", **ratios}
+        return skin_from_data({**shape, **numbers})
 
     def material(self, place: Place) -> str:
         """The elastomer at a place."""
@@ -51,7 +52,7 @@ class SkinSpace:
 
     def place(self, skin: SkinSpec) -> Place:
         """The place nearest to a skin."""
-        numbers = {"aspect": 1.0, **skin.model_dump()}
+        numbers = {"aspect": 1.0, "taper": 1.0, **skin.model_dump()}
         found = {name: min(max(float(numbers[name]), low), high) for name, (low, high) in self.ranges.items()}
         return {**found, "material": self.materials[0]} if len(self.materials) > 1 else found
 

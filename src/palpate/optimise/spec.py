@@ -23,7 +23,13 @@ PRESET = "paper_task"
 _HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
 Objective = Literal["error", "force", "markers", "price", "size"]
 Proof = Literal["none", "played", "trained"]
-FIELDS = {"heights": "height", "base_radii": "base_radius", "thicknesses": "thickness", "aspects": "aspect"}
+FIELDS = {
+    "heights": "height",
+    "base_radii": "base_radius",
+    "thicknesses": "thickness",
+    "aspects": "aspect",
+    "tapers": "taper",
+}
 """Ranges of the search, and what each is of a skin."""
 
 
@@ -90,6 +96,9 @@ class RequirementsSpec(Spec):
     aspects: Range = parameter(
         (0.6, 1.6), unit="1", meaning="least and greatest ratio of a meridian's semi-axes; 1: part of a sphere"
     )
+    tapers: Range = parameter(
+        (1.0, 1.0), unit="1", meaning="least and greatest thickness at the rim over that at the apex; 1: an even wall"
+    )
     markers: int = parameter(169, unit="1", meaning="markers at most", ge=7, le=397)
     dot: float = parameter(1.0, unit="mm", meaning="diameter of a dot", gt=0, le=5)
     cameras: tuple[CameraChoice, ...] = (CameraChoice(),)
@@ -113,12 +122,13 @@ class RequirementsSpec(Spec):
     tolerance: ToleranceSpec = ToleranceSpec()
     process: ProcessSpec = ProcessSpec()
 
-    @field_validator("heights", "base_radii", "thicknesses", "aspects")
+    @field_validator(*FIELDS)
     @classmethod
     def _ranges_grow(cls, given: Range, info: object) -> Range:
-        bounds = {"heights": (2, 60), "base_radii": (5, 60), "thicknesses": (0.2, 15), "aspects": (0.2, 5)}
+        sizes = {"heights": (2, 60), "base_radii": (5, 60), "thicknesses": (0.2, 15)}
+        ratios = {"aspects": (0.2, 5), "tapers": (0.3, 3)}
         name = str(getattr(info, "field_name", ""))
-        return _growing(given, *bounds[name], "" if name == "aspects" else "mm")
+        return _growing(given, *(sizes | ratios)[name], "mm" if name in sizes else "")
 
     @field_validator("cameras", "materials", "objectives")
     @classmethod

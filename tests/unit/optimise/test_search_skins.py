@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.optimise import Judged, SearchPlan, SkinSpace, search_skins
+from palpate.optimise import Judged, RequirementsSpec, SearchPlan, SkinSpace, search_skins
 from palpate.optimise.space import Place
 
 pytest.importorskip("optuna")
@@ -95,3 +95,12 @@ def test_rounded_places_are_skins_that_can_be_drawn() -> None:
         "aspect": 1.24,
     }
     assert "kind" not in SPACE.skin({"height": 17.0, "thickness": 1.6, "aspect": 1.004}).model_dump()
+
+
+def test_walls_taper_where_they_may() -> None:
+    ranges = {"height": (10.0, 30.0), "taper": (0.8, 1.6)}
+    space = SkinSpace(ranges, {"base_radius": 20.0, "thickness": 2.0, "aspect": 1.0}, ("a",))
+    skin = space.skin({"height": 20.0, "taper": 1.27})
+    assert skin.build().rim_thickness == pytest.approx(2.5)
+    assert space.place(skin) == {"height": 20.0, "taper": 1.25}
+    assert SkinSpace.of(RequirementsSpec()).fixed["taper"] == 1.0
