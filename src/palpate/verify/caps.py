@@ -15,12 +15,12 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray
 from palpate.material import Material, NeoHooke
 from palpate.mechanics import ArcLength, Problem, Solid, make_linear_solver
 from palpate.verify.case import Row, compare
+from palpate.verify.curves import away_from, highest, turns
 from palpate.verify.equilibrium import make_solid
 from palpate.verify.mapped import Grid, Turn, even, join, revolve
 from palpate.verify.read_reference import Reference, read_reference
@@ -117,10 +117,18 @@ class Cap:
         return np.linalg.norm(nodes, axis=1) * (self.base / self.radius)
 
 
-def loaded_cap(name: str) -> list[Row]:
-    """A cap under a load on a ring at 0.42 of its base radius (``ring``), or at its apex: load over deflection."""
+def loaded_cap(name: str, thicker: float = 1.0) -> list[Row]:
+    """A cap under a load on a ring at 0.42 of its base radius (``ring``), or at its apex: load over deflection.
+
+    Parameters
+    ----------
+    name
+        ``ring`` or ``apex``.
+    thicker
+        Factor on the thickness of ours; 1 but for a control that must not pass.
+    """
     radius = {"ring": _RING * _LOADED.base, "apex": _NARROW * _LOADED.thickness}[name]
-    cap = replace(_LOADED, rings=(radius,))
+    cap = replace(_LOADED, rings=(radius,), thickness=thicker * _LOADED.thickness)
     data = read_reference(f"clamped_cap_{name}")
     path = cap.path(cap.ring_load(radius), _FIRST, _LONGEST)
     while -path.points[-1].state.u[cap.apex, 2] < data["deflection_in"].max():
@@ -129,13 +137,13 @@ def loaded_cap(name: str) -> list[Row]:
     rows = []
     for code in _CODES:
         theirs = np.column_stack([data.where(code=code)[column] for column in ("deflection_in", "load_lb")])
-        away = _away(curve, theirs)
+        away = away_from(curve, theirs)
         at = [f"{deflection:.3f} in" for deflection in theirs[:, 0]]
         rows.append(
             compare(f"distance from {code}, over deflection and load at most", away, 0 * away, _BAND, at, 1.0)
         )
     if name == "ring":
-        peak, valley = _turns(curve)
+        peak, valley = turns(curve)
         rows += [_between("load at the peak, lb", peak, [_of(data, code, _first_peak) for code in _CODES])]
         rows += [_between("load in the valley, lb", valley, [_of(data, code, _valley) for code in _CODES])]
     return rows
@@ -149,7 +157,7 @@ def snapping_pressure() -> list[Row]:
         path = cap.path(cap.pressure_load(), _FIRST, _LONGEST)
         while len(path.points) < 3 or path.points[-1].factor > path.points[-2].factor:
             path.advance()
-        found.append(_highest(np.array([point.factor for point in path.points[-3:]])) / _classical(cap))
+        found.append(highest(np.array([point.factor for point in path.points[-3:]])) / _classical(cap))
     codes = np.array([data[name] for name in ("Budiansky", "DumirNath", "TengRotter")])
     nearest = np.clip(found, codes.min(axis=0), codes.max(axis=0))
     at = [f"lambda = {rise:g}" for rise in data["rise_parameter"]]
@@ -188,29 +196,6 @@ def _classical(cap: Cap) -> float:
     """Classical buckling pressure of a sphere, ``2 E t² / (R² sqrt(3 (1 - nu²)))``."""
     slender = cap.thickness / cap.radius
     return float(2 * cap.young * slender**2 / np.sqrt(3 * (1 - cap.poisson**2)))
-
-
-def _highest(three: FloatArray) -> float:
-    """Top of the parabola through three values that are about evenly spaced."""
-    before, middle, after = three
-    bend = before - 2 * middle + after
-    return float(middle - (after - before) ** 2 / (8 * bend))
-
-
-def _away(curve: FloatArray, points: FloatArray) -> FloatArray:
-    """Distance (n,) of points (n, 2) from a curve (k, 2), each axis over the greatest of the points."""
-    scale, along = points.max(axis=0), np.linspace(0, len(curve) - 1, 200 * len(curve))
-    fine = np.column_stack([np.interp(along, np.arange(len(curve)), part) for part in curve.T]) / scale
-    away, _ = cKDTree(fine).query(points / scale)
-    return np.asarray(away)
-
-
-def _turns(curve: FloatArray) -> tuple[float, float]:
-    """First greatest load of a curve (k, 2), and the least after it."""
-    load = curve[:, 1]
-    peak = int(np.argmax(np.diff(load) < 0))
-    valley = peak + int(np.argmax(np.diff(load[peak:]) > 0))
-    return _highest(load[peak - 1 : peak + 2]), _highest(load[valley - 1 : valley + 2])
 
 
 def _of(data: Reference, code: str, pick: Callable[[FloatArray, FloatArray], float]) -> float:

@@ -29,6 +29,8 @@ _NOTES = """
 * *Clamped caps*: digitised curves (AQUINAS-FE, BSD-3-Clause) whose two codes differ by up to 11 % of the load where
   it is steep; so points are held by their distance from our curve, each axis over its greatest value, and single
   figures by the nearest within the range of the codes. Pressure keeps the direction that it had at rest.
+* *Published experiments and codes* have a page each, with source, error of reading, mesh, control and what could not
+  be had: {doc}`published/index`.
 * *Domes* are pressed by the product's default mesh and contact, but for the thickest (two cells through the wall) and
   the pair against CalculiX, whose reference is itself a coarse mesh with soft contact.
 """
