@@ -75,7 +75,9 @@ def plan_study(study: Study) -> Plan:
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None
-        inverted = replace(min(presses, key=lambda press: press.wall.radial), branch=Branch.INVERTED)
+        straight = min(presses, key=lambda press: press.wall.radial)
+        # a filled skin has one state
+        inverted = straight if study.material.gel else replace(straight, branch=Branch.INVERTED)
         for given in study.designs.markers:
             markers = check_markers(skin, given)
             dataset = DatasetTask(

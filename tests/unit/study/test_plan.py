@@ -1,11 +1,14 @@
 from pathlib import Path
 
 import pytest
+from pydantic import ValidationError
 
 from palpate.core import PalpateError
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
+from palpate.study.study import MaterialSpec
+from palpate.study.task import PressTask
 from palpate.study.worker import TaskOutcome
 
 AFTER_PRESS = {"dataset", "limit", "estimator", "learning"}
@@ -116,3 +119,15 @@ def test_inverted_states_do_not_wait_for_the_trainings(preset: str) -> None:
         kinds.append(task.recipe.kind)
         list(schedule.close(task, TaskOutcome("", "", 0.0)))
     assert kinds.index("estimator") > max(at for at, kind in enumerate(kinds) if kind == "inverted")
+
+
+def test_a_filled_skin_is_pressed_filled_and_in_one_state() -> None:
+    gel = Study(name="gel", material={"gel": "neo-hooke:0.001"}, designs={"heights": [20], "thicknesses": [1]})
+    tasks = plan_study(gel).tasks()
+    presses = [task for task in tasks if isinstance(task, PressTask)]
+    assert len(presses) == len(gel.tilts_deg)
+    assert all(press.mesh.filled and press.material.gel is not None for press in presses)
+    hollow = plan_study(gel.model_copy(update={"material": MaterialSpec()}))
+    assert len([task for task in hollow.tasks() if isinstance(task, PressTask)]) == len(presses) + 1
+    with pytest.raises(ValidationError, match="no material"):
+        Study(name="gel", material={"gel": "honey"})
