@@ -1,6 +1,6 @@
 """Benchmark: an open set of images of built units, hidden tests, the judge of predictions, and five baselines."""
 
-from palpate.benchmark.draw_unit import DrawnUnit, draw_unit
+from palpate.benchmark.draw_unit import DrawnUnit, deviation_of, draw_unit
 from palpate.benchmark.make_benchmark import MadeBenchmark, make_benchmark
 from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
 from palpate.benchmark.read_benchmark_spec import read_baseline_spec, read_benchmark_spec
@@ -40,6 +40,7 @@ __all__ = [
     "TwinPressSpec",
     "UnitImages",
     "compare_page",
+    "deviation_of",
     "draw_unit",
     "make_benchmark",
     "read_baseline_spec",

@@ -156,7 +156,7 @@ class BaselineSpec(Spec):
     network: TrainSpec = TrainSpec(epochs=40, repeats=3)
     paper: TrainSpec = paper_training(4, 256, 0.0).model_copy(update={"epochs": 60, "repeats": 1})
     picture_px: int = parameter(128, unit="px", meaning="longer side of what the picture network sees", ge=32, le=512)
-    picture_epochs: int = parameter(60, unit="1", meaning="passes over the pictures to learn from", ge=1, le=100_000)
+    picture_epochs: int = parameter(30, unit="1", meaning="passes over the pictures to learn from", ge=1, le=100_000)
     twin: TwinPressSpec = TwinPressSpec(cells=10, contacts=("no-slip", 1.0, 0.5, 0.3))
     """The twin that fits: of another mesh and other frictions than that which the set is drawn from."""
 
