@@ -53,12 +53,13 @@ STAGES = [
     "optimise",
     "robot",
     "simulator",
+    "benchmark",
     "verify",
     "testing",
 ]
 COMMANDS = (
     "run status view press stability convergence deck design limit claims optimise fit make specimens "  # noqa: SIM905
-    "calibrate find inspect live serve learn bench align export accept verify doctor".split()
+    "calibrate find inspect live serve learn bench benchmark align export accept verify doctor".split()
 )
 
 

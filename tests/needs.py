@@ -13,7 +13,7 @@ EXTRAS = {
     "learn": ("onnx", "onnxruntime", "optuna", "torch"),
     "parquet": ("pyarrow",),
     "ros": ("rosbags",),
-    "test": ("h5netcdf", "mujoco", "playwright", "pxr", "xarray", "yourdfpy"),
+    "test": ("h5netcdf", "mlcroissant", "mujoco", "playwright", "pxr", "xarray", "yourdfpy"),
     "vision": ("PIL", "cv2"),
     "web": ("fastapi", "nicegui"),
 }

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from palpate.built import Deviation
 from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, dot_edges, render, tangent_pair
-from palpate.core import FloatArray, child_seed, generator
+from palpate.core import BoolArray, FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
 
@@ -27,11 +27,14 @@ class Scene:
         The camera as mounted.
     render
         Light, lens and sensor; light and dirt stay, the noise is new in every image.
+    printed
+        (n,) whether each dot of the layout is there.
     """
 
     edges: FloatArray
     camera: Camera
     render: RenderSpec
+    printed: BoolArray
 
     def at_rest(self) -> NDArray[np.uint8]:
         """Image (h, w) of the untouched dome."""
@@ -69,7 +72,7 @@ def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: C
     there = np.ones(len(points), bool)
     there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
     edges = wrap_dots(skin, points, layout.diameter)[there]
-    return Scene(edges, build_camera(deviation.camera(nominal)), spec)
+    return Scene(edges, build_camera(deviation.camera(nominal)), spec, there[:-1])
 
 
 def wrap_dots(skin: Skin, centres: FloatArray, diameter: float) -> FloatArray:

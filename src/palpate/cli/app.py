@@ -46,6 +46,7 @@ app.command("palpate.cli.inspect:inspect", name="inspect", help="Print errors of
 app.command("palpate.cli.identify:identify", name="identify", help="What a built unit is, from known presses.")
 app.command("palpate.cli.learn:learn", name="learn", help="Learn to read a sensor from a recording with poses.")
 app.command("palpate.cli.bench:bench", name="bench", help="Built units that deviate, played from image to pose.")
+app.command("palpate.cli.benchmark:app", name="benchmark", help="An open set, its judge, its baselines.")
 app.command("palpate.cli.align:align", name="align", help="Square a tool to walls on a simulated robot.")
 app.command("palpate.cli.accept:accept", name="accept", help="Whether a built unit is within its tolerances.")
 app.command("palpate.cli.verify:verify", name="verify", help="Solve problems with known answers and compare.")

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
+from palpate.benchmark import PRESETS
 from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark
@@ -171,6 +172,24 @@ ROWS = {
             "--least-depth 9",
         ),
     ),
+    "benchmark make": Row(
+        "--spec tiny --out new",
+        ("--spec",),
+        ("--out",),
+        ("--workers 0", "--seed -1", "--cluster local:2", "--timeout 5"),
+    ),
+    "benchmark score": Row(
+        "--predictions {predictions} --set {set} --out new.csv",
+        ("--predictions", "--set"),
+        ("--out",),
+        ("--out a.txt", "--track dots", "--track pictures", "--predictions {truth}"),
+    ),
+    "benchmark baselines": Row(
+        "--set {set} --out new --spec tiny --only twin",
+        ("--set", "--spec"),
+        ("--out",),
+        ("--only luck", "--workers 0", "--timeout 5"),
+    ),
     "identify": Row(
         f"--truth {{truth}} --model {{twin}} {BUILT}",
         ("--truth", "--model", "--layout", "--lens", "--unit"),
@@ -247,6 +266,8 @@ def furnish(folder: Path) -> dict[str, Path]:
     write_estimator(right["model"], still_model(build_camera().project(layout.positions)))
     right["recording"] = folder / "recording"
     draw_recording(right["recording"], draw_motions(40, shear=1.0), DrawnSensor(rings=3))
+    right["set"], right["predictions"] = folder / "set", folder / "predictions.csv"
+    draw_set(right["set"], right["predictions"])
     right["twin"] = folder / "twin.h5"
     write_twin(right["twin"], still_twin(dome))
     kept = right["results"] / "store" / "estimator" / "ff" / "ff.onnx"
@@ -260,6 +281,18 @@ def furnish(folder: Path) -> dict[str, Path]:
         wrong[name] = folder / name
         wrong[name].write_bytes(content)
     return {**right, **wrong}
+
+
+def draw_set(folder: Path, predictions: Path) -> None:
+    """The tables of a benchmark of one image, and what somebody says of it."""
+    folder.mkdir()
+    (folder / "spec.json").write_text(PRESETS["tiny"].model_dump_json())
+    (folder / "SHA256SUMS").write_text("")
+    (folder / "test.csv").write_text("image,design,unit,picture\n7,H20_T2_M19,6,\n")
+    (folder / "hidden.csv").write_text(
+        "image,press,rx_deg,ry_deg,depth_mm,force_n,shear_n,friction,branch\n7,1,1,0,3,0.1,0,1,flat\n"
+    )
+    predictions.write_text("image,rx_deg,ry_deg,depth_mm\n7,1,0,3\n")
 
 
 def still_twin(dome: Skin) -> Twin:

@@ -1,0 +1,56 @@
+"""Benchmark: an open set of images of built units, hidden tests, the judge of predictions, and five baselines."""
+
+from palpate.benchmark.draw_unit import DrawnUnit, deviation_of, draw_unit
+from palpate.benchmark.make_benchmark import MadeBenchmark, make_benchmark
+from palpate.benchmark.predictions import Predictions, read_predictions, write_predictions
+from palpate.benchmark.read_benchmark_spec import read_baseline_spec, read_benchmark_spec
+from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers, SplitTable, read_set
+from palpate.benchmark.run_baselines import BASELINES, run_baselines
+from palpate.benchmark.score import BenchmarkScore, ErrorLine, ScoreLine, score_file, score_predictions
+from palpate.benchmark.score_page import SCORE_COLUMNS, compare_page, score_page, score_rows
+from palpate.benchmark.spec import (
+    PRESETS,
+    TINY_BASELINES,
+    BaselineSpec,
+    BenchmarkDesign,
+    BenchmarkSpec,
+    TwinPressSpec,
+)
+from palpate.benchmark.unit_images import UnitImages
+from palpate.benchmark.unit_task import BENCHMARK_VERSION
+
+__all__ = [
+    "BASELINES",
+    "BENCHMARK_VERSION",
+    "PRESETS",
+    "SCORE_COLUMNS",
+    "TINY_BASELINES",
+    "BaselineSpec",
+    "BenchmarkDesign",
+    "BenchmarkScore",
+    "BenchmarkSet",
+    "BenchmarkSpec",
+    "DrawnUnit",
+    "ErrorLine",
+    "MadeBenchmark",
+    "Predictions",
+    "ScoreLine",
+    "SplitMarkers",
+    "SplitTable",
+    "TwinPressSpec",
+    "UnitImages",
+    "compare_page",
+    "deviation_of",
+    "draw_unit",
+    "make_benchmark",
+    "read_baseline_spec",
+    "read_benchmark_spec",
+    "read_predictions",
+    "read_set",
+    "run_baselines",
+    "score_file",
+    "score_page",
+    "score_predictions",
+    "score_rows",
+    "write_predictions",
+]

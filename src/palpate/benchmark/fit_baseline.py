@@ -1,0 +1,63 @@
+"""The baseline that fits: each image by a twin of the design, with what the unit's image at rest tells of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_of
+from palpate.benchmark.read_set import BenchmarkSet, SplitMarkers
+from palpate.benchmark.spec import BenchmarkDesign
+from palpate.built import PoseFitter, learn_rest, model_unit
+from palpate.core import FloatArray, IntArray
+from palpate.design import place_markers
+from palpate.twin import Twin
+
+
+def fit_design(
+    benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, say: Callable[[str], None]
+) -> Predictions:
+    """Fit every image of the test of one design.
+
+    Parameters
+    ----------
+    benchmark, design
+        Which.
+    twin
+        Of the design's skin; of another mesh than that which the set is drawn from.
+    say
+        Told after each unit.
+    """
+    found, spec = benchmark.markers("test", design.name), benchmark.spec
+    layout = place_markers(twin.skin, design.print)
+    names = (*POSE, FORCE, *(half_of(name) for name in (*POSE, FORCE)))
+    table = np.empty((len(found.image), len(names)))
+    for unit in np.unique(found.unit):
+        rest = found.rest_px[int(unit)]
+        belief = learn_rest(twin, layout, spec.camera, rest, spec.tolerance, spec.noise_px)
+        fitter = PoseFitter(model_unit(twin, layout, belief, spec.tolerance), spec.noise_px)
+        for row in order_images(found, int(unit)):
+            fit = fitter.fit(found.markers_px[row])
+            force = fit.force.pressing
+            table[row] = (*fit.pose, force.value, *fit.half_width[:3], force.half_width)
+        say(f"{design.name}: unit {unit} fitted")
+    return Predictions(found.image, dict(zip(names, table.T, strict=True)))
+
+
+def order_images(found: SplitMarkers, unit: int) -> IntArray:
+    """Rows of a unit's images, each followed by the one most like it that is left: a fit begins by the last."""
+    rows = np.flatnonzero(found.unit == unit)
+    moved = np.nan_to_num(found.markers_px[rows] - found.rest_px[unit]).reshape(len(rows), -1)
+    left, order = np.ones(len(rows), bool), [int(np.argmin((moved**2).sum(axis=1)))]
+    left[order[0]] = False
+    while left.any():
+        away = _away(moved[left], moved[order[-1]])
+        order.append(int(np.flatnonzero(left)[np.argmin(away)]))
+        left[order[-1]] = False
+    return rows[order]
+
+
+def _away(many: FloatArray, one: FloatArray) -> FloatArray:
+    square: FloatArray = ((many - one) ** 2).sum(axis=1)
+    return square

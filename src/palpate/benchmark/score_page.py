@@ -1,0 +1,65 @@
+"""Scores as tables: for a page, and for other programs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from palpate.benchmark.score import BenchmarkScore, ScoreLine
+from palpate.sensor import table_lines
+
+_FIGURES = {"angle": "°", "depth": " mm", "force": " N"}
+SCORE_COLUMNS = (
+    "by",
+    "name",
+    "images",
+    *(f"{part} {figure}" for part in _FIGURES for figure in ("RMSE", "max", "19 of 20", "in interval", "half-width")),
+)
+
+
+def score_rows(score: BenchmarkScore) -> list[list[str]]:
+    """A row a group, by `SCORE_COLUMNS`; empty where nothing was predicted."""
+    return [_row(line) for line in score.lines]
+
+
+def score_page(name: str, score: BenchmarkScore) -> str:
+    """A page of scores in Markdown."""
+    return "\n".join([f"# {name}", "", *table_lines(SCORE_COLUMNS, score_rows(score)), ""])
+
+
+def compare_page(scores: Mapping[str, Iterable[BenchmarkScore]]) -> list[str]:
+    """Lines of a table that holds methods against each other, a row a method and track."""
+    head = ("method", "track", "images", "angle RMSE", "max", "19 of 20", "worst unit", "depth RMSE", "max")
+    more = ("force RMSE", "angle in interval")
+    rows = [_compare(name, score) for name, own in scores.items() for score in own]
+    return table_lines((*head, *more), rows)
+
+
+def _compare(name: str, score: BenchmarkScore) -> list[str]:
+    every = score.all
+    angle, depth, force = every.parts["angle"], every.parts["depth"], every.parts.get("force")
+    return [
+        name,
+        score.track,
+        str(every.images),
+        f"{angle.rmse:.3f}°",
+        f"{angle.max:.2f}°",
+        f"{angle.nineteen:.3f}°",
+        f"{score.worst_unit_deg:.3f}°",
+        f"{depth.rmse:.3f} mm",
+        f"{depth.max:.2f} mm",
+        f"{force.rmse:.3f} N" if force else "",
+        "" if math.isnan(angle.coverage) else f"{angle.coverage:.1%}",
+    ]
+
+
+def _row(line: ScoreLine) -> list[str]:
+    cells = [line.by, line.name, str(line.images)]
+    for part in _FIGURES:
+        found = line.parts.get(part)
+        if found is None:
+            cells += [""] * 5
+            continue
+        cells += [f"{value:.4f}" for value in (found.rmse, found.max, found.nineteen)]
+        cells += ["" if math.isnan(value) else f"{value:.4f}" for value in (found.coverage, found.half_width)]
+    return cells

@@ -1,0 +1,184 @@
+"""What a person may choose about the benchmark: designs, units, presses, what is seen of them, and the baselines."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from palpate.built import ToleranceSpec
+from palpate.camera import CameraSpec, RenderSpec
+from palpate.core import Spec, parameter
+from palpate.design import DomeSpec, MarkerSpec
+from palpate.fea import check_contact
+from palpate.learn import TrainSpec, paper_training
+
+Contact = Annotated[str | float, BeforeValidator(check_contact)]
+Split = Literal["train", "calibrate", "test"]
+SPLITS: tuple[Split, ...] = ("train", "calibrate", "test")
+WORKSHOP = ToleranceSpec(
+    stiffening=0.0, friction=0.3, friction_most=3.0, seating_tilt_deg=0.0, seating_turn_deg=0.0, touch=0.0
+)
+"""A careful workshop on walls from slippery to rough. Poses are in the unit's own frame, so nothing is seated; a twin
+knows no change of the law's form."""
+LIGHT = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
+"""Light, lens and sensor of the pictures: those of the virtual bench."""
+
+
+class BenchmarkDesign(Spec):
+    """A dome and the rings of dots in it."""
+
+    height: float = parameter(20.0, unit="mm", meaning="height of the inner surface's apex over the base", gt=0)
+    thickness: float = parameter(2.0, unit="mm", meaning="thickness of the wall", gt=0)
+    markers: int = parameter(169, unit="1", meaning="number of dots", ge=7)
+
+    @property
+    def name(self) -> str:
+        """What it is called in every file, e.g. ``H20_T2_M169``."""
+        return f"H{self.height:g}_T{self.thickness:g}_M{self.markers}"
+
+    @property
+    def skin(self) -> DomeSpec:
+        """The dome."""
+        return DomeSpec(height=self.height, thickness=self.thickness)
+
+    @property
+    def print(self) -> MarkerSpec:
+        """The dots."""
+        return MarkerSpec(count=self.markers)
+
+
+class TwinPressSpec(Spec):
+    """The presses behind a twin."""
+
+    cells: int = parameter(11, unit="1", meaning="cells along a meridian of its meshes", ge=4, le=200)
+    tilts_deg: tuple[float, ...] = parameter((0.0, 4.0, 8.0, 12.0), unit="deg", meaning="tilts that are pressed")
+    contacts: tuple[Contact, ...] = parameter(
+        ("no-slip", 1.2, 0.6, 0.3), unit="1", meaning="contact laws that are pressed"
+    )
+    image_step: float = parameter(0.8, unit="mm", meaning="twice the travel between its increments", gt=0, le=10)
+    inverted: bool = parameter(True, unit="", meaning="whether the skin's inverted state is pressed as well")
+    checks: int = parameter(2, unit="1", meaning="presses between its own, against which it is held", ge=0, le=20)
+
+
+class BenchmarkSpec(Spec):
+    """What the open set holds; the same spec gives the same bytes on the same versions and kind of processor."""
+
+    seed: int = parameter(0, unit="1", meaning="seed of units, poses, noise and numbering", ge=0)
+    hidden_seed: int | None = parameter(
+        None,
+        unit="1",
+        meaning="seed of the test's units; empty: from the seed, so that whoever knows it knows them",
+        ge=0,
+    )
+    designs: tuple[BenchmarkDesign, ...] = (
+        BenchmarkDesign(),
+        BenchmarkDesign(thickness=3.0, markers=91),
+        BenchmarkDesign(height=30.0, markers=37),
+    )
+    """Domes and their dots."""
+    material: str = parameter("zaid_2024_ecoflex_00_30", unit="", meaning="elastomer, as in a study")
+    train_units: int = parameter(12, unit="1", meaning="units of each design to learn from", ge=1, le=10_000)
+    calibrate_units: int = parameter(4, unit="1", meaning="units to choose and to calibrate by", ge=1, le=10_000)
+    test_units: int = parameter(4, unit="1", meaning="units whose labels are hidden", ge=1, le=10_000)
+    presses: int = parameter(120, unit="1", meaning="presses of each unit", ge=1, le=100_000)
+    images: int = parameter(
+        14, unit="1", meaning="images of each press, one in each of equal parts of the depth", ge=1
+    )
+    pictures: int = parameter(36, unit="1", meaning="rendered images of each unit, drawn among its images", ge=0)
+    max_tilt_deg: float = parameter(12.0, unit="deg", meaning="greatest tilt; even over the disc", gt=0, le=30)
+    least_depth: float = parameter(1.0, unit="mm", meaning="least depth of the flat state", ge=0, le=60)
+    depth: float = parameter(8.0, unit="mm", meaning="greatest depth", gt=0, le=60)
+    inverted_share: float = parameter(
+        0.1, unit="1", meaning="share of presses in the inverted state, where the skin has one", ge=0, le=1
+    )
+    noise_px: float = parameter(
+        0.02, unit="px", meaning="standard deviation of a dot's coordinate, as a detector's on the bench", ge=0, le=10
+    )
+    tolerance: ToleranceSpec = WORKSHOP
+    camera: CameraSpec = CameraSpec()
+    render: RenderSpec = LIGHT
+    twin: TwinPressSpec = TwinPressSpec()
+    url: str = parameter("https://example.org/palpate-benchmark", unit="", meaning="where it is published")
+    creator: str = parameter("The palpate developers", unit="", meaning="who publishes it")
+    published: str = Field(
+        default="2026-01-01",
+        pattern=r"^\d{4}-\d{2}-\d{2}$",
+        description="Day on which it is published, as in 2026-01-31.",
+    )
+    licence: str = parameter("https://creativecommons.org/licenses/by/4.0/", unit="", meaning="its licence")
+
+    @property
+    def units(self) -> int:
+        """Units of each design."""
+        return self.train_units + self.calibrate_units + self.test_units
+
+    def split_of(self, unit: int) -> Split:
+        """On which side unit 1, 2, … stands."""
+        if unit <= self.train_units:
+            return "train"
+        return "calibrate" if unit <= self.train_units + self.calibrate_units else "test"
+
+    @model_validator(mode="after")
+    def _designs_differ(self) -> BenchmarkSpec:
+        names = [design.name for design in self.designs]
+        if not names or len(set(names)) < len(names):
+            raise PydanticCustomError("designs", "designs are to be at least one, each given once.", {})
+        return self
+
+    @model_validator(mode="after")
+    def _depths_rise(self) -> BenchmarkSpec:
+        if self.least_depth >= self.depth:
+            raise PydanticCustomError(
+                "depths_upside_down",
+                "the least depth is {least} mm and the greatest {most} mm.",
+                {"least": f"{self.least_depth:g}", "most": f"{self.depth:g}"},
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _pictures_are_images(self) -> BenchmarkSpec:
+        if self.pictures > self.presses * self.images:
+            raise PydanticCustomError(
+                "more_pictures_than_images",
+                "{pictures} pictures cannot be drawn among {images} images of a unit.",
+                {"pictures": self.pictures, "images": self.presses * self.images},
+            )
+        return self
+
+
+class BaselineSpec(Spec):
+    """How the five baselines are made."""
+
+    seed: int = parameter(0, unit="1", meaning="seed of weights and batches", ge=0)
+    jitter_px: float = parameter(0.1, unit="px", meaning="jitter that networks on dots are trained with", ge=0, le=20)
+    network: TrainSpec = TrainSpec(epochs=40, repeats=3)
+    paper: TrainSpec = paper_training(4, 256, 0.0).model_copy(update={"epochs": 60, "repeats": 1})
+    picture_px: int = parameter(128, unit="px", meaning="longer side of what the picture network sees", ge=32, le=512)
+    picture_epochs: int = parameter(30, unit="1", meaning="passes over the pictures to learn from", ge=1, le=100_000)
+    twin: TwinPressSpec = TwinPressSpec(cells=10, contacts=("no-slip", 1.0, 0.5, 0.3))
+    """The twin that fits: of another mesh and other frictions than that which the set is drawn from."""
+
+
+TINY = BenchmarkSpec(
+    designs=(BenchmarkDesign(markers=19), BenchmarkDesign(height=18.0, markers=37)),
+    train_units=3,
+    calibrate_units=2,
+    test_units=1,
+    presses=10,
+    images=3,
+    pictures=4,
+    depth=3.0,
+    twin=TwinPressSpec(cells=4, image_step=1.0, contacts=("no-slip",), inverted=False, checks=0),
+    tolerance=WORKSHOP.model_copy(update={"friction": 0.0, "friction_most": 0.0}),
+)
+PRESETS = {"full": BenchmarkSpec(), "tiny": TINY}
+"""The published set, and one of seconds for tests and first looks, all of it without slip."""
+TINY_BASELINES = BaselineSpec(
+    network=TrainSpec(epochs=3, repeats=1, layers=1, width=16),
+    paper=paper_training(1, 16, 0.0).model_copy(update={"epochs": 2, "repeats": 1}),
+    picture_px=64,
+    picture_epochs=1,
+    twin=TwinPressSpec(cells=5, image_step=1.0, contacts=("no-slip",), inverted=False, checks=0),
+)

@@ -1,0 +1,75 @@
+"""The tasks behind the set: the twin of each design, and the images of each unit, on workers and resumable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from palpate.benchmark.draw_unit import draw_unit
+from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec, TwinPressSpec
+from palpate.benchmark.unit_images import write_unit_images
+from palpate.core import ArtefactStore, Recipe
+from palpate.mesh import MeshSpec
+from palpate.study import BuiltSpec, MaterialSpec, Task, TwinTask, find_made, plan_twin, study_of
+from palpate.twin import read_twin
+
+BENCHMARK_VERSION = "1"
+"""Version of the code that decides what the set holds; part of the keys of its units."""
+_ABOUT_IMAGES = {"url", "creator", "published", "licence", "designs", "train_units", "calibrate_units", "test_units"}
+"""What one unit does not depend on, beside its side, which its seed tells."""
+
+
+@dataclass(frozen=True)
+class DrawnUnitTask(Task):
+    """Draw all images of one unit."""
+
+    twin: TwinTask
+    spec: BenchmarkSpec
+    design: BenchmarkDesign
+    unit: int
+
+    @property
+    def name(self) -> str:
+        return f"unit {self.unit} of {self.design.name}"
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        hidden = self.spec.split_of(self.unit) == "test"
+        left_out = _ABOUT_IMAGES | (set() if hidden else {"hidden_seed"})
+        spec = {
+            "set": self.spec.model_dump(mode="json", exclude=left_out),
+            "design": self.design.model_dump(mode="json"),
+            "unit": self.unit,
+        }
+        return Recipe("benchmark", spec, (self.twin.recipe.key,), BENCHMARK_VERSION)
+
+    @property
+    def needs(self) -> tuple[Task, ...]:
+        return (self.twin,)
+
+    @property
+    def cost(self) -> float:
+        return 1e-3 * self.spec.presses * self.spec.images + 0.1 * self.spec.pictures
+
+    def make(self, store: ArtefactStore) -> None:
+        twin = read_twin(find_made(store, self.twin))
+        found = draw_unit(self.spec, self.design, self.unit, twin)
+        store.write(self.recipe, lambda path: write_unit_images(path, found))
+
+
+def plan_units(spec: BenchmarkSpec) -> tuple[DrawnUnitTask, ...]:
+    """Every unit of every design."""
+    tasks = []
+    for design in spec.designs:
+        twin = plan_design_twin(spec, design, spec.twin)
+        tasks += [DrawnUnitTask(twin, spec, design, unit) for unit in range(1, spec.units + 1)]
+    return tuple(tasks)
+
+
+def plan_design_twin(spec: BenchmarkSpec, design: BenchmarkDesign, presses: TwinPressSpec) -> TwinTask:
+    """The twin of one design, from these presses."""
+    study = study_of(design.skin, design.print, MaterialSpec(name=spec.material))
+    built = BuiltSpec(contacts=presses.contacts, inverted=presses.inverted, checks=presses.checks)
+    wall = study.wall.model_copy(update={"depth": spec.depth, "image_step": presses.image_step})
+    changed = {"mesh": MeshSpec(cells=presses.cells), "tilts_deg": presses.tilts_deg, "built": built, "wall": wall}
+    return plan_twin(study.model_copy(update=changed), design.skin)

@@ -1,0 +1,120 @@
+"""Baselines of the benchmark: what they read, that they beat chance, and that they go on where they were stopped."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from needs import needs
+from palpate.benchmark import (
+    BASELINES,
+    PRESETS,
+    TINY_BASELINES,
+    BenchmarkSet,
+    make_benchmark,
+    read_predictions,
+    read_set,
+    run_baselines,
+    score_file,
+)
+from palpate.benchmark import run_baselines as door
+from palpate.benchmark.fit_baseline import order_images
+from palpate.benchmark.read_set import SplitMarkers
+from palpate.benchmark.register_images import build_dataset, design_rest, register_images
+from palpate.core import PalpateError
+
+TINY = PRESETS["tiny"]
+SPEC = TINY.model_copy(update={"designs": TINY.designs[:1], "presses": 30})
+
+
+@pytest.fixture(scope="module")
+def benchmark(tmp_path_factory: pytest.TempPathFactory) -> BenchmarkSet:
+    out = tmp_path_factory.mktemp("made")
+    make_benchmark(SPEC, out, workers=1)
+    return read_set(out / "set")
+
+
+def test_ridge_and_the_fit_beat_chance_and_each_part_is_made_once(
+    benchmark: BenchmarkSet, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec = TINY_BASELINES
+    first = run_baselines(benchmark, spec, tmp_path, ("ridge", "twin"), workers=1)
+    chance = benchmark.table("test").labels[:, :2].std()
+    assert first["ridge"][0].all.parts["angle"].rmse < 0.4 * chance
+    assert first["twin"][0].all.parts["angle"].rmse < 0.1 * chance
+    assert first["twin"][0].all.parts["force"].rmse < 0.02
+    assert [score.track for score in first["ridge"]] == ["markers", "pictures"]
+    written = (tmp_path / "ridge.csv").read_bytes()
+    assert score_file(benchmark, tmp_path / "ridge.csv") == first["ridge"][0]
+
+    def again(*_: object) -> None:
+        raise AssertionError("what was there is made again")
+
+    module = __import__("sys").modules[door.__module__]
+    monkeypatch.setattr(module, "learn_design", again)
+    monkeypatch.setattr(module, "fit_design", again)
+    assert run_baselines(benchmark, spec, tmp_path, ("ridge", "twin"), workers=1) == first
+    assert (tmp_path / "ridge.csv").read_bytes() == written
+    with pytest.raises(AssertionError, match="made again"):
+        run_baselines(benchmark, spec.model_copy(update={"jitter_px": 0.5}), tmp_path, ("ridge",))
+    assert "ridge regression on dots" in (tmp_path / "baselines.md").read_text()
+
+
+def test_networks_and_pictures_are_learnt_and_judged(benchmark: BenchmarkSet, tmp_path: Path) -> None:
+    for module in ("torch", "onnxruntime"):
+        needs(module)
+    names = ("paper", "network", "picture")
+    found = run_baselines(benchmark, TINY_BASELINES, tmp_path, names, workers=1)
+    assert tuple(found) == names
+    assert [score.track for score in found["picture"]] == ["pictures"]
+    pictured = benchmark.table("test").picture != ""
+    assert (
+        read_predictions(tmp_path / "picture.csv").image.tolist() == benchmark.table("test").image[pictured].tolist()
+    )
+    assert all(np.isfinite(score.all.parts["depth"].rmse) for own in found.values() for score in own)
+
+
+def test_a_baseline_that_is_none_is_refused(benchmark: BenchmarkSet, tmp_path: Path) -> None:
+    with pytest.raises(PalpateError, match="no baseline luck"):
+        run_baselines(benchmark, TINY_BASELINES, tmp_path, ("luck",))
+    assert len(BASELINES) == 5
+
+
+def test_registered_images_forget_how_a_camera_is_turned_and_shifted(benchmark: BenchmarkSet) -> None:
+    design = SPEC.designs[0]
+    rest = design_rest(benchmark, design)
+    found = benchmark.markers("train", design.name)
+    turn = 1.01 * np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
+    moved = SplitMarkers(
+        found.image,
+        found.unit,
+        found.markers_px @ turn + [3.0, -2.0],
+        {unit: seen @ turn + [3.0, -2.0] for unit, seen in found.rest_px.items()},
+    )
+    assert np.allclose(register_images(moved, rest), register_images(found, rest), atol=1e-9)
+
+
+def test_a_dot_that_is_missing_moves_as_its_neighbours() -> None:
+    rest = np.array([(x, y) for x in range(0, 50, 10) for y in range(0, 50, 10)], float)
+    seen = rest + np.array([2.0, -1.0])
+    seen[12] = np.nan
+    printed = rest.copy()
+    printed[12] = np.nan
+    found = SplitMarkers(np.array([0]), np.array([1]), seen[None], {1: printed})
+    assert np.allclose(register_images(found, rest)[0], rest + np.array([2.0, -1.0]))
+
+
+def test_units_that_calibrate_teach_nothing(benchmark: BenchmarkSet) -> None:
+    dataset = build_dataset(benchmark, SPEC.designs[0], 0.1)
+    table = benchmark.table("calibrate")
+    assert set(dataset.press[dataset.validation]) == set(table.press)
+    assert np.array_equal(dataset.poses[dataset.validation], table.labels[:, :3])
+
+
+def test_images_are_fitted_each_once_and_near_the_last(benchmark: BenchmarkSet) -> None:
+    found = benchmark.markers("test", SPEC.designs[0].name)
+    order = order_images(found, SPEC.units)
+    assert sorted(order) == np.flatnonzero(found.unit == SPEC.units).tolist()
+    moved = np.nan_to_num(found.markers_px)
+    steps = np.abs(np.diff(moved[order], axis=0)).mean()
+    assert steps < 0.7 * np.abs(np.diff(moved[np.sort(order)], axis=0)).mean()
