@@ -76,7 +76,8 @@ class Spline(RevolvedSkin):
 
     @property
     def shape(self) -> str:
-        return f"skin of revolution through {len(self.points)} points of its meridian"
+        count = len(self.points)
+        return f"skin of revolution through {count} point{'s' if count > 1 else ''} of its meridian"
 
     @property
     def spec_data(self) -> dict[str, Any]:
