@@ -2,13 +2,17 @@
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from palpate.core import PalpateError
+from palpate.deck import DeckSpec, Dialect, write_deck
+from palpate.deck.spec import DeckElement
 from palpate.design import ConeSpec, DomeSpec, SkinSpec, SplineSpec
-from palpate.fea import Branch, WallSpec, solve_press
+from palpate.fea import Branch, WallSpec, read_press, solve_press, write_press
+from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.material import get_material
 from palpate.mechanics import Solid, State, System
 from palpate.mesh import Mesh, MeshSpec, measure_quality, mesh_skin
@@ -102,3 +106,29 @@ def test_material_and_mesh_must_agree_and_a_filled_skin_has_one_state() -> None:
         solve_press(filled(DomeSpec(), cells=6), RUBBER)
     with pytest.raises(PalpateError, match="no inverted state"):
         solve_press(filled(DomeSpec(), cells=6), replace(RUBBER, gel=RUBBER), branch=Branch.INVERTED)
+
+
+def test_a_filled_press_is_read_again(tmp_path: Path) -> None:
+    material = replace(RUBBER, gel=get_material("neo-hooke:0.001"))
+    press = solve_press(filled(DomeSpec(), cells=6), material, WallSpec(tilt_deg=3, depth=0.8))
+    write_press(tmp_path / "press.h5", press)
+    again = read_press(tmp_path / "press.h5")
+    assert again.mesh.filling == press.mesh.filling > 0
+    assert again.material.key_data() == press.material.key_data()
+    assert np.array_equal(again.mesh.cells, press.mesh.cells)
+    assert nodal_von_mises(again) == pytest.approx(nodal_von_mises(press), rel=1e-4, abs=1e-8)
+    marker = again.mesh.skin.inner_point(3.0, 1.0)[None]
+    assert again.positions(marker) == pytest.approx(press.positions(marker))
+
+
+def test_a_deck_has_both_materials(tmp_path: Path) -> None:
+    material = replace(RUBBER, gel=get_material("neo-hooke:0.001"))
+    mesh = filled(DomeSpec(), cells=6)
+    write_deck(tmp_path / "deck.inp", mesh, material, WallSpec(depth=0.8), DeckSpec(dialect=Dialect.CALCULIX))
+    lines = (tmp_path / "deck.inp").read_text().splitlines()
+    sections = [line for line in lines if line.startswith("*SOLID SECTION")]
+    assert [part in section for part, section in zip(("SKIN", "GEL"), sections, strict=False)] == [True, True]
+    assert "*MATERIAL, NAME=SILICONE" in lines
+    assert "*MATERIAL, NAME=FILLING" in lines
+    with pytest.raises(PalpateError, match="no shell"):
+        write_deck(tmp_path / "shell.inp", mesh, material, WallSpec(depth=0.8), DeckSpec(element=DeckElement.SHELL))
