@@ -22,7 +22,7 @@ from palpate.camera import build_camera
 from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec, solve_press
-from palpate.markers import find_markers
+from palpate.markers import prepare_detector
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 
@@ -142,7 +142,7 @@ def test_dots_are_where_a_picture_shows_them(benchmark: BenchmarkSet) -> None:
     picture = benchmark.pictures("train", [str(table.picture[row])], (camera.height_px, camera.width_px))[0]
     noted = markers.markers_px[markers.image == table.image[row]][0]
     noted = noted[np.isfinite(noted).all(axis=1)]
-    away, _ = cKDTree(find_markers(picture).positions_px).query(noted)
+    away, _ = cKDTree(prepare_detector(picture).find(picture).positions_px).query(noted)
     assert np.median(away) < 0.25
     assert (away < 1.0).mean() > 0.9
 

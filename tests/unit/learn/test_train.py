@@ -95,7 +95,8 @@ def test_predicted_poses_do_not_need_torch(dataset, estimator, tmp_path):
         "np.save(folder / 'poses.npy', poses)\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
-    assert np.allclose(np.load(tmp_path / "poses.npy"), estimator.predict(dataset.images_px[:5]))
+    again = np.load(tmp_path / "poses.npy")
+    assert again == pytest.approx(estimator.predict(dataset.images_px[:5]), abs=1e-4)  # weights of single precision
 
 
 def test_missing_torch_says_what_to_install(dataset, monkeypatch):
