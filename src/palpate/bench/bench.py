@@ -306,13 +306,16 @@ def _solve(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) 
 
 def _mesh_spec(bench: Bench, deviation: Deviation, branch: Branch) -> MeshSpec:
     if branch is Branch.INVERTED:
-        own = bench.spec.cells or round(_FINER * (mesh_skin(bench.nominal).spec.cells or 0))
+        own = bench.spec.cells or round(_FINER * _own_cells(bench))
         return MeshSpec(cells=own, core=_INVERTED_CORE)
     whole = bool(deviation.lateral or deviation.twist_deg)
-    if bench.spec.cells is not None:
-        return MeshSpec(cells=bench.spec.cells, whole=whole)
-    own = mesh_skin(bench.nominal).spec.cells or 0
-    return MeshSpec(cells=own if whole else round(_FINER * own), whole=whole)
+    cells = bench.spec.cells or (_own_cells(bench) if whole else round(_FINER * _own_cells(bench)))
+    return MeshSpec(cells=cells, whole=whole, filled=bench.material.fills)
+
+
+def _own_cells(bench: Bench) -> int:
+    """Cells from pole to rim by which the nominal skin is pressed."""
+    return mesh_skin(bench.nominal, MeshSpec(filled=bench.material.fills)).spec.cells or 0
 
 
 def _wall(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:

@@ -97,7 +97,8 @@ def simulate_sensor(
     """
     depth = min(8.0, 0.4 * unit.skin.height)
     wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, image_step=0.8)
-    press = solve_press(mesh_skin(unit.skin, MeshSpec(cells=_CELLS)), material, wall)
+    mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))
+    press = solve_press(mesh, material, wall)
     return SimulatedSource(unit, presses * [press])
 
 

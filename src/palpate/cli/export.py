@@ -57,7 +57,7 @@ def export(
     check_asset(out)
     check_wall(flags.wall)
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()
-    mesh = mesh_skin(build_skin(read_skin(flags.skin, flags.dome)), flags.mesh)
+    mesh = mesh_skin(build_skin(read_skin(flags.skin, flags.dome)), flags.material.mesh(flags.mesh))
     announce_compilation()
     press = solve_press(mesh, flags.material.material(), flags.wall)
     asset = build_asset(press, build_camera(lens), flags.spec)

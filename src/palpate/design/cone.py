@@ -30,10 +30,10 @@ class ConeSpec(TaperedSpec):
     def build(self) -> Cone:
         sizes = (self.height, self.base_radius, self.thickness)
         made = Cone(*sizes, self.flat_radius, self.edge_radius, self.taper)
-        if made.reach < self.edge_radius:
+        if made.edge_to_rim < self.edge_radius:
             raise PalpateError(
                 f"An edge of radius {self.edge_radius:g} mm passes outside the rim: from its middle it is "
-                f"{made.reach:.4g} mm to there.",
+                f"{made.edge_to_rim:.4g} mm to there.",
                 "Take a smaller edge radius, or a larger base.",
             )
         return made
@@ -45,7 +45,7 @@ class Cone(RevolvedSkin):
     """A flat, an arc and a straight flank that meet without a kink, over their length.
 
     From the arc's centre (f, H - e) it is ``D = √((B - f)² + (H - e)²)`` to the rim, at ``δ = atan((H - e)/(B - f))``
-    below the base plane's direction. The flank touches the arc where the normal leans by ``θ = δ + asin(e / D)``, and
+    below the horizontal. The flank touches the arc where the normal leans by ``θ = δ + asin(e / D)``, and
     is ``√(D² - e²)`` long.
 
     Attributes
@@ -79,7 +79,7 @@ class Cone(RevolvedSkin):
         return plain_numbers("cone", asdict(self))
 
     @property
-    def reach(self) -> float:
+    def edge_to_rim(self) -> float:
         """Distance from the middle of the edge to the rim, mm."""
         return float(np.hypot(self.base_radius - self.flat_radius, self.height - self.edge_radius))
 
@@ -87,17 +87,17 @@ class Cone(RevolvedSkin):
     def flank_slope(self) -> float:
         """Angle in rad between the axis and the flank's normal."""
         below = np.arctan2(self.height - self.edge_radius, self.base_radius - self.flat_radius)
-        return float(below + np.arcsin(min(self.edge_radius / self.reach, 1.0)))
+        return float(below + np.arcsin(min(self.edge_radius / self.edge_to_rim, 1.0)))
 
     @cached_property
     def _ends(self) -> tuple[float, float, float]:
         """Length in mm along the meridian to the end of flat, arc and flank."""
         arc = self.flat_radius + self.edge_radius * self.flank_slope
-        return self.flat_radius, arc, arc + float(np.sqrt(max(self.reach**2 - self.edge_radius**2, 0.0)))
+        return self.flat_radius, arc, arc + float(np.sqrt(max(self.edge_to_rim**2 - self.edge_radius**2, 0.0)))
 
     @property
     def radius(self) -> float:
-        return np.inf if self.flat_radius else self.edge_radius
+        return self.edge_radius
 
     def scaled(self, factor: float) -> Self:
         sizes = (factor * self.height, factor * self.base_radius, factor * self.thickness)

@@ -57,7 +57,7 @@ class RevolvedSkin(Skin):
     def symmetry(self) -> Symmetry:
         return Symmetry.REVOLVED
 
-    def wall(self, t: FloatArray) -> FloatArray:
+    def wall_thickness(self, t: FloatArray) -> FloatArray:
         """Thickness (n,) mm along the normals at parameters (n,)."""
         return np.asarray(self.thickness * (1.0 + (self.taper - 1.0) * t**2))
 
@@ -67,16 +67,19 @@ class RevolvedSkin(Skin):
 
     def _outside(self, t: FloatArray, layer: float = 1.0) -> FloatArray:
         """The surface (n, 2) mm of a layer of the wall at parameters (n,)."""
-        return np.asarray(self.curve(t) + layer * self.wall(t)[:, None] * self._normals(t))
+        return np.asarray(self.curve(t) + layer * self.wall_thickness(t)[:, None] * self._normals(t))
+
+    def _hollow(self, t: FloatArray) -> FloatArray:
+        """Curvature κ (n,) 1/mm of the meridian at parameters (n,), positive where it is hollow from outside."""
+        slope, bend = self.curve(t, 1), self.curve(t, 2)
+        turn: FloatArray = slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]
+        return np.asarray(turn / np.linalg.norm(slope, axis=1) ** 3)
 
     def _outer_slopes(self, t: FloatArray) -> FloatArray:
         """Derivative (n, 2) mm of the outer surface at parameters (n,): ``c' + T' ν + T ν'`` with ``ν' = -κ c'``."""
-        slope, bend = self.curve(t, 1), self.curve(t, 2)
-        speed = np.linalg.norm(slope, axis=1)
-        hollow = (slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]) / speed**3
         steeper = 2.0 * self.thickness * (self.taper - 1.0) * t
-        longer = 1.0 - self.wall(t) * hollow
-        return np.asarray(longer[:, None] * slope + steeper[:, None] * self._normals(t))
+        longer = 1.0 - self.wall_thickness(t) * self._hollow(t)
+        return np.asarray(longer[:, None] * self.curve(t, 1) + steeper[:, None] * self._normals(t))
 
     def _normals(self, t: FloatArray) -> FloatArray:
         slope = self.curve(t, 1)

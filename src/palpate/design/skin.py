@@ -76,7 +76,7 @@ class Skin(ABC):
     @property
     @abstractmethod
     def radius(self) -> float:
-        """Radius of curvature of the inner surface at the apex, mm."""
+        """Radius of curvature of the inner surface at the apex, mm; where that is flat, the least one beside it."""
 
     @property
     @abstractmethod

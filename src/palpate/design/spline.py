@@ -17,6 +17,8 @@ from palpate.design.revolved import RevolvedSkin, plain_numbers
 from palpate.design.spec import TaperedSpec
 
 _SAMPLES = 400
+_FLAT = 0.01
+"""Height over the radius of curvature at the apex below which it is flat."""
 _TIGHTEST = 0.9
 """Greatest share of a hollow's radius of curvature that the wall may fill: beyond 1 the outer surface folds."""
 
@@ -32,6 +34,17 @@ class SplineSpec(TaperedSpec):
         meaning="points of the meridian between apex and rim: distance from the axis and height, over base radius "
         "and height",
     )
+
+    @field_validator("points", mode="before")
+    @classmethod
+    def _points_are_pairs(cls, points: Any) -> Any:
+        if isinstance(points, str):
+            raise PydanticCustomError(
+                "points_as_words",
+                "'{points}' are no pairs of numbers; write the skin into a study: points: [[0.5, 0.9], [0.85, 0.5]]",
+                {"points": points},
+            )
+        return points
 
     @field_validator("points")
     @classmethod
@@ -85,10 +98,9 @@ class Spline(RevolvedSkin):
 
     @property
     def radius(self) -> float:
-        """``ρ'² / -z''`` at the apex."""
-        zero = np.zeros(1)
-        bend = -float(self.curve(zero, 2)[0, 1])
-        return float(self.curve(zero, 1)[0, 0]) ** 2 / bend if bend > 0 else np.inf
+        """``1 / -κ`` at the apex, or the least of the meridian where the apex is flat or hollow."""
+        round_ = -self._hollow(np.linspace(0.0, 1.0, _SAMPLES))
+        return float(1.0 / (round_[0] if round_[0] * self.height > _FLAT else round_.max()))
 
     def scaled(self, factor: float) -> Self:
         sizes = (factor * self.height, factor * self.base_radius, factor * self.thickness)
@@ -120,14 +132,13 @@ class Spline(RevolvedSkin):
             If it does.
         """
         t = np.linspace(0.0, 1.0, _SAMPLES)
-        curve, slope, bend = (self.curve(t, order) for order in (0, 1, 2))
+        curve, hollow = self.curve(t), self._hollow(t)
         if curve[1:, 0].min() <= 0 or curve[:-1, 1].min() <= 0:
             raise PalpateError(
                 f"The meridian of {self.name} crosses the axis or the base between its points.",
                 "Set more points, or points farther from them.",
             )
-        hollow = (slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]) / np.linalg.norm(slope, axis=1) ** 3
-        fill = float((hollow * self.wall(t)).max())
+        fill = float((hollow * self.wall_thickness(t)).max())
         if fill > _TIGHTEST:
             raise PalpateError(
                 f"The meridian is hollow with a radius of {1 / hollow.max():.3g} mm, and its wall "

@@ -8,12 +8,9 @@ from typing import Literal, Self, final
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
-from palpate.design import turn_about_axis
 from palpate.fea.ball import PATCH, round_gap
-from palpate.fea.first_touch import touch_first
-from palpate.fea.spec import ObstacleSpec
+from palpate.fea.lying import LyingSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads
-from palpate.mesh import Mesh
 
 
 @final
@@ -83,34 +80,20 @@ class Edge(Obstacle):
 
 
 @final
-class EdgeSpec(ObstacleSpec):
+class EdgeSpec(LyingSpec):
     """A rigid edge parallel to the base, brought down along the skin's axis, beside it or on it."""
 
     kind: Literal["edge"] = "edge"
     radius: float = parameter(1.0, unit="mm", meaning="radius by which the edge is rounded", gt=0, le=100)
     opening_deg: float = parameter(90.0, unit="deg", meaning="angle between the flanks", ge=10, le=170)
-    offset: float = parameter(0.0, unit="mm", meaning="distance of the edge from the skin's axis", ge=-60, le=60)
-    azimuth_deg: float = parameter(
-        0.0, unit="deg", meaning="direction of the edge; it is offset to the left of it", ge=-360, le=360
-    )
 
     @property
     def words(self) -> str:
         return f"edge of {self.opening_deg:g}° rounded by {self.radius:g} mm, {self.offset:g} mm off the axis"
 
     @property
-    def radial(self) -> float:
-        return self.offset
+    def half_height(self) -> float:
+        return self.radius
 
-    @property
-    def turn_deg(self) -> float:
-        return self.azimuth_deg
-
-    @property
-    def axisymmetric(self) -> bool:
-        return False
-
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
-        turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
-        middle = turn @ [0.0, self.offset, self.radius + mesh.skin.outer_height]
-        return touch_first(mesh, Edge(self.radius, middle, turn[:, 0].copy(), np.radians(self.opening_deg) / 2))
+    def lie(self, point: FloatArray, along: FloatArray) -> Edge:
+        return Edge(self.radius, point, along, np.radians(self.opening_deg) / 2)

@@ -60,6 +60,11 @@ class Material:
             raise PalpateError(f"The bulk ratio K/mu is {self.bulk_ratio:.4g}.", "Choose one between 2 and 1e7.")
 
     @property
+    def fills(self) -> bool:
+        """Whether a skin of it has a gel inside."""
+        return self.gel is not None
+
+    @property
     def bulk_modulus(self) -> float:
         """K, MPa."""
         return self.bulk_ratio * self.law.shear_modulus

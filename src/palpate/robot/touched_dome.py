@@ -120,7 +120,8 @@ class DomeBySolver(TouchedDome):
         if key not in self._solved:
             contact = 1.0 / slip if slip > 0 else "no-slip"
             wall = WallSpec(tilt_deg=key[0], depth=self.depth, image_step=_STEP_MM, contact=contact)
-            mesh = mesh_skin(build_skin(self.deviation.dome(self.dome)), MeshSpec(cells=self.cells))
+            spec = MeshSpec(cells=self.cells, filled=self.material.fills)
+            mesh = mesh_skin(build_skin(self.deviation.dome(self.dome)), spec)
             self._solved[key] = solve_press(mesh, self.deviation.material(self.material), wall)
         return self._solved[key], azimuth_deg
 

@@ -65,7 +65,8 @@ class KnownPress:
             depth=depth,
             image_step=min(_IMAGE_STEP, depth),
         )
-        press = solve_press(mesh_skin(unit.skin, MeshSpec(cells=_CELLS)), material, wall)
+        mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))
+        press = solve_press(mesh, material, wall)
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(
                 f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",

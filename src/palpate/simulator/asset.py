@@ -121,7 +121,7 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
         name="palpate_" + "".join(letter if letter.isalnum() else "_" for letter in skin.name.lower()),
         spec=spec,
         surface=skin_surface(skin),
-        body=weigh(skin, spec.density),
+        body=weigh(skin, spec.density, filled=press.mesh.filling > 0),
         camera=camera,
         spring=spring,
         stiffness=float(line[0]),

@@ -35,13 +35,13 @@ class MassProperties(NamedTuple):
     inertia: FloatArray
 
 
-def weigh(skin: Skin, density: float) -> MassProperties:
-    """Mass properties of a skin of one density (kg/m³).
+def weigh(skin: Skin, density: float, *, filled: bool = False) -> MassProperties:
+    """Mass properties of a skin of one density (kg/m³), which a gel inside shares.
 
     With the second moments ``S = ∫ ρ r rᵀ dV`` about the centre the inertia is ``tr(S) 1 - S``.
     """
     whole = skin.symmetry is not Symmetry.REVOLVED
-    mesh = mesh_skin(skin, MeshSpec(cells=_CELLS, core=_CORE, whole=whole))
+    mesh = mesh_skin(skin, MeshSpec(cells=_CELLS, core=_CORE, whole=whole, filled=filled))
     local, weights = gauss_points(_GAUSS)
     value, gradient = shape_hexahedron(local)
     corners = mesh.nodes[mesh.cells]

@@ -21,7 +21,7 @@ class AssetSpec(Spec):
     density: float = parameter(
         1070.0,
         unit="kg/m3",
-        meaning="density of the cured elastomer",
+        meaning="density of the cured elastomer, and of a gel inside",
         source="Smooth-On technical bulletin, Ecoflex series: specific gravity of Ecoflex 00-30",
         ge=100,
         le=5000,

@@ -16,7 +16,7 @@ from palpate.viewer.sketch import Sketch
 
 def press_sketch(sketch: Sketch, report: Report) -> Press:
     """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
-    mesh = mesh_skin(build_skin(sketch.dome), MeshSpec())
+    mesh = mesh_skin(build_skin(sketch.dome), sketch.material.mesh(MeshSpec()))
     wall = sketch.wall
     return solve_press(
         mesh, sketch.material.material(), wall, observe=lambda depth: report(min(depth / wall.depth, 1.0))

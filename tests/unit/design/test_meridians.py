@@ -87,6 +87,12 @@ def test_a_wall_that_tapers_is_as_thick_as_it_says_and_is_read_again() -> None:
     assert skin.outer_widest[0] == pytest.approx(23.0, abs=0.2)
 
 
+def test_the_radius_at_the_apex_is_finite_also_where_it_is_flat() -> None:
+    assert ConeSpec(height=20, base_radius=14, flat_radius=5, edge_radius=5).build().radius == 5.0
+    broad = SplineSpec(points=((0.5, 0.995), (0.9, 0.5))).build()
+    assert 3.0 < broad.radius < 20.0
+
+
 @pytest.mark.parametrize("spec", SPECS, ids=lambda spec: spec.build().name)
 @pytest.mark.parametrize("tilt", [1.0, 8.0])
 def test_a_wall_touches_the_outermost_point(spec, tilt: float) -> None:
@@ -117,6 +123,7 @@ def test_the_solid_of_a_skin_has_the_volume_between_its_surfaces(spec) -> None:
         ({"kind": "spline", "points": [[0.5, -0.1]]}, "is not within"),
         ({"kind": "spline", "points": [[0.2, 0.05], [0.9, 0.9], [0.95, 0.05]]}, "crosses|fold"),
         ({"kind": "spline", "thickness": 8, "points": [[0.3, 0.95], [0.5, 0.4], [0.8, 0.25]]}, "fold"),
+        ({"kind": "spline", "points": "0.5"}, "write the skin into a study"),
         ({"kind": "ellipsoid", "taper": 9}, "less than or equal to 3"),
     ],
 )

@@ -249,3 +249,12 @@ def test_a_folder_that_is_there_is_left_alone(asset: SensorAsset, tmp_path: Path
     needs("trimesh")
     with pytest.raises(PalpateError, match="exists already"):
         export_asset(tmp_path, asset, AssetFormat.MJCF)
+
+
+def test_a_gel_inside_is_weighed_too() -> None:
+    """Half a ball and its wall, by the volumes of balls."""
+    skin = DomeSpec(height=20, thickness=1).build()
+    both = weigh(skin, 1000.0, filled=True)
+    assert both.mass_kg == pytest.approx(1e-6 * 2 / 3 * np.pi * 21.0**3, rel=1e-5)
+    assert both.centre_mm[2] == pytest.approx(3 / 8 * 21.0, rel=1e-5)
+    assert weigh(skin, 1000.0).mass_kg < 0.2 * both.mass_kg
