@@ -50,20 +50,22 @@ class Module:
 
     def outline(self) -> Outline:
         """Half the section of the module, (x, z) mm."""
-        skin = self.dome
         return [
-            (0.0, skin.outer_height),
-            *skin.meridian(skin.thickness, down=True),
-            (self.flange_radius, 0.0),
-            (self.flange_foot, self.foot),
+            *self._upper(),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
-            *skin.meridian(0.0, down=False),
+            *self.dome.meridian(0.0, down=False),
         ]
+
+    def _upper(self) -> Outline:
+        """The outer surface from its apex, and the flange's edge down to its foot."""
+        skin = self.dome
+        outer = skin.meridian(skin.thickness, down=True)
+        return [(0.0, skin.outer_height), *outer, (self.flange_radius, 0.0), (self.flange_foot, self.foot)]
 
     def outside(self) -> Outline:
         """Half the section of all that lies within the outer surface."""
-        return [*self.outline()[:4], (0.0, self.foot)]
+        return [*self._upper(), (0.0, self.foot)]
 
     def inside(self) -> Outline:
         """Half the section of the hollow."""

@@ -138,6 +138,14 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
         )
 
 
+def _reached(skin: Skin, steepest_deg: float) -> float:
+    """Distance in mm from the axis to which the inner surface is no steeper than so many degrees."""
+    s = np.linspace(0.0, 1.0, 2001)
+    points = skin.point(np.column_stack([s, 0.0 * s]), 0.0)
+    level = skin.normal(points)[:, 2] >= np.cos(np.radians(steepest_deg))
+    return float(points[level, 0].max())
+
+
 def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
     points = layout.positions[layout.on_dome]
     slope = float(np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1, 1))).max())
@@ -146,7 +154,7 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
             Severity.WARNING,
             "pad-reach",
             f"The lowest dots lie on a slope of {slope:.3g}°, a pad reaches {spec.steepest_deg:g}°.",
-            f"Keep dots within {skin.radius * np.sin(np.radians(spec.steepest_deg)):.3g} mm of the axis.",
+            f"Keep dots within {_reached(skin, spec.steepest_deg):.3g} mm of the axis.",
         )
     page = flatten(skin, points, spec.mapping)
     if len(page) > 1:

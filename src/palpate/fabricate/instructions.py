@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
@@ -16,6 +17,7 @@ from palpate.design import (
     PRINT_TOLERANCE,
     Finding,
     MarkerLayout,
+    Rim,
     Skin,
 )
 from palpate.fabricate.enclosure import Enclosure
@@ -82,8 +84,9 @@ def write_instructions(
 
 
 def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> list[str]:
+    rim = f" ({skin.rim_thickness:.3g} mm at the rim)" if skin.rim_thickness != skin.thickness else ""
     return [
-        f"{skin.shape}: H = {skin.height:g} mm, B = {skin.base_radius:g} mm, T = {skin.thickness:g} mm, "
+        f"{skin.shape}: H = {skin.height:g} mm, B = {skin.base_radius:g} mm, T = {skin.thickness:g} mm{rim}, "
         f"inner radius {skin.radius:.5g} mm.",
         f"{len(layout)} markers of {layout.diameter:g} mm on the inner surface. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
@@ -138,9 +141,10 @@ def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: boo
 
 
 def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
+    half_way = float(skin.distance(skin.point(np.array([[0.5, 0.0]]), 1.0, Rim.RADIAL))[0])
     return [
-        f"Thickness at the apex and at four places half way down: {skin.thickness:g} ± "
-        f"{max(0.05, 0.05 * skin.thickness):.2g} mm.",
+        f"Thickness at the apex {skin.thickness:g} mm, at four places half way down {half_way:.3g} mm, "
+        f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",
         f"Inner height over the base: {skin.height:g} ± 0.2 mm.",
         f"All {len(layout)} dots present, round to 0.2 mm, none merged; places within "
         f"{PRINT_TOLERANCE:g} mm of markers.csv: `palpate inspect` tells from an image.",

@@ -6,7 +6,19 @@ import pytest
 from needs import needs
 from palpate.cad import box
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MarkerSpec, MountSpec, build_module, build_skin, build_solid, place_markers
+from palpate.design import (
+    ConeSpec,
+    DomeSpec,
+    EllipsoidSpec,
+    MarkerSpec,
+    MountSpec,
+    SkinSpec,
+    SplineSpec,
+    build_module,
+    build_skin,
+    build_solid,
+    place_markers,
+)
 from palpate.fabricate import CameraBody, ProcessSpec, build_enclosure, build_mold, build_template
 from palpate.fabricate.enclosure import free_travel
 
@@ -29,6 +41,26 @@ def test_build_mold_leaves_the_module_between_its_parts(height: float) -> None:
         assert body.overlap(part) == pytest.approx(0.0, abs=1e-3)
         assert part.mesh().is_watertight
     assert mold.is_split == (height > 20)
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        ConeSpec(height=20, base_radius=14, flat_radius=5, edge_radius=5),
+        ConeSpec(height=26, base_radius=12, edge_radius=12),
+        EllipsoidSpec(height=18, taper=1.6),
+        SplineSpec(height=16, points=((0.5, 0.92), (0.85, 0.55))),
+    ],
+    ids=lambda spec: spec.build().name,
+)
+def test_a_mold_of_any_meridian_leaves_the_module_between_its_parts(spec: SkinSpec) -> None:
+    module = build_module(spec.build(), MountSpec())
+    mold, body = build_mold(module, SPEC), build_solid(module)
+    assert mold.hollow() == pytest.approx(body.volume, rel=1e-6)
+    for part in mold.parts.values():
+        assert part.pieces == 1
+        assert body.overlap(part) == pytest.approx(0.0, abs=1e-3)
+        assert part.mesh().is_watertight
 
 
 def test_pins_fit_with_the_clearance_asked_and_one_way_only() -> None:
