@@ -30,6 +30,7 @@ suppress_warnings = ["ref.python", "myst.header"]
 
 STAGES = [
     "cad",
+    "relaxation",
     "design",
     "material",
     "mesh",

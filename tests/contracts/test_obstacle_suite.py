@@ -5,6 +5,7 @@ import pytest
 from palpate.design import Dome, Ellipsoid
 from palpate.fea import OBSTACLES, BallSpec, CylinderSpec, ObstacleSpec, WallSpec
 from palpate.fea.edge import EdgeSpec
+from palpate.fea.route import RouteSpec
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.testing import ObstacleSuite
 
@@ -16,6 +17,7 @@ ROWS: list[ObstacleSpec] = [
     CylinderSpec(radius=5),
     EdgeSpec(radius=3, offset=2),
     EdgeSpec(radius=2, opening_deg=150, offset=-6),
+    RouteSpec(waypoints=((3, 0, 0, 4, -2), (3, 1, 0.5, 4, -2, 5))),
 ]
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from palpate.design import SKINS, ConeSpec, Dome, Ellipsoid, Skin, SplineSpec
 from palpate.design.cone import Cone
+from palpate.design.pinned import PinnedDome
 from palpate.testing import SkinSuite
 
 ROWS = [
@@ -19,6 +20,8 @@ ROWS = [
     Cone(30.0, 10.0, 1.0, 0.0, 10.0),
     SplineSpec(height=16, base_radius=20, thickness=2, points=((0.5, 0.9), (0.85, 0.5))).build(),
     SplineSpec(height=20, base_radius=14, points=((0.6, 0.9), (1.1, 0.4)), taper=1.3).build(),
+    PinnedDome(20.0, 20.0, 2.0, 2.0),
+    PinnedDome(12.0, 20.0, 1.0, 1.0),
 ]
 
 

@@ -24,6 +24,7 @@ EXPECTED = {
     "ex13_ball_sensor": pytest.approx(0.124, rel=0.2),
     "ex14_mujoco": pytest.approx(2.99, abs=0.02),
     "ex15_gel_filled": pytest.approx(12.4, rel=0.02),
+    "ex16_slide": pytest.approx(0.6, rel=0.02),
 }
 NEEDS = {
     "ex05_mold": ["build123d"],

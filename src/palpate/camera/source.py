@@ -29,9 +29,12 @@ class Source(ABC):
     ----------
     suffixes
         Endings of the files that it opens, in small letters with the dot.
+    live
+        Whether an image is handed on as it is taken, so that the clock tells when; false of what was recorded.
     """
 
     suffixes: ClassVar[tuple[str, ...]] = ()
+    live: ClassVar[bool] = False
 
     @classmethod
     def accepts(cls, text: str) -> bool:

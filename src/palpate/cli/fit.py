@@ -10,6 +10,14 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
+from palpate.cli.fit_relaxation import (
+    RelaxationFlags,
+    add_relaxation,
+    describe_relaxation,
+    fit_tests,
+    is_relaxation,
+    print_relaxation,
+)
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
 from palpate.core import PalpateError
@@ -34,6 +42,7 @@ from palpate.material import (
     save_figure,
     write_material,
 )
+from palpate.relaxation import draw_relaxation
 
 _FILES = "Files of tests; which test is read from the file's name or preamble."
 _MODEL = f"Model: {', '.join(list_models())}."
@@ -89,35 +98,70 @@ class OutputFlags:
     alone: Annotated[bool, Parameter(negative="", help=_RANK)] = False
     json: JsonFlag = False
 
+    @property
+    def draws(self) -> Path | None:
+        """Where to draw; `None` where nothing is drawn."""
+        return None if self.no_figure else self.figure
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class FitFlags:
+    """The model and how it is fitted."""
+
+    model: Annotated[str, Parameter(help=_MODEL)] = FitSpec().model
+    how: Annotated[FitSpec, flags_of(FitSpec, without="model", group="Fit")] = FitSpec()
+
+    @property
+    def spec(self) -> FitSpec:
+        """Both in one."""
+        return self.how.model_copy(update={"model": self.model})
+
 
 def fit(
     files: Annotated[tuple[Path, ...], Parameter(help=_FILES, negative="")] = (),
     *,
     tests: FilesByTest = FilesByTest(),
+    relaxing: RelaxationFlags = RelaxationFlags(),
     curves: CurveFlags = CurveFlags(),
-    model: Annotated[str, Parameter(help=_MODEL)] = FitSpec().model,
-    how: Annotated[FitSpec, flags_of(FitSpec, without="model", group="Fit")] = FitSpec(),
+    fitting: FitFlags = FitFlags(),
     out: OutputFlags = OutputFlags(),
 ) -> None:
-    """Fit a hyperelastic model to the files of a test bench and say how far it may be trusted."""
-    spec = how.model_copy(update={"model": model})
+    """Fit a hyperelastic model and a relaxation to the files of a test bench and say how far they may be trusted."""
     check_file(out.output)
     check_file(None if out.no_figure else out.figure, ".png", ".svg", ".pdf")
-    samples = read_samples([*((path, None) for path in files), *tests.pairs()], curves)
-    found = fit_material(samples, spec)
-    facts = describe_fit(samples, found, alone=out.alone)
-    written = []
-    if not out.no_figure and out.figure is not None:
-        save_figure(out.figure, draw_fit(samples, found))
-        written.append(str(out.figure))
-    if out.output is not None:
-        write_material(out.output, _make_material(out, samples, found))
+    held = [*(path for path in files if is_relaxation(path)), *relaxing.relaxation]
+    elastic = [*((path, None) for path in files if not is_relaxation(path)), *tests.pairs()]
+    series = fit_tests(held, curves.bench, fitting.how.confidence, relaxing.moduli)
+    facts: dict[str, Any] = {}
+    material, written = None, []
+    if elastic or series is None:
+        samples = read_samples(elastic, curves)
+        found = fit_material(samples, fitting.spec)
+        facts = describe_fit(samples, found, alone=out.alone)
+        if out.draws is not None:
+            written.append(_save(out.draws, draw_fit(samples, found)))
+        material = _make_material(out, samples, found) if out.output is not None else None
+    if series is not None:
+        facts["relaxation"] = describe_relaxation(*series)
+        if out.draws is not None:
+            path = out.draws.with_stem(f"{out.draws.stem}_relaxation") if elastic else out.draws
+            written.append(_save(path, draw_relaxation(*series)))
+        if out.output is not None:
+            material = add_relaxation(material, series[1], relaxing, out.output.stem)
+    if out.output is not None and material is not None:
+        write_material(out.output, material)
         written.append(str(out.output))
     facts["files"] = written
     if out.json:
         print_json(facts)
     else:
         _print(facts)
+
+
+def _save(path: Path, figure: Any) -> str:
+    save_figure(path, figure)
+    return str(path)
 
 
 def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags) -> list[Sample]:
@@ -243,6 +287,15 @@ def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
 
 
 def _print(facts: dict[str, Any]) -> None:
+    if "model" in facts:
+        _print_law(facts)
+    if "relaxation" in facts:
+        print_relaxation(facts["relaxation"])
+    for path in facts["files"]:
+        print(f"Written: {path}")
+
+
+def _print_law(facts: dict[str, Any]) -> None:
     rows = [
         [
             item["name"],
@@ -274,8 +327,6 @@ def _print(facts: dict[str, Any]) -> None:
         print(f"With --stable: {constants}; R² {held['r2']:.5f}, error {100 * held['relative']:.2g} %.")
     if "ranking" in facts:
         _print_ranking(facts["ranking"])
-    for path in facts["files"]:
-        print(f"Written: {path}")
 
 
 def _print_modes(facts: dict[str, Any]) -> None:

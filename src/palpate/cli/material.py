@@ -53,6 +53,10 @@ def show(name: Annotated[str, Parameter(help=_NAME)], *, json: JsonFlag = False)
     )
     print(f"K/mu {facts['bulk_ratio']:g}, Poisson's ratio {facts['poisson_ratio']:.5f}")
     print(f"uniaxial stretch {_range(facts['stretch_range'])}; Drucker-stable: {_stable(facts)}")
+    if facts["relaxation"]:
+        series = facts["relaxation"]
+        terms = ", ".join(f"{a:.4g} in {b:.4g} s" for a, b in zip(series["shares"], series["times"], strict=True))
+        print(f"relaxation, moduli {series['moduli']}: shares {terms}")
     for key in ("source", "licence", "quality", "caution"):
         if facts[key]:
             print(f"{key}: {facts[key]}")
@@ -70,6 +74,7 @@ def describe_material(material: Material) -> dict[str, Any]:
         "bulk_ratio": material.bulk_ratio,
         "poisson_ratio": material.poisson_ratio,
         "stretch_range": list(material.stretch_range),
+        "relaxation": material.relaxation.key_data() if material.relaxation is not None else None,
         "stable": all(item.whole for item in ranges),
         "locks_at": {str(item.mode): item.high for item in ranges if item.high_locks},
         "source": material.source,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -105,6 +106,7 @@ def live(
         sensor = open_sensor(
             _at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit, material)
         )
+        sensor.clock = time.monotonic if opened.live else None
         print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from palpate.core import PalpateError
 from palpate.deck.spec import Dialect
 from palpate.material import Law, Material
+from palpate.relaxation import Relaxation
 
 _PER_LINE = 8
 """Most constants of a line."""
@@ -39,8 +40,24 @@ def material_lines(material: Material, dialect: Dialect, name: str = "SILICONE")
     yield f"*HYPERELASTIC, {model}"
     for at in range(0, len(constants), _PER_LINE):
         yield ", ".join(f"{value:.10g}" for value in constants[at : at + _PER_LINE])
+    if material.relaxation is not None:
+        yield from _relaxation_lines(material.relaxation, dialect)
     if material.gel is not None:
         yield from material_lines(material.gel, dialect, "FILLING")
+
+
+def _relaxation_lines(relaxation: Relaxation, dialect: Dialect) -> Iterator[str]:
+    """Relaxation as comments: the deck's press is elastic, and its pseudo-time is travel, not seconds."""
+    yield f"** The press is elastic, of the {relaxation.moduli} moduli above; the material relaxes:"
+    if dialect is Dialect.CALCULIX:
+        terms = zip(relaxation.shares, relaxation.times, strict=True)
+        yield "** " + ", ".join(f"share {share:.8g} in {time:.8g} s" for share, time in terms)
+        yield "** CalculiX has no viscoelasticity beside *HYPERELASTIC: left out"
+        return
+    yield f"** for a step *VISCO in s, add MODULI={relaxation.moduli.upper().replace('-', ' ')} to *HYPERELASTIC, and"
+    yield "** *VISCOELASTIC, TIME=PRONY"
+    for share, time in zip(relaxation.shares, relaxation.times, strict=True):
+        yield f"** {share:.10g}, 0., {time:.10g}"
 
 
 def hyperelastic(law: Law, d1: float, no_term: float = 0.0) -> tuple[str, list[float]]:

@@ -17,6 +17,7 @@ SKINS: Registry[type[SkinSpec]] = Registry(
         "ellipsoid": "palpate.design.ellipsoid:EllipsoidSpec",
         "cone": "palpate.design.cone:ConeSpec",
         "spline": "palpate.design.spline:SplineSpec",
+        "pinned": "palpate.design.pinned:PinnedSpec",
     },
     lambda found: isinstance(found, type) and issubclass(found, SkinSpec),
 )

@@ -46,11 +46,14 @@ class Skin(ABC):
     ----------
     height, base_radius, thickness
         Of the inner surface's apex over the base, of its rim, and of the wall outward from it at the apex, mm.
+    pin
+        Length of the pins whose tips are the markers, mm; 0: they are printed on the inner surface itself.
     """
 
     height: float
     base_radius: float
     thickness: float
+    pin: float = 0.0
 
     @property
     def name(self) -> str:
@@ -96,9 +99,16 @@ class Skin(ABC):
     def point(self, disc: FloatArray, layer: float, rim: Rim = Rim.FLAT) -> FloatArray:
         """Points (n, 3) mm at places (n, 2) of the unit disc; `layer` 0 is the inner surface, 1 the outer."""
 
+    def marked(self, disc: FloatArray) -> FloatArray:
+        """Points (n, 3) mm of the marked surface at places (n, 2) of the unit disc: inner surface, or tips of pins.
+
+        What follows is about the marked surface.
+        """
+        return self.point(disc, 0.0)
+
     @abstractmethod
     def disc(self, points: FloatArray) -> FloatArray:
-        """Places (n, 2) on the unit disc of points (n, 3) mm near the inner surface; beyond 1 below the rim."""
+        """Places (n, 2) on the unit disc of points (n, 3) mm near the marked surface; beyond 1 below the rim."""
 
     @abstractmethod
     def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:

@@ -52,7 +52,9 @@ class Artwork:
 
 def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
     """Lay the markers of a dome, and with `mark` the orientation mark, out on the page."""
-    rim = float(np.abs(flatten(skin, skin.inner_point([skin.base_radius], [0.0]), mapping)).max())
+    rim = float(
+        np.abs(flatten(skin, skin.inner_point([min(skin.base_radius, skin.widest[0])], [0.0]), mapping)).max()
+    )
     reach = rim + _MARGIN
     return Artwork(
         dots=flatten(skin, layout.positions, mapping),

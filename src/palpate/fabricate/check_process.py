@@ -28,6 +28,8 @@ _SAGITTA = 0.03
 """Height of a dot's cap over its diameter beyond which the pad smears its edge."""
 _SMALLEST_PX = 5.0
 """Diameter of a dot's image below which its centre is uncertain."""
+_SLENDER = 5.0
+"""Length of a pin over its diameter that still comes out of the core whole; our choice."""
 _PEEL = 0.5
 """Share of the material's greatest stretch that peeling may ask for."""
 _TOUCH_MM3 = 1e-3
@@ -45,7 +47,7 @@ def check_process(
         *_check_wall(skin),
         *_check_peeling(skin, material),
         *_check_dots(skin, layout, camera, spec),
-        *_check_pad(skin, layout, spec),
+        *(_check_pins(skin, layout) if skin.pin else _check_pad(skin, layout, spec)),
     ]
     order = list(Severity)
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
@@ -111,7 +113,7 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             f"Take dots of at least {spec.smallest_dot:g} mm.",
         )
     sagitta = skin.radius - float(np.sqrt(max(skin.radius**2 - diameter**2 / 4, 0.0)))
-    if sagitta > _SAGITTA * diameter:
+    if sagitta > _SAGITTA * diameter and not skin.pin:
         yield Finding(
             Severity.WARNING,
             "dot-on-curve",
@@ -144,6 +146,17 @@ def _reached(skin: Skin, steepest_deg: float) -> float:
     points = skin.point(np.column_stack([s, 0.0 * s]), 0.0)
     level = skin.normal(points)[:, 2] >= np.cos(np.radians(steepest_deg))
     return float(points[level, 0].max())
+
+
+def _check_pins(skin: Skin, layout: MarkerLayout) -> Iterator[Finding]:
+    """Limits of pins that are cast with the wall."""
+    if skin.pin > _SLENDER * layout.diameter:
+        yield Finding(
+            Severity.WARNING,
+            "pins-slender",
+            f"A pin {skin.pin:g} mm long is {layout.diameter:g} mm wide: it may tear in the core.",
+            f"Take pins of at most {_SLENDER * layout.diameter:.3g} mm, or wider ones.",
+        )
 
 
 def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:

@@ -72,11 +72,7 @@ def write_instructions(
         Section("Contact module", tuple(_describe(skin, layout, material, mold))),
         Section("Material", tuple(_list_material(mixed, mold, spec))),
         Section("Cast", tuple(_cast(mixed, mold)), steps=True),
-        Section(
-            "Print the markers",
-            tuple(_print_markers(layout, spec, has_template=not skin.bulges)),
-            steps=True,
-        ),
+        _mark(skin, layout, spec),
         Section("Inspect", tuple(_inspect(skin, layout))),
         Section("Enclosure", tuple(_assemble(enclosure, camera, spec)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
@@ -88,7 +84,8 @@ def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> li
     return [
         f"{skin.shape}: H = {skin.height:g} mm, B = {skin.base_radius:g} mm, T = {skin.thickness:g} mm{rim}, "
         f"inner radius {skin.radius:.5g} mm.",
-        f"{len(layout)} markers of {layout.diameter:g} mm on the inner surface. Elastomer: {material}.",
+        f"{len(layout)} markers of {layout.diameter:g} mm "
+        f"{f'on pins of {skin.pin:g} mm inside' if skin.pin else 'on the inner surface'}. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
         f"(factor {mold.module.dome.height / skin.height:.5f}).",
     ]
@@ -123,6 +120,20 @@ def _cast(mixed: float, mold: Mold) -> list[str]:
     ]
 
 
+def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Section:
+    if not skin.pin:
+        lines = _print_markers(layout, spec, has_template=not skin.bulges)
+        return Section("Print the markers", tuple(lines), steps=True)
+    lines = [
+        "Wipe the tips of the pins with isopropanol; let them dry.",
+        f"Roll silicone ink that stands out from the elastomer over the {len(layout)} tips; keep their sides clean.",
+        "artwork.pdf shows where the tips are, as seen from the base.",
+        *(["The single pin at 15° is the orientation mark: paint it too."] if spec.orientation_mark else []),
+        "Let the ink cure as its maker says.",
+    ]
+    return Section("Paint the tips", tuple(lines), steps=True)
+
+
 def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> list[str]:
     return [
         "Wipe the inner surface with isopropanol; let it dry.",
@@ -141,7 +152,7 @@ def _print_markers(layout: MarkerLayout, spec: ProcessSpec, *, has_template: boo
 
 
 def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
-    half_way = float(skin.distance(skin.point(np.array([[0.5, 0.0]]), 1.0, Rim.RADIAL))[0])
+    half_way = float(skin.distance(skin.point(np.array([[0.5, 0.0]]), 1.0, Rim.RADIAL))[0]) - skin.pin
     return [
         f"Thickness at the apex {skin.thickness:g} mm, at four places half way down {half_way:.3g} mm, "
         f"± {max(0.05, 0.05 * skin.thickness):.2g} mm.",

@@ -16,6 +16,7 @@ its base cannot leave a cavity of one piece: its cavity is cut in halves along t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,11 +46,14 @@ class Mold:
         Solids by name: ``mold_core`` and ``mold_cavity``, or the halves of the cavity.
     radius
         Outer radius, mm.
+    pins_mm3
+        Volume of the pins in the core.
     """
 
     module: Module
     parts: dict[str, CadSolid]
     radius: float
+    pins_mm3: float = 0.0
 
     @property
     def is_split(self) -> bool:
@@ -59,11 +63,11 @@ class Mold:
     def hollow(self) -> float:
         """Volume between cavity and core, mm³: what the elastomer fills."""
         module = self.module
-        return revolve(module.outside()).volume - revolve(module.inside()).volume
+        return revolve(module.outside()).volume - revolve(module.inside()).volume + self.pins_mm3
 
 
-def build_mold(module: Module, spec: ProcessSpec) -> Mold:
-    """Build the mold of a module that is already scaled for shrinkage.
+def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
+    """Build the mold of a module that is already scaled for shrinkage, as its pins are.
 
     Raises
     ------
@@ -96,6 +100,10 @@ def build_mold(module: Module, spec: ProcessSpec) -> Mold:
         )
     cavity = _build_cavity(module, spec, radius)
     core = _build_core(module, spec, radius)
+    if pins:
+        whole = core.volume
+        core = core.cut(*pins)
+        return Mold(module, {"mold_core": core, "mold_cavity": cavity}, radius, whole - core.volume)
     if not module.dome.bulges:
         return Mold(module, {"mold_core": core, "mold_cavity": cavity}, radius)
     return Mold(module, {"mold_core": core, **_split(cavity, module, radius, spec)}, radius)

@@ -23,6 +23,8 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     PalpateError
         If it could not be set into a dome that bulges, or neighbouring holes would leave too little between them.
     """
+    if skin.pin:
+        raise PalpateError("Pins are cast with the wall: there is nothing to print.", "Paint their tips.")
     if skin.bulges:
         raise PalpateError(
             f"A template {2 * skin.widest[0]:.4g} mm wide does not pass a base of {2 * skin.base_radius:g} mm.",

@@ -33,6 +33,7 @@ from palpate.fabricate.instructions import write_instructions, write_markdown, w
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
 from palpate.fabricate.pack import FabricationPack, PackSpec
+from palpate.fabricate.pins import build_pins
 from palpate.fabricate.template import build_template
 from palpate.fabricate.write_artwork import draw_page, write_dxf, write_pdf, write_svg
 
@@ -102,8 +103,11 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
 def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
     module = build_module(skin, spec.mount)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
-    mold = build_mold(build_module(skin, spec.mount, scale), spec.process)
-    body = build_solid(module)
+    marked = spec.process.orientation_mark
+    mold = build_mold(
+        build_module(skin, spec.mount, scale), spec.process, build_pins(skin, layout, scale, mark=marked)
+    )
+    body = build_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
@@ -112,7 +116,7 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
     enclosure = build_enclosure(module, spec.camera.distance, spec.process)
     refuse_interference(mold.parts)
     refuse_interference({**enclosure.parts, "module": body}, intended=frozenset(("clamp_ring", "module")))
-    artwork = draw_artwork(skin, layout, spec.process.mapping, mark=spec.process.orientation_mark)
+    artwork = draw_artwork(skin, layout, spec.process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
     return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids)
 

@@ -16,6 +16,7 @@ OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
         "ball": "palpate.fea.ball:BallSpec",
         "cylinder": "palpate.fea.cylinder:CylinderSpec",
         "edge": "palpate.fea.edge:EdgeSpec",
+        "route": "palpate.fea.route:RouteSpec",
     },
     lambda found: isinstance(found, type) and issubclass(found, ObstacleSpec),
 )

@@ -13,7 +13,7 @@ from palpate.fea.derivative import Derivative
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
 from palpate.mechanics import Ended, SolverSpec
-from palpate.mesh import Mesh, locate_inner, locate_nodes
+from palpate.mesh import Mesh, follow_marked, follow_rate, locate_inner, locate_nodes
 
 FEA_VERSION = "8"
 """Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
@@ -146,7 +146,7 @@ class Press:
         return replace(self, mesh=mesh, displacement=nodes.interpolate(self.displacement), derivatives=derivatives)
 
     def positions(self, points: FloatArray) -> FloatArray:
-        """Follow points of the undeformed inner surface through every increment.
+        """Follow points of the undeformed inner surface, or tips of its pins, through every increment.
 
         Parameters
         ----------
@@ -158,6 +158,14 @@ class Press:
         (n, m, 3) mm
             Deformed positions, dome's frame.
         """
+        result: FloatArray = np.asarray(points, float) + self.moved(points)
+        return result
+
+    def moved(self, points: FloatArray, by: str = "") -> FloatArray:
+        """Displacement (n, m, 3) mm of such points (m, 3) mm, or its derivative `by` one of `derivatives`.
+
+        The derivative must not break the mirror symmetry of a half model.
+        """
         turn = self.wall.turn(self.mesh)
         points = np.asarray(points, float)
         local = points @ turn
@@ -167,7 +175,10 @@ class Press:
             mirrored = local[:, 0] < 0
             side = np.array([-1.0, 1.0, 1.0])
         seen = np.where(mirrored[:, None], local * side, local)
-        moved = locate_inner(self.mesh, seen).interpolate(self.displacement)
-        moved = np.where(mirrored[:, None], moved * side, moved)
-        result: FloatArray = points + moved @ turn.T
+        places, state = locate_inner(self.mesh, seen), self.displacement
+        rate = self.derivatives[by].displacement if by else None
+        moved = (
+            follow_marked(self.mesh, places, state) if rate is None else follow_rate(self.mesh, places, state, rate)
+        )
+        result: FloatArray = np.where(mirrored[:, None], moved * side, moved) @ turn.T
         return result

@@ -32,6 +32,9 @@ from palpate.mechanics import (
 )
 from palpate.mesh import Mesh, centre_mesh
 
+_SAME_MM = 1e-6
+"""Difference below which two depths are one."""
+
 
 def solve_press(
     mesh: Mesh,
@@ -87,7 +90,7 @@ def solve_press(
     else:
         path = start_press(mesh, material, wall, solver)
         followed = follow_derivatives(path, mesh, material, wall)
-        increments = _press_down(path, goals, observe)
+        increments = _press_down(path, goals, wall.stops, observe)
         if wall.unload and path.ended is Ended.DEPTH_REACHED:
             increments += _draw_back(path, goals)
     derivatives = gather_derivatives(followed, increments, mesh, wall)
@@ -114,8 +117,13 @@ def solve_press(
     )
 
 
-def _press_down(path: Continuation, goals: list[float], observe: Callable[[float], None] | None) -> list[int]:
-    """Press to the depths (mm) of the increments as far as they go; the points of the path that are increments."""
+def _press_down(
+    path: Continuation, goals: list[float], stops: tuple[float, ...], observe: Callable[[float], None] | None
+) -> list[int]:
+    """Press to the depths (mm) of the increments as far as they go; the points of the path that are increments.
+
+    At the stops the obstacle changes its way.
+    """
     increments = [0]
     for goal in goals:
         if not path.advance(goal):
@@ -123,6 +131,8 @@ def _press_down(path: Continuation, goals: list[float], observe: Callable[[float
                 increments.append(len(path.increments) - 1)
             break
         increments.append(len(path.increments) - 1)
+        if any(abs(goal - stop) < _SAME_MM for stop in stops):
+            path.turn()
         if observe is not None:
             observe(goal)
     return increments
@@ -139,9 +149,11 @@ def _draw_back(path: Continuation, goals: list[float]) -> list[int]:
 
 
 def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
-    """Depths in mm of the increments after rest: every increment step, and the deepest."""
+    """Depths in mm of the increments after rest: every increment step, every stop, and the deepest."""
     count = int(np.floor(deepest / wall.image_step + 1e-9))
     depths = [wall.image_step * (k + 1) for k in range(count)]
+    for stop in wall.stops:
+        depths = sorted([*(depth for depth in depths if abs(depth - stop) > _SAME_MM), stop])
     if not depths or deepest - depths[-1] > 1e-6:
         depths.append(deepest)
     return depths
@@ -206,14 +218,17 @@ def _label(monitor: SkinMonitor, point: Increment) -> str:
 def _work(points: list[Increment]) -> FloatArray:
     """Work (n,) mJ of the wall at every equilibrium, from the energy stored at the first.
 
-    The axial force is integrated by cubic splines between jumps and turns of the wall, by the trapezoid in a jump.
+    The power, an axial force where the wall only descends, is integrated by cubic splines between jumps and turns of
+    the wall, by the trapezoid in a jump.
     """
     depth = np.array([point.depth for point in points])
-    force = np.array([point.loads.force[2] for point in points])
+    force = np.array([point.power for point in points])
     jumps = {k for k, point in enumerate(points) if point.jumped and k > 0}
-    turns = {k for k in range(1, len(points) - 1) if (depth[k + 1] - depth[k]) * (depth[k] - depth[k - 1]) < 0}
+    # where the wall turns back, and at both points of a stop, which have one depth
+    turns = {k for k in range(1, len(points) - 1) if (depth[k + 1] - depth[k]) * (depth[k] - depth[k - 1]) <= 0}
     gained = np.zeros(len(points))
     for first, last in pairwise(sorted({0, len(points) - 1} | jumps | {k - 1 for k in jumps} | turns)):
-        gained[first + 1 : last + 1] = np.diff(integrate_force(depth[first : last + 1], force[first : last + 1]))
+        if depth[first] != depth[last]:
+            gained[first + 1 : last + 1] = np.diff(integrate_force(depth[first : last + 1], force[first : last + 1]))
     work: FloatArray = sum(points[0].loads[:2]) + np.cumsum(gained)
     return work

@@ -88,6 +88,16 @@ class ObstacleSpec(Spec, ABC):
         return True
 
     @property
+    def drifts(self) -> bool:
+        """Whether it moves other than along the skin's axis."""
+        return False
+
+    @property
+    def stops(self) -> tuple[float, ...]:
+        """Depths in mm where its way changes; there are images there too."""
+        return ()
+
+    @property
     def pose_space(self) -> PoseSpace:
         """What a sensor may estimate of it: its place, unless an obstacle says otherwise."""
         return OFFSET_DEPTH

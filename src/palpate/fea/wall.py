@@ -55,7 +55,6 @@ class WallSpec(ObstacleSpec):
 
     @property
     def drifts(self) -> bool:
-        """Whether it moves other than along the skin's axis."""
         return any(getattr(self, name) for name in self.DRIFTS)
 
     @property
@@ -88,7 +87,7 @@ class WallSpec(ObstacleSpec):
             raise PalpateError(
                 f"A wall that drifts by {self.drift_across:g} mm/mm across its slope, or turns by "
                 f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
-                "Use a whole mesh: MeshSpec(whole=True).",
+                "Use a whole mesh: MeshSpec(whole=True), --whole.",
             )
         assert isinstance(touched, Plane)
         along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)

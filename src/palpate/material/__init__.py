@@ -15,6 +15,7 @@ from palpate.material.model import LinearModel
 from palpate.material.prepare import prepare_sample
 from palpate.material.rank import predict_unseen, rank_models
 from palpate.material.read_bench import read_bench
+from palpate.material.read_relaxation import read_relaxation
 from palpate.material.sample import Loading, Sample
 from palpate.material.secant import DIFFERS, compare_secants
 from palpate.material.spec import BenchSpec, FitSpec, PrepareSpec, Weighting
@@ -50,6 +51,7 @@ __all__ = [
     "rank_models",
     "read_bench",
     "read_material",
+    "read_relaxation",
     "save_figure",
     "stretches",
     "trace_curve",

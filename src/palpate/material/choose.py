@@ -12,6 +12,7 @@ from palpate.material.io import read_material
 from palpate.material.library import library_names, read_library
 from palpate.material.make_law import LAWS
 from palpate.material.material import Material
+from palpate.relaxation import Relaxation
 
 FILE_ENDINGS = (".yaml", ".yml")
 """Endings by which a text is known to name a material file."""
@@ -66,13 +67,15 @@ def material_from_data(data: dict[str, Any]) -> Material:
     Parameters
     ----------
     data
-        With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``, and ``gel`` where it fills a skin.
+        With ``name``, ``law``, ``constants`` (MPa) and ``bulk_ratio``, ``relaxation`` where it relaxes, and ``gel``
+        where one fills a skin.
     """
     if "gel" in data:
         wall = {name: value for name, value in data.items() if name != "gel"}
         return replace(material_from_data(wall), gel=material_from_data(data["gel"]))
+    relaxation = Relaxation.from_data(data["relaxation"]) if "relaxation" in data else None
     made = LAWS.get(data["law"]).from_constants(data["constants"])
     if data["name"] not in library_names():
-        return Material(data["name"], made, data["bulk_ratio"])
+        return Material(data["name"], made, data["bulk_ratio"], relaxation=relaxation)
     known = read_library(data["name"])
-    return replace(known, law=made, bulk_ratio=data["bulk_ratio"])
+    return replace(known, law=made, bulk_ratio=data["bulk_ratio"], relaxation=relaxation)

@@ -92,6 +92,44 @@ def find_columns(table: Table, spec: BenchSpec) -> Columns:
     )
 
 
+def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int:
+    """Column, from 0, that is given by name or number, or else the only one whose name has the pattern.
+
+    Raises
+    ------
+    PalpateError
+        If there is none or several; the message names the columns there are.
+    """
+    found = seek_column(table, given, kind, pattern)
+    if found is None:
+        raise PalpateError(
+            f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
+            f"Say which: --{kind} NAME or NUMBER.",
+        )
+    return found
+
+
+def seek_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[str]) -> int | None:
+    """Column as `find_column` finds it; `None` where no name has the pattern."""
+    if given is not None:
+        return _named(table, given, kind)[0]
+    found = [at for at, name in enumerate(table.header) if pattern.search(name) and not _NOT_STRAIN.search(name)]
+    if len(found) > 1:
+        shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in found)
+        raise PalpateError(f"{table.path}: columns {shown} may all be the {kind}.", f"Choose one: --{kind} NUMBER.")
+    return found[0] if found else None
+
+
+def units_of_column(table: Table, column: int) -> set[str]:
+    """Texts that may be a column's unit: from the row of units, and in brackets or at the end of its name."""
+    found = {table.units[column].strip("()[] ")} if table.units else set()
+    if table.header:
+        name = table.header[column]
+        tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z]+)$", name)
+        found |= {*re.findall(r"[\(\[]\s*(.*?)\s*[\)\]]", name), *([tail[1]] if tail else [])}
+    return found - {""}
+
+
 def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern[str], ...]) -> list[int]:
     if given is not None:
         return _named(table, given, kind)

@@ -14,10 +14,13 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from palpate.core import PalpateError, writing
 from palpate.material.make_law import LAWS
 from palpate.material.material import DEFAULT_BULK_RATIO, Material
+from palpate.relaxation import Moduli, Relaxation
 
 _TEXTS = ("source", "licence", "quality", "caution")
-_KEYS = ("name", "law", "constants", "bulk_ratio", "stretch_range", *_TEXTS)
+_KEYS = ("name", "law", "constants", "bulk_ratio", "stretch_range", "relaxation", *_TEXTS)
+_TERM = {"share", "time"}
 _HEAD = "# A material of palpate. Constants in MPa; exponents alpha, Jm and lm are pure numbers.\n"
+_RELAXATION = "Write moduli (long-term or instantaneous) and terms, each {share: 0.1, time: 3.0}, time in s."
 
 
 def write_material(path: Path, material: Material) -> None:
@@ -36,6 +39,8 @@ def write_material(path: Path, material: Material) -> None:
     }
     if all(math.isfinite(end) for end in material.stretch_range):
         content["stretch_range"] = [float(f"{end:.6g}") for end in material.stretch_range]
+    if material.relaxation is not None:
+        content["relaxation"] = _relaxation_data(material.relaxation)
     content |= {key: getattr(material, key) for key in _TEXTS if getattr(material, key)}
     text = StringIO()
     writer = YAML()
@@ -105,10 +110,36 @@ def _make(content: dict[str, Any], name: str) -> Material:
             law=LAWS.get(str(content["law"])).from_constants(numbers),
             bulk_ratio=_number(content.get("bulk_ratio", DEFAULT_BULK_RATIO), "bulk_ratio", name),
             stretch_range=(low, high),
+            relaxation=_read_relaxation(content["relaxation"], name) if "relaxation" in content else None,
             **texts,
         )
     except PalpateError as error:
         raise PalpateError(f"{name}: {error.what}", error.remedy) from None
+
+
+def _relaxation_data(relaxation: Relaxation) -> dict[str, Any]:
+    terms = zip(relaxation.shares, relaxation.times, strict=True)
+    return {
+        "moduli": str(relaxation.moduli),
+        "terms": [{"share": float(share), "time": float(time)} for share, time in terms],
+    }
+
+
+def _read_relaxation(content: Any, name: str) -> Relaxation:
+    """A relaxation as moduli and terms, or as a list of terms alone."""
+    found = {"terms": content} if isinstance(content, list) else content
+    if not isinstance(found, dict) or not {"terms"} <= set(found) <= {"moduli", "terms"}:
+        raise PalpateError(f"{name}: relaxation is no list of terms.", _RELAXATION)
+    terms, moduli = found["terms"], str(found.get("moduli", Moduli.LONG_TERM))
+    if not isinstance(terms, list) or any(not isinstance(term, dict) or set(term) != _TERM for term in terms):
+        raise PalpateError(f"{name}: a term of relaxation is no pair of share and time.", _RELAXATION)
+    if moduli not in list(Moduli):
+        raise PalpateError(f"{name}: relaxation.moduli is {moduli!r}.", f"Choose one of {', '.join(Moduli)}.")
+    shares, times = (
+        tuple(_number(term[key], f"relaxation.terms[{at}].{key}", name) for at, term in enumerate(terms, start=1))
+        for key in ("share", "time")
+    )
+    return Relaxation(shares, times, Moduli(moduli))
 
 
 def _number(value: Any, key: str, name: str, *, finite: bool = True) -> float:

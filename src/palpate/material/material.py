@@ -9,6 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.material.law import Law
+from palpate.relaxation import Relaxation
 
 DEFAULT_BULK_RATIO = 2000.0
 """K / mu of a silicone in this package: nearly incompressible (Poisson's ratio 0.49975)."""
@@ -38,6 +39,8 @@ class Material:
         What a user must know.
     gel
         What fills a skin of this material, tied to it and to its window; `None`: it is hollow.
+    relaxation
+        How its stress fades under a strain that stays; `None`: not at all.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Material:
     quality: str = ""
     caution: str = ""
     gel: Material | None = None
+    relaxation: Relaxation | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.law.shear_modulus) and self.law.shear_modulus > 0):
@@ -79,13 +83,38 @@ class Material:
         """Young's modulus at rest, MPa."""
         return 2 * self.law.shear_modulus * (1 + self.poisson_ratio)
 
+    @property
+    def whole_relaxation(self) -> Relaxation | None:
+        """Relaxation of a whole skin of it, wall and gel.
+
+        Raises
+        ------
+        PalpateError
+            If the gel relaxes otherwise than the wall: then no single function describes the skin.
+        """
+        if self.gel is not None and self.gel.relaxation != self.relaxation:
+            raise PalpateError(
+                f"The gel {self.gel.name} relaxes otherwise than its wall {self.name}.",
+                "Give both materials the same relaxation, or neither: one function serves the whole skin.",
+            )
+        return self.relaxation
+
     def with_bulk_ratio(self, bulk_ratio: float) -> Material:
         """Return the same material with another K / mu."""
         return replace(self, bulk_ratio=bulk_ratio)
 
     def key_data(self) -> dict[str, Any]:
-        """Return the identity as plain values: law, constants (MPa), bulk ratio, gel; the name does not matter."""
-        own = {"law": self.law.name, "constants": self.law.constants, "bulk_ratio": self.bulk_ratio}
+        """Return the identity as plain values; the name does not matter.
+
+        Law, constants (MPa) and bulk ratio; relaxation and gel where there is one.
+        """
+        own: dict[str, Any] = {
+            "law": self.law.name,
+            "constants": self.law.constants,
+            "bulk_ratio": self.bulk_ratio,
+        }
+        if self.relaxation is not None:
+            own["relaxation"] = self.relaxation.key_data()
         return own if self.gel is None else {**own, "gel": {"name": self.gel.name, **self.gel.key_data()}}
 
     def evaluate(self, F: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -34,6 +34,15 @@ class StressUnit(StrEnum):
     KILONEWTON = "kN"
 
 
+class TimeUnit(StrEnum):
+    """Unit of a column of time."""
+
+    MILLISECOND = "ms"
+    SECOND = "s"
+    MINUTE = "min"
+    HOUR = "h"
+
+
 _STRAIN_UNITS = ", ".join(StrainUnit)
 _STRESS_UNITS = ", ".join(StressUnit)
 
@@ -53,6 +62,10 @@ class BenchSpec(Spec):
     true_stress: bool = parameter(False, unit="", meaning="whether the stress is true (Cauchy), not nominal")
     gauge_length: float | None = parameter(None, unit="mm", meaning="gauge length, for a column of travel", gt=0)
     section: float | None = parameter(None, unit="mm2", meaning="undeformed section, for a column of force", gt=0)
+    time: str | None = parameter(None, unit="", meaning="column of time of a relaxation test: name or number")
+    time_unit: TimeUnit | None = parameter(
+        None, unit="", meaning=f"its unit, {', '.join(TimeUnit)}; empty: as the header says"
+    )
     sample: str | None = parameter(None, unit="", meaning="column that numbers the samples: name or number")
     decimal: Literal["point", "comma"] | None = parameter(
         None, unit="", meaning="decimal mark, point or comma; empty: found"

@@ -2,9 +2,10 @@
 
 from palpate.mechanics.arc_length import ArcLength
 from palpate.mechanics.compiled import kernels_compiled
-from palpate.mechanics.continuation import Continuation, Increment
+from palpate.mechanics.continuation import Continuation
 from palpate.mechanics.element import System
 from palpate.mechanics.friction import ContactLaw
+from palpate.mechanics.increment import Increment
 from palpate.mechanics.linear import LinearSolver, Pattern, SingularMatrixError, make_linear_solver, solver_backends
 from palpate.mechanics.loading import ContactLoading, DeadLoading
 from palpate.mechanics.monitor import Ended, Monitor, Unwatched

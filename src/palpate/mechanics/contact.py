@@ -84,6 +84,11 @@ class Contact(Term):
         rules = (self.law, self.history)
         return Share(*_assemble_points(self.surface.faces, to.place, points, rules, to.system, tangent))
 
+    def energy(self, state: State, nodes: FloatArray) -> float:
+        """Energy in mJ of a state of the body with these nodes (n, 3) mm."""
+        points = self._points(self.surface.place(nodes + state.u))
+        return float(_sum_energy(self.surface.faces, points, (self.law, self.history)))
+
     def meet(self, state: State, nodes: FloatArray) -> Met:
         """Contact points of a state of the body with these nodes (n, 3) mm, and the obstacle."""
         return Met(self.surface.interpolate(nodes + state.u), self.obstacle)
@@ -143,6 +148,25 @@ def _assemble_points(
             if tangent:
                 _add_stiffness(w, faces.shape[q], H, place[faces.cell[f]], system)
     return energy, force
+
+
+@kernel
+def _sum_energy(faces: ContactFaces, points: _Points, contact: tuple[ContactLaw, ContactHistory]) -> float:
+    """Energy of contact, mJ: what `_assemble_points` returns of it."""
+    law, history = contact
+    energy = 0.0
+    s, t, H = np.empty(3), np.zeros(3), np.zeros((3, 3))
+    for f in range(len(faces.nodes)):
+        for q in range(len(faces.shape)):
+            at = f * len(faces.shape) + q
+            density = _normal_contact(points.reach[at], law, history.stabilisation[at])[0]
+            if history.limit[at] > 0.0:
+                axis = points.axis[at]
+                for i in range(3):
+                    s[i] = points.arm[at, i] - points.height[at] * axis[i] - history.anchor[at, i]
+                density += _add_friction(s, axis, history.limit[at], law.tangential_stiffness, t, H)
+            energy += faces.weight[f, q] * density
+    return energy
 
 
 @kernel

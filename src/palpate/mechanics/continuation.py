@@ -21,6 +21,7 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.mechanics.friction import ContactHistory
+from palpate.mechanics.increment import Increment
 from palpate.mechanics.loading import PathLoading
 from palpate.mechanics.monitor import Ended, Monitor
 from palpate.mechanics.newton import Equilibrium, Loads, Problem, SolveOutcome
@@ -64,40 +65,6 @@ def _agree(old: FloatArray, new: FloatArray) -> bool:
     if np.isinf(new).any():
         return True
     return bool(np.abs(new - old).sum() <= 0.02 * new.sum())
-
-
-@dataclass(frozen=True)
-class Increment:
-    """One accepted equilibrium of the modelled part.
-
-    Attributes
-    ----------
-    depth
-        Parameter of the path: mm travel of the obstacle, or factor on dead loads.
-    state
-        Displacement and pressure.
-    loads
-        Energies and force.
-    history
-        What the contact points remember.
-    jumped
-        Whether a jump led here.
-    negative_pivots
-        Unstable modes of the equilibrium; -1 where the linear solver cannot tell.
-    tension
-        MPa, greatest tension of the springs that stabilise contact.
-    dissipated
-        mJ of friction from the start of the path.
-    """
-
-    depth: float
-    state: State
-    loads: Loads
-    history: ContactHistory
-    jumped: bool = False
-    negative_pivots: int = 0
-    tension: float = 0.0
-    dissipated: float = 0.0
 
 
 @dataclass
@@ -224,7 +191,7 @@ class Continuation:
     def _exponent(self) -> float:
         """Exponent n of the force as a power of the depth, from the last two increments."""
         (d0, f0), (d1, f1) = ((point.depth, float(point.loads.force[2])) for point in self.increments[-2:])
-        return d1 * (f1 - f0) / ((d1 - d0) * f1) if f1 > 0 else 0.0
+        return d1 * (f1 - f0) / ((d1 - d0) * f1) if f1 > 0 and d1 != d0 else 0.0
 
     def _solve(
         self, depth: float, start: State, damping: Damping | None = None, *, sliding: bool = False
@@ -279,14 +246,20 @@ class Continuation:
             return False
         if len(self.increments) < 3:
             return True
-        work = 0.5 * (found.loads.force[2] + last.loads.force[2]) * (depth - last.depth)
+        power = self._power(depth, found)
+        work = 0.5 * (power + last.power) * (depth - last.depth)
         gained = sum(found.loads[:2]) - sum(last.loads[:2])
         tolerance = 3 * _IMBALANCE if self.loading.remembers else _IMBALANCE
         return bool(abs(gained - work) <= tolerance * abs(work) + _NOTHING * self.unit**3)
 
+    def _power(self, depth: float, found: Equilibrium) -> float:
+        """Power with which an equilibrium was reached, mJ/mm."""
+        return self.loading.power(depth, found.state, self._history, found.loads.force, -self._way)
+
     def _accept(self, found: Equilibrium, depth: float, *, jumped: bool) -> None:
         if self.sensitivity is not None:
             self._differentiate(self.sensitivity, found.state, depth, jumped=jumped)
+        power = self._power(depth, found)
         history, lost = self.loading.keep(self._history, depth, found.state)
         self.increments.append(
             Increment(
@@ -298,6 +271,7 @@ class Continuation:
                 found.negative_pivots,
                 self.monitor.tension(depth, found.state, self._stabilisation),
                 self.last.dissipated + lost,
+                power,
             )
         )
         stabilisation = None if self._released else self.monitor.stabilisation(depth, found.state)
@@ -319,6 +293,13 @@ class Continuation:
     def release(self) -> None:
         """Let go of what the monitor stabilises, for the rest of the path."""
         self._released, self._stabilisation = True, np.zeros_like(self._stabilisation)
+
+    def turn(self) -> None:
+        """Begin anew with steps and prediction: what moves changes its way here, and so its power."""
+        last = self.last
+        power = self.loading.power(last.depth, last.state, last.history, last.loads.force, self._way)
+        self.increments.append(replace(last, jumped=False, power=power))
+        self._since, self._step = len(self.increments) - 1, self._first_step
 
     def restart(self) -> None:
         """Go on from the increment reached as from a new start, and do not jump."""

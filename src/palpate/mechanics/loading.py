@@ -25,6 +25,8 @@ from palpate.mechanics.solid import State
 from palpate.mechanics.surface import OuterSurface
 from palpate.mechanics.term import DeadLoad, Term
 
+_TINY = 1e-7
+"""Travel in mm over which the power of an obstacle that does not only descend is taken."""
 _FRICTIONLESS, _SLIPPING = 1.5, 0.8
 """Factors on the advance of the edge where contact remembers nothing, and where points slip while others stick."""
 
@@ -50,6 +52,14 @@ class PathLoading(ABC):
     @abstractmethod
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
         """Terms at a parameter."""
+
+    def power(self, at: float, state: State, history: ContactHistory, force: FloatArray, side: float) -> float:
+        """Work of what moves over its parameter, mJ/mm, at a state and the force (3,) N on it.
+
+        On the `side` of a greater (1) or lesser (-1) parameter, where the way may have a kink. Of what moves along
+        the axis it is the force along it.
+        """
+        return float(force[2])
 
     @abstractmethod
     def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
@@ -81,12 +91,15 @@ class ContactLoading(PathLoading):
         Contact law.
     obstacle
         The obstacle at a depth in mm.
+    aside
+        Whether it moves other than along the axis.
     """
 
     nodes: FloatArray
     surface: OuterSurface
     law: ContactLaw
     obstacle: Callable[[float], Obstacle]
+    aside: bool = False
 
     @property
     def remembers(self) -> bool:  # type: ignore[override]
@@ -106,6 +119,13 @@ class ContactLoading(PathLoading):
         """Contact with the obstacle at a depth in mm, with this history."""
         obstacle = self.obstacle(at)
         return Contact(self.surface, self.law, obstacle, history._replace(anchor=obstacle.seen(history.anchor)))
+
+    def power(self, at: float, state: State, history: ContactHistory, force: FloatArray, side: float) -> float:
+        """See `PathLoading`; of one that goes aside too, by the energy of contact of a state that holds still."""
+        if not self.aside:
+            return super().power(at, state, history, force, side)
+        there, here = (self.contact(at + step, history).energy(state, self.nodes) for step in (side * _TINY, 0.0))
+        return (there - here) / (side * _TINY)
 
     def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
         pull = np.where(self.touching(last, state), self.law.stiffness, history.stabilisation)

@@ -4,6 +4,7 @@ from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadri
 from palpate.mesh.locate import SurfacePoints, locate_inner, locate_nodes
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.mesh_skin import centre_mesh, default_core, mesh_skin, reshape_mesh
+from palpate.mesh.pins import follow_marked, follow_rate
 from palpate.mesh.quality import MeshQuality, measure_quality
 from palpate.mesh.spec import MeshSpec
 
@@ -14,6 +15,8 @@ __all__ = [
     "SurfacePoints",
     "centre_mesh",
     "default_core",
+    "follow_marked",
+    "follow_rate",
     "gauss_points",
     "locate_inner",
     "locate_nodes",

@@ -38,19 +38,19 @@ class SurfacePoints:
 
 
 def locate_inner(mesh: Mesh, points: FloatArray) -> SurfacePoints:
-    """Locate points of the undeformed inner surface.
+    """Locate points of the undeformed inner surface, or the roots of pins by their tips.
 
     Parameters
     ----------
     mesh
         Mesh of a dome; for a half one the points must have x >= 0.
     points
-        (m, 3) mm, within 0.05 mm of the inner surface.
+        (m, 3) mm, within 0.05 mm of the marked surface.
 
     Raises
     ------
     PalpateError
-        If a point lies off the inner surface or beyond its rim.
+        If a point lies off the marked surface or beyond its rim.
     """
     return _locate(mesh, _on_disc(mesh, np.asarray(points, float)))
 
@@ -82,8 +82,8 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
     if off.max(initial=0.0) > _OFF_SURFACE_MM:
         worst = int(np.argmax(off))
         raise PalpateError(
-            f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the inner "
-            f"surface of {mesh.skin.name}.",
+            f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the "
+            f"{'tips of the pins' if mesh.skin.pin else 'inner surface'} of {mesh.skin.name}.",
             f"Give points within {_OFF_SURFACE_MM} mm of it.",
         )
     place = mesh.skin.disc(points)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
@@ -73,11 +74,13 @@ def open_by(spec: OpenSpec) -> Sensor:
     known = read_unit(spec.unit) if spec.unit else None
     unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, known=known)
     with open_source(spec.source) as source:
-        first = list(islice(source.images(), spec.rest_images))
+        first, live = list(islice(source.images(), spec.rest_images)), source.live
     images = [image for image in first if not isinstance(image, PalpateError)]
     if len(images) < spec.rest_images:
         raise PalpateError(
             f"{spec.rest_images} images at rest were asked for, {len(images)} can be read.",
             "Look at the camera, or ask for fewer.",
         )
-    return open_sensor(images, unit, twin, RigSpec(rest_images=spec.rest_images))
+    sensor = open_sensor(images, unit, twin, RigSpec(rest_images=spec.rest_images))
+    sensor.clock = time.monotonic if live else None
+    return sensor

@@ -26,13 +26,14 @@ from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Skin, wall_norma
 from palpate.learn import Prediction, Predictor, open_predictor
 from palpate.markers import Naming, Sighting
 from palpate.recording import is_recorded_model
+from palpate.relaxation import Relaxation
 from palpate.sensor.print_law import PrintLaw
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
 from palpate.sensor.rest_drift import RestMotion, RestWatch
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
-from palpate.twin import Twin, read_twin, twin_path
+from palpate.twin import Twin, read_twin, twin_path, twin_relaxation
 
 _SAME_MM = 0.1
 """Offset of the camera below which the height of a marker does not matter: below 0.1 px at full depth."""
@@ -75,6 +76,11 @@ class Reader(ABC):
     @property
     def twin_fit(self) -> PoseFitter | None:
         """What fits the unit's twin; `None` where a network reads."""
+        return None
+
+    @property
+    def relaxation(self) -> Relaxation | None:
+        """How the force fades under a touch that stays; `None` where nothing says so."""
         return None
 
     @abstractmethod
@@ -158,6 +164,10 @@ class TwinReader(Reader):
     @property
     def twin_fit(self) -> PoseFitter | None:
         return self.fitter
+
+    @property
+    def relaxation(self) -> Relaxation | None:
+        return twin_relaxation(self.fitter.model.dots.twin)
 
     def read(self, sighting: Sighting) -> Estimate:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +25,7 @@ from palpate.markers import (
     prepare_detector,
 )
 from palpate.recording import RecordedModel
+from palpate.sensor.fading_force import FadingForce
 from palpate.sensor.known_press import KnownPress, ask_press
 from palpate.sensor.reader import Estimate, Model, Reader, check_model, open_reader
 from palpate.sensor.reading import Flag, Reading
@@ -47,6 +48,9 @@ class Sensor:
         What it is, what it estimates with, and when it flags.
     detector, naming, registration
         What the rest image gave.
+    clock
+        Tells when an image was taken, in s; with it, forces are those of that time where the material relaxes.
+        `None`: they are those of the law's constants.
     """
 
     unit: Unit
@@ -55,13 +59,23 @@ class Sensor:
     detector: Detector
     naming: Naming
     registration: Registration
+    clock: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
+        relaxation = self.reader.relaxation
+        self._fading = FadingForce(relaxation) if relaxation is not None else None
         self._tracker = Tracker(Motion(self.naming.positions_px))
         self._count = 0
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
         """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading."""
+        reading = self._read_elastic(image)
+        if self._fading is None or self.clock is None:
+            return reading
+        return self._fading.follow(reading, self.clock())
+
+    def _read_elastic(self, image: NDArray[Any] | PalpateError) -> Reading:
+        """The reading with the force that the law alone gives."""
         start = time.perf_counter()
         self._count += 1
         try:

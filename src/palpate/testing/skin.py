@@ -31,30 +31,32 @@ class SkinSuite:
         assert again.point(disc, 0.5) == pytest.approx(skin.point(disc, 0.5))
         assert again.name == skin.name
 
-    def test_the_disc_is_the_inverse_of_the_inner_surface(self, skin: Skin, disc: FloatArray) -> None:
-        assert skin.disc(skin.point(disc, 0.0)) == pytest.approx(disc, abs=1e-8)
+    def test_the_disc_is_the_inverse_of_the_marked_surface(self, skin: Skin, disc: FloatArray) -> None:
+        assert skin.disc(skin.marked(disc)) == pytest.approx(disc, abs=1e-8)
+        assert skin.point(disc, 0.0) == pytest.approx(skin.marked(disc) + skin.pin * skin.normal(skin.marked(disc)))
 
     def test_apex_rim_and_thickness_are_those_of_the_design(self, skin: Skin, disc: FloatArray) -> None:
         assert skin.point(np.zeros((1, 2)), 0.0)[0] == pytest.approx([0, 0, skin.height], abs=1e-8)
         assert skin.point(np.array([[0.0, 1.0]]), 0.0)[0] == pytest.approx([0, skin.base_radius, 0], abs=1e-8)
-        wall, ends = skin.distance(skin.point(disc, 1.0, Rim.RADIAL)), (skin.thickness, skin.rim_thickness)
+        wall = skin.distance(skin.point(disc, 1.0, Rim.RADIAL)) - skin.pin
+        ends = (skin.thickness, skin.rim_thickness)
         assert min(ends) - 1e-7 < wall.min() <= wall.max() < max(ends) + 1e-7
         edge = skin.point(np.array([[1.0, 0.0]]), 1.0)[0]
         assert edge[2] == pytest.approx(0.0, abs=1e-7)
         assert edge[0] == pytest.approx(skin.outer_base_radius)
 
     def test_the_normal_is_across_the_surface_and_points_outward(self, skin: Skin, disc: FloatArray) -> None:
-        points, step = skin.point(disc, 0.0), 1e-6
+        points, step = skin.marked(disc), 1e-6
         normals = skin.normal(points)
         for way in np.eye(2):
-            slope = (skin.point(disc + step * way, 0.0) - skin.point(disc - step * way, 0.0)) / (2 * step)
+            slope = (skin.marked(disc + step * way) - skin.marked(disc - step * way)) / (2 * step)
             assert np.abs((slope * normals).sum(axis=1)).max() < 1e-5 * skin.base_radius
         assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
         frame = np.stack(skin.tangents(points), axis=1)
         assert frame @ frame.transpose(0, 2, 1) == pytest.approx(np.broadcast_to(np.eye(3), frame.shape), abs=1e-9)
 
     def test_points_off_the_surface_are_put_back_along_its_normal(self, skin: Skin, disc: FloatArray) -> None:
-        points = skin.point(0.9 * disc, 0.0)
+        points = skin.marked(0.9 * disc)
         normals = skin.normal(points)
         for offset in (-0.05 * skin.radius, 0.3 * skin.thickness):
             assert skin.nearest(points + offset * normals) == pytest.approx(points, abs=1e-7)
@@ -68,7 +70,7 @@ class SkinSuite:
         assert np.isnan(skin.inner_point(1.01 * skin.widest[0], 0.0)[2])
 
     def test_lengths_along_the_meridian_add_up(self, skin: Skin, disc: FloatArray) -> None:
-        points = skin.point(disc, 0.0)
+        points = skin.marked(disc)
         whole = skin.arc_length(points) + skin.distance_to_rim(points)
         assert whole == pytest.approx(whole[0], rel=1e-6)
         near = points[np.hypot(points[:, 0], points[:, 1]) < 0.9 * skin.widest[0]]
@@ -76,7 +78,7 @@ class SkinSuite:
         assert skin.at_arc_length(skin.arc_length(near)) == pytest.approx(np.hypot(near[:, 0], near[:, 1]), abs=1e-3)
 
     def test_rays_from_below_hit_the_surface_that_they_were_drawn_to(self, skin: Skin, disc: FloatArray) -> None:
-        points = skin.point(0.6 * disc, 0.0)
+        points = skin.marked(0.6 * disc)
         origin = np.array([0.05, -0.02, -2.0]) * skin.base_radius
         assert skin.hit(origin, points - origin) == pytest.approx(points, abs=1e-6)
         assert np.isnan(skin.hit(origin, np.array([[1.0, 0.0, 0.0]]))).all()
@@ -89,7 +91,7 @@ class SkinSuite:
             normal = wall_normal(*rotation_vector(np.radians(tilt), 0.4))
             height = (outer - skin.touch(normal)) @ normal
             assert height.max() < 1e-7 * skin.base_radius
-            wall, ends = skin.distance(skin.touch(normal)), (skin.thickness, skin.rim_thickness)
+            wall, ends = skin.distance(skin.touch(normal)) - skin.pin, (skin.thickness, skin.rim_thickness)
             assert min(ends) - 1e-7 < wall < max(ends) + 1e-7
             assert height.max() > -0.02 * skin.base_radius
 

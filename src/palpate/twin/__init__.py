@@ -8,7 +8,7 @@ from palpate.twin.jacobian import image_jacobian
 from palpate.twin.measure_off import measure_off
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin
-from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, write_twin
+from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, twin_relaxation, write_twin
 
 __all__ = [
     "BUILD_VERSION",
@@ -33,5 +33,6 @@ __all__ = [
     "read_twin",
     "shared_depths",
     "twin_path",
+    "twin_relaxation",
     "write_twin",
 ]

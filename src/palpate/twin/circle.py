@@ -57,8 +57,8 @@ def sort_onto_circles(positions: FloatArray) -> MarkerCircles:
     return MarkerCircles(radius[first], positions[first, 2], circle.reshape(-1), azimuth)
 
 
-def expand_press(press: Press, circles: MarkerCircles) -> tuple[ComplexArray, float]:
-    """Fourier series of one press on every circle.
+def expand_press(press: Press, circles: MarkerCircles, by: str = "") -> tuple[ComplexArray, float]:
+    """Fourier series of one press on every circle, or of its derivative.
 
     Parameters
     ----------
@@ -66,6 +66,8 @@ def expand_press(press: Press, circles: MarkerCircles) -> tuple[ComplexArray, fl
         A solved press at any azimuth of the wall.
     circles
         Where the markers lie.
+    by
+        Name of the derivative; empty: the press itself.
 
     Returns
     -------
@@ -80,7 +82,7 @@ def expand_press(press: Press, circles: MarkerCircles) -> tuple[ComplexArray, fl
     points[..., 0] = circles.radius[:, None] * cosine
     points[..., 1] = circles.radius[:, None] * sine
     points[..., 2] = circles.height[:, None]
-    moved = press.positions(points.reshape(-1, 3)).reshape(-1, *points.shape) - points
+    moved = press.moved(points.reshape(-1, 3), by).reshape(-1, *points.shape)
     cylindrical = np.stack(
         [
             moved[..., 0] * cosine + moved[..., 1] * sine,

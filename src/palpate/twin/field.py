@@ -12,7 +12,7 @@ mm.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -131,8 +131,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
         depth, image = match_depths(depths, press)
         series[depth, column] = coefficients[image]
         if sloped:
-            change = replace(press, displacement=press.derivatives[SLOPE].displacement)
-            slopes[depth, column] = expand_press(change, circles)[0][image]
+            slopes[depth, column] = expand_press(press, circles, by=SLOPE)[0][image]
     branch, ended = label_presses(presses, depths), [str(press.ended) for press in presses]
     parity = (-1.0) ** np.arange(ORDERS)
     return MarkerField(

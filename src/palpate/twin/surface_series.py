@@ -17,7 +17,7 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.design import Skin
 from palpate.fea import Press
-from palpate.mesh import locate_inner
+from palpate.mesh import follow_marked, follow_rate, locate_inner
 from palpate.twin.circle import QUARTER_TURN
 
 ORDERS = 14
@@ -42,7 +42,8 @@ def expand_surface(press: Press, *fields: tuple[FloatArray, bool]) -> FloatArray
     press
         Under a flat wall.
     fields
-        (n images, n nodes, 3) mm displacement, or a derivative of it, and whether it breaks the mirror symmetry.
+        (n images, n nodes, 3) mm the press's displacement, or a derivative of it, and whether it breaks the mirror
+        symmetry.
     """
     psi = np.pi * np.arange(_HALF + 1) / _HALF
     azimuth = psi + QUARTER_TURN  # the frame of the mesh
@@ -59,7 +60,10 @@ def expand_surface(press: Press, *fields: tuple[FloatArray, bool]) -> FloatArray
     odd = np.sin(np.outer(psi, order)) * share[:, None]
     found = []
     for field, across in fields:
-        at = places.interpolate(field)
+        if field is press.displacement:
+            at = follow_marked(press.mesh, places, field)
+        else:
+            at = follow_rate(press.mesh, places, press.displacement, field)
         moved = np.where(beyond, at * (-flip if across else flip), at).reshape(len(field), CIRCLES, _HALF + 1, 3)
         radial = moved[..., 0] * cosine + moved[..., 1] * sine
         around = -moved[..., 0] * sine + moved[..., 1] * cosine
@@ -70,7 +74,7 @@ def expand_surface(press: Press, *fields: tuple[FloatArray, bool]) -> FloatArray
 
 
 def surface_points(skin: Skin, places: FloatArray, azimuths: FloatArray) -> FloatArray:
-    """Points (len(places), len(azimuths), 3) mm of the undeformed inner surface."""
+    """Points (len(places), len(azimuths), 3) mm of the undeformed marked surface."""
     wave = np.stack([np.cos(azimuths), np.sin(azimuths)], axis=-1)
     disc = places[:, None, None] * wave
-    return skin.point(disc.reshape(-1, 2), 0.0).reshape(*disc.shape[:2], 3)
+    return skin.marked(disc.reshape(-1, 2)).reshape(*disc.shape[:2], 3)

@@ -12,7 +12,8 @@ import numpy as np
 
 from palpate.core import PalpateError, provenance, refuse_outside_links
 from palpate.design import Skin, build_skin, skin_from_data
-from palpate.material import Material
+from palpate.material import Material, material_from_data
+from palpate.relaxation import Relaxation
 from palpate.twin.tensor_spline import TensorSpline
 from palpate.twin.twin import FORCES, Twin
 
@@ -56,6 +57,22 @@ def find_twin(results: Path, skin: Skin, material: Material) -> Path | None:
 def material_text(material: Material) -> str:
     """What a material is, whatever its name."""
     return json.dumps(material.key_data(), sort_keys=True)
+
+
+def twin_relaxation(twin: Twin) -> Relaxation | None:
+    """How the material of a twin relaxes; `None` where it does not, or the twin does not say its material.
+
+    Raises
+    ------
+    PalpateError
+        If its gel relaxes otherwise than its wall.
+    """
+    if not twin.material:
+        return None
+    data = json.loads(twin.material)
+    if not any("relaxation" in part for part in (data, data.get("gel", {}))):
+        return None
+    return material_from_data({"name": "", **data}).whole_relaxation
 
 
 def write_twin(path: Path, twin: Twin) -> None:

@@ -28,24 +28,24 @@ SPEC = TINY.model_copy(update={"designs": TINY.designs[:1], "presses": 30})
 
 
 @pytest.fixture(scope="module")
-def benchmark(tmp_path_factory: pytest.TempPathFactory) -> BenchmarkSet:
+def made_set(tmp_path_factory: pytest.TempPathFactory) -> BenchmarkSet:
     out = tmp_path_factory.mktemp("made")
     make_benchmark(SPEC, out, workers=1)
     return read_set(out / "set")
 
 
 def test_ridge_and_the_fit_beat_chance_and_each_part_is_made_once(
-    benchmark: BenchmarkSet, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    made_set: BenchmarkSet, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     spec = TINY_BASELINES
-    first = run_baselines(benchmark, spec, tmp_path, ("ridge", "twin"), workers=1)
-    chance = benchmark.table("test").labels[:, :2].std()
+    first = run_baselines(made_set, spec, tmp_path, ("ridge", "twin"), workers=1)
+    chance = made_set.table("test").labels[:, :2].std()
     assert first["ridge"][0].all.parts["angle"].rmse < 0.4 * chance
     assert first["twin"][0].all.parts["angle"].rmse < 0.1 * chance
     assert first["twin"][0].all.parts["force"].rmse < 0.02
     assert [score.track for score in first["ridge"]] == ["markers", "pictures"]
     written = (tmp_path / "ridge.csv").read_bytes()
-    assert score_file(benchmark, tmp_path / "ridge.csv") == first["ridge"][0]
+    assert score_file(made_set, tmp_path / "ridge.csv") == first["ridge"][0]
 
     def again(*_: object) -> None:
         raise AssertionError("what was there is made again")
@@ -53,37 +53,37 @@ def test_ridge_and_the_fit_beat_chance_and_each_part_is_made_once(
     module = __import__("sys").modules[door.__module__]
     monkeypatch.setattr(module, "learn_design", again)
     monkeypatch.setattr(module, "fit_design", again)
-    assert run_baselines(benchmark, spec, tmp_path, ("ridge", "twin"), workers=1) == first
+    assert run_baselines(made_set, spec, tmp_path, ("ridge", "twin"), workers=1) == first
     assert (tmp_path / "ridge.csv").read_bytes() == written
     with pytest.raises(AssertionError, match="made again"):
-        run_baselines(benchmark, spec.model_copy(update={"jitter_px": 0.5}), tmp_path, ("ridge",))
+        run_baselines(made_set, spec.model_copy(update={"jitter_px": 0.5}), tmp_path, ("ridge",))
     assert "ridge regression on dots" in (tmp_path / "baselines.md").read_text()
 
 
-def test_networks_and_pictures_are_learnt_and_judged(benchmark: BenchmarkSet, tmp_path: Path) -> None:
+def test_networks_and_pictures_are_learnt_and_judged(made_set: BenchmarkSet, tmp_path: Path) -> None:
     for module in ("torch", "onnxruntime"):
         needs(module)
     names = ("paper", "network", "picture")
-    found = run_baselines(benchmark, TINY_BASELINES, tmp_path, names, workers=1)
+    found = run_baselines(made_set, TINY_BASELINES, tmp_path, names, workers=1)
     assert tuple(found) == names
     assert [score.track for score in found["picture"]] == ["pictures"]
-    pictured = benchmark.table("test").picture != ""
+    pictured = made_set.table("test").picture != ""
     assert (
-        read_predictions(tmp_path / "picture.csv").image.tolist() == benchmark.table("test").image[pictured].tolist()
+        read_predictions(tmp_path / "picture.csv").image.tolist() == made_set.table("test").image[pictured].tolist()
     )
     assert all(np.isfinite(score.all.parts["depth"].rmse) for own in found.values() for score in own)
 
 
-def test_a_baseline_that_is_none_is_refused(benchmark: BenchmarkSet, tmp_path: Path) -> None:
+def test_a_baseline_that_is_none_is_refused(made_set: BenchmarkSet, tmp_path: Path) -> None:
     with pytest.raises(PalpateError, match="no baseline luck"):
-        run_baselines(benchmark, TINY_BASELINES, tmp_path, ("luck",))
+        run_baselines(made_set, TINY_BASELINES, tmp_path, ("luck",))
     assert len(BASELINES) == 5
 
 
-def test_registered_images_forget_how_a_camera_is_turned_and_shifted(benchmark: BenchmarkSet) -> None:
+def test_registered_images_forget_how_a_camera_is_turned_and_shifted(made_set: BenchmarkSet) -> None:
     design = SPEC.designs[0]
-    rest = design_rest(benchmark, design)
-    found = benchmark.markers("train", design.name)
+    rest = design_rest(made_set, design)
+    found = made_set.markers("train", design.name)
     turn = 1.01 * np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
     moved = SplitMarkers(
         found.image,
@@ -104,15 +104,15 @@ def test_a_dot_that_is_missing_moves_as_its_neighbours() -> None:
     assert np.allclose(register_images(found, rest)[0], rest + np.array([2.0, -1.0]))
 
 
-def test_units_that_calibrate_teach_nothing(benchmark: BenchmarkSet) -> None:
-    dataset = build_dataset(benchmark, SPEC.designs[0], 0.1)
-    table = benchmark.table("calibrate")
+def test_units_that_calibrate_teach_nothing(made_set: BenchmarkSet) -> None:
+    dataset = build_dataset(made_set, SPEC.designs[0], 0.1)
+    table = made_set.table("calibrate")
     assert set(dataset.press[dataset.validation]) == set(table.press)
     assert np.array_equal(dataset.poses[dataset.validation], table.labels[:, :3])
 
 
-def test_images_are_fitted_each_once_and_near_the_last(benchmark: BenchmarkSet) -> None:
-    found = benchmark.markers("test", SPEC.designs[0].name)
+def test_images_are_fitted_each_once_and_near_the_last(made_set: BenchmarkSet) -> None:
+    found = made_set.markers("test", SPEC.designs[0].name)
     order = order_images(found, SPEC.units)
     assert sorted(order) == np.flatnonzero(found.unit == SPEC.units).tolist()
     moved = np.nan_to_num(found.markers_px)

@@ -43,7 +43,7 @@ def numbers() -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def benchmark(tmp_path_factory: pytest.TempPathFactory, labels: FloatArray, numbers: np.ndarray) -> BenchmarkSet:
+def made_set(tmp_path_factory: pytest.TempPathFactory, labels: FloatArray, numbers: np.ndarray) -> BenchmarkSet:
     """The tables of a test of two designs of four units each."""
     folder = tmp_path_factory.mktemp("set")
     (folder / "spec.json").write_text(PRESETS["tiny"].model_dump_json())
@@ -69,15 +69,15 @@ def told(numbers: np.ndarray, labels: FloatArray, off: float = 0.0) -> Predictio
     )
 
 
-def test_the_truth_has_no_error(benchmark: BenchmarkSet, numbers: np.ndarray, labels: FloatArray) -> None:
-    found = score_predictions(benchmark, told(numbers, labels))
+def test_the_truth_has_no_error(made_set: BenchmarkSet, numbers: np.ndarray, labels: FloatArray) -> None:
+    found = score_predictions(made_set, told(numbers, labels))
     for line in found.lines:
         for part in line.parts.values():
             assert (part.rmse, part.max, part.nineteen) == (0.0, 0.0, 0.0)
 
 
 def test_figures_are_those_of_a_plain_calculation(
-    benchmark: BenchmarkSet, numbers: np.ndarray, labels: FloatArray, tmp_path: Path
+    made_set: BenchmarkSet, numbers: np.ndarray, labels: FloatArray, tmp_path: Path
 ) -> None:
     predictions = told(numbers, labels, 0.3)
     halves = {f"half_{name}": np.full(IMAGES, 0.4) for name in predictions.values}
@@ -86,7 +86,7 @@ def test_figures_are_those_of_a_plain_calculation(
         numbers[shuffled], {key: value[shuffled] for key, value in (predictions.values | halves).items()}
     )
     write_predictions(tmp_path / "p.csv", table)
-    found = score_file(benchmark, tmp_path / "p.csv")
+    found = score_file(made_set, tmp_path / "p.csv")
     rx, ry = (np.round(predictions.values[name], 6) - labels[:, k] for k, name in enumerate(("rx_deg", "ry_deg")))
     for line in found.lines:
         if line.by == "unit":
@@ -120,23 +120,23 @@ def test_figures_are_those_of_a_plain_calculation(
 
 
 def test_predictions_of_other_rows_are_judged_as_bad_as_chance(
-    benchmark: BenchmarkSet, numbers: np.ndarray, labels: FloatArray
+    made_set: BenchmarkSet, numbers: np.ndarray, labels: FloatArray
 ) -> None:
     rng = np.random.default_rng(5)
-    found = score_predictions(benchmark, told(numbers, labels[rng.permutation(IMAGES)]))
+    found = score_predictions(made_set, told(numbers, labels[rng.permutation(IMAGES)]))
     chance = np.sqrt(2.0) * labels[:, :2].std()
     assert found.all.parts["angle"].rmse == pytest.approx(chance, rel=0.1)
 
 
 def test_the_track_of_pictures_has_its_own_images(
-    benchmark: BenchmarkSet, numbers: np.ndarray, labels: FloatArray
+    made_set: BenchmarkSet, numbers: np.ndarray, labels: FloatArray
 ) -> None:
-    found = score_predictions(benchmark, told(numbers[:PICTURED], labels[:PICTURED]), "pictures")
+    found = score_predictions(made_set, told(numbers[:PICTURED], labels[:PICTURED]), "pictures")
     assert found.all.images == PICTURED
     with pytest.raises(PalpateError, match="340 of the 400 images"):
-        score_predictions(benchmark, told(numbers[:PICTURED], labels[:PICTURED]))
+        score_predictions(made_set, told(numbers[:PICTURED], labels[:PICTURED]))
     with pytest.raises(PalpateError, match="340 predicted images are none of the track pictures"):
-        score_predictions(benchmark, told(numbers, labels), "pictures")
+        score_predictions(made_set, told(numbers, labels), "pictures")
 
 
 def test_a_hundred_thousand_rows_are_read_within_seconds(tmp_path: Path) -> None:
@@ -173,7 +173,7 @@ def test_a_table_that_cannot_be_judged_is_refused_with_its_line(tmp_path: Path, 
 
 
 def test_images_twice_missing_or_unknown_are_refused(
-    benchmark: BenchmarkSet, numbers: np.ndarray, labels: FloatArray
+    made_set: BenchmarkSet, numbers: np.ndarray, labels: FloatArray
 ) -> None:
     right = told(numbers, labels)
     for change, says in (
@@ -182,7 +182,7 @@ def test_images_twice_missing_or_unknown_are_refused(
     ):
         rows = Predictions(right.image[change], {name: value[change] for name, value in right.values.items()})
         with pytest.raises(PalpateError, match=says):
-            score_predictions(benchmark, rows)
+            score_predictions(made_set, rows)
     strange = Predictions(np.append(numbers[:-1], 10**6), right.values)
     with pytest.raises(PalpateError, match="image 1000000 among them"):
-        score_predictions(benchmark, strange)
+        score_predictions(made_set, strange)

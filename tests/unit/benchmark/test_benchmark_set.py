@@ -39,7 +39,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def benchmark(made: Path) -> BenchmarkSet:
+def made_set(made: Path) -> BenchmarkSet:
     return read_set(made / "set")
 
 
@@ -84,17 +84,17 @@ def test_killed_and_made_on_it_has_the_same_bytes(made: Path, tmp_path: Path) ->
     assert checksums(tmp_path / "set") == checksums(made / "set")
 
 
-def test_the_list_of_checksums_is_that_of_the_files(benchmark: BenchmarkSet) -> None:
-    lines = (benchmark.folder / "SHA256SUMS").read_text().splitlines()
+def test_the_list_of_checksums_is_that_of_the_files(made_set: BenchmarkSet) -> None:
+    lines = (made_set.folder / "SHA256SUMS").read_text().splitlines()
     listed = dict(reversed(line.split("  ")) for line in lines)
-    found = checksums(benchmark.folder)
+    found = checksums(made_set.folder)
     del found["SHA256SUMS"]
     assert listed == found
-    assert digest(benchmark.folder / "train.h5") == found["train.h5"]
+    assert digest(made_set.folder / "train.h5") == found["train.h5"]
 
 
-def test_no_unit_no_press_and_no_image_is_on_two_sides(benchmark: BenchmarkSet) -> None:
-    tables = {split: benchmark.table(split) for split in SPLITS}
+def test_no_unit_no_press_and_no_image_is_on_two_sides(made_set: BenchmarkSet) -> None:
+    tables = {split: made_set.table(split) for split in SPLITS}
     units = [{*zip(table.design, table.unit, strict=True)} for table in tables.values()]
     presses = [{*table.press.tolist()} for table in tables.values()]
     poses = [{*map(tuple, table.labels[:, :2])} for table in tables.values()]
@@ -108,13 +108,13 @@ def test_no_unit_no_press_and_no_image_is_on_two_sides(benchmark: BenchmarkSet) 
             assert len({*zip(table.design[table.press == press], table.unit[table.press == press], strict=True)}) == 1
 
 
-def test_the_test_tells_neither_labels_nor_order(benchmark: BenchmarkSet) -> None:
-    assert list(rows_of(benchmark.folder / "test.csv")[0]) == ["image", "design", "unit", "picture"]
-    table = benchmark.table("train")
+def test_the_test_tells_neither_labels_nor_order(made_set: BenchmarkSet) -> None:
+    assert list(rows_of(made_set.folder / "test.csv")[0]) == ["image", "design", "unit", "picture"]
+    table = made_set.table("train")
     depth = table.labels[:, 2]
     assert abs(np.corrcoef(table.image, depth)[0, 1]) < 0.2
     assert (np.diff(table.press) == 0).mean() < 0.2, "images of a press stand together"
-    markers = benchmark.markers("test", SPEC.designs[0].name)
+    markers = made_set.markers("test", SPEC.designs[0].name)
     assert (np.diff(markers.image) > 0).all()
 
 
@@ -125,8 +125,8 @@ def test_a_seed_of_its_own_changes_the_test_and_stands_in_no_file(made: Path, tm
     make_benchmark(hidden, tmp_path, workers=1)
     plain, secret = read_set(made / "set"), read_set(tmp_path / "set")
 
-    def labels(benchmark: BenchmarkSet, split: str) -> list[tuple[float, ...]]:
-        return sorted(map(tuple, benchmark.table(split).labels))  # type: ignore[arg-type]
+    def labels(made_set: BenchmarkSet, split: str) -> list[tuple[float, ...]]:
+        return sorted(map(tuple, made_set.table(split).labels))  # type: ignore[arg-type]
 
     assert labels(plain, "train") == labels(secret, "train")
     assert labels(plain, "test") != labels(secret, "test")
@@ -134,12 +134,12 @@ def test_a_seed_of_its_own_changes_the_test_and_stands_in_no_file(made: Path, tm
         assert b"987654321" not in path.read_bytes(), path.name
 
 
-def test_dots_are_where_a_picture_shows_them(benchmark: BenchmarkSet) -> None:
-    table, design = benchmark.table("train"), SPEC.designs[0].name
-    markers = benchmark.markers("train", design)
+def test_dots_are_where_a_picture_shows_them(made_set: BenchmarkSet) -> None:
+    table, design = made_set.table("train"), SPEC.designs[0].name
+    markers = made_set.markers("train", design)
     row = int(np.flatnonzero(table.picture != "")[0])
     camera = SPEC.camera
-    picture = benchmark.pictures("train", [str(table.picture[row])], (camera.height_px, camera.width_px))[0]
+    picture = made_set.pictures("train", [str(table.picture[row])], (camera.height_px, camera.width_px))[0]
     noted = markers.markers_px[markers.image == table.image[row]][0]
     noted = noted[np.isfinite(noted).all(axis=1)]
     away, _ = cKDTree(prepare_detector(picture).find(picture).positions_px).query(noted)
@@ -147,10 +147,10 @@ def test_dots_are_where_a_picture_shows_them(benchmark: BenchmarkSet) -> None:
     assert (away < 1.0).mean() > 0.9
 
 
-def test_images_and_forces_are_those_of_a_press_solved_anew(benchmark: BenchmarkSet) -> None:
+def test_images_and_forces_are_those_of_a_press_solved_anew(made_set: BenchmarkSet) -> None:
     """A press of the unit's own wall thickness at the label's pose, not interpolated; on the twin's coarse mesh."""
     design = SPEC.designs[0]
-    table, markers = benchmark.table("train"), benchmark.markers("train", design.name)
+    table, markers = made_set.table("train"), made_set.markers("train", design.name)
     row = int(np.argmax(table.labels[:, 2]))
     rx, ry, depth, force = table.labels[row, :4]
     unit = int(table.unit[row])
@@ -172,14 +172,14 @@ def test_images_and_forces_are_those_of_a_press_solved_anew(benchmark: Benchmark
     assert pressing == pytest.approx(force, rel=0.15)  # four cells, tilts 4 degrees apart; on 11 cells 6 % at most
 
 
-def test_croissant_reads_every_table_and_picture(benchmark: BenchmarkSet) -> None:
+def test_croissant_reads_every_table_and_picture(made_set: BenchmarkSet) -> None:
     mlcroissant = needs("mlcroissant")
-    dataset = mlcroissant.Dataset(jsonld=str(benchmark.folder / "croissant.json"))
+    dataset = mlcroissant.Dataset(jsonld=str(made_set.folder / "croissant.json"))
     assert not dataset.metadata.issues.errors
     assert not dataset.metadata.issues.warnings
     for name in ("train", "hidden", "layouts", "calibrate_units"):
         records = list(dataset.records(name))
-        rows = rows_of(benchmark.folder / f"{name}.csv")
+        rows = rows_of(made_set.folder / f"{name}.csv")
         assert len(records) == len(rows)
         for key, text in rows[1].items():
             value = records[1][f"{name}/{key}"]
@@ -188,15 +188,15 @@ def test_croissant_reads_every_table_and_picture(benchmark: BenchmarkSet) -> Non
             else:
                 assert (value.decode() if isinstance(value, bytes) else str("" if value is None else value)) == text
     listed = {item.id for item in dataset.metadata.distribution}
-    assert {path.name for path in benchmark.folder.iterdir()} - listed == {"croissant.json", "SHA256SUMS"}
+    assert {path.name for path in made_set.folder.iterdir()} - listed == {"croissant.json", "SHA256SUMS"}
 
 
-def test_pictures_are_grey_and_of_the_cameras_size(benchmark: BenchmarkSet) -> None:
-    table = benchmark.table("test")
+def test_pictures_are_grey_and_of_the_cameras_size(made_set: BenchmarkSet) -> None:
+    table = made_set.table("test")
     names = table.picture[table.picture != ""].tolist()
     assert len(names) == SPEC.test_units * SPEC.pictures
     rest = f"test/rest_{SPEC.designs[0].name}_{SPEC.units:02d}.png"
-    pictures = benchmark.pictures("test", [rest, *names], (SPEC.camera.height_px, SPEC.camera.width_px))
+    pictures = made_set.pictures("test", [rest, *names], (SPEC.camera.height_px, SPEC.camera.width_px))
     assert pictures.shape == (len(names) + 1, 260, 346)
     assert all(cv2.absdiff(pictures[0], one).mean() > 1.0 for one in pictures[1:])
 

@@ -39,8 +39,8 @@ class Row:
 
 
 FIT, TESTS = (
-    "--files {curve} --alone",
-    ("--files", "--tension", "--compression", "--uniaxial", "--equibiaxial", "--planar"),
+    "--files {curve} --relaxation {relax} --alone",
+    ("--files", "--tension", "--compression", "--uniaxial", "--equibiaxial", "--planar", "--relaxation"),
 )
 BUILT = "--markers 37"
 SOLVE = (
@@ -68,7 +68,15 @@ ROWS = {
         FIT,
         TESTS,
         ("--output", "--figure"),
-        ("--model x", "--toe x", "--figure a.txt"),
+        (
+            "--model x",
+            "--toe x",
+            "--figure a.txt",
+            "--moduli x",
+            "--time-unit year",
+            "--relaxation {curve}",
+            "--tension {relax}",
+        ),
     ),
     "material list": Row(),
     "material show": Row(
@@ -262,6 +270,9 @@ def furnish(folder: Path) -> dict[str, Path]:
     strain = np.linspace(0, 1, 40)
     rows = "\n".join(f"{x},{0.1 * x}" for x in strain)
     right["curve"].write_text(f"strain (mm/mm),stress (MPa)\n{rows}\n")
+    right["relax"] = folder / "held.csv"
+    rows = "\n".join(f"{t},{0.8 + 0.2 * np.exp(-t)}" for t in np.geomspace(0.01, 100, 40))
+    right["relax"].write_text(f"time (s),stress (MPa)\n{rows}\n")
     right["model"] = folder / "model.onnx"
     write_estimator(right["model"], still_model(build_camera().project(layout.positions)))
     right["recording"] = folder / "recording"

@@ -164,3 +164,45 @@ def test_a_material_is_shown_with_its_pedigree(capsys: pytest.CaptureFixture[str
     assert call("material", "show", "yeoh:0.1,-0.01,0", "--json") == 0
     assert json.loads(capsys.readouterr().out)["stable"] is False
     assert call("material", "show", "cheese") == 2
+
+
+HELD = DATA / "springer_2022" / "relax_master.csv"
+
+
+def test_a_relaxation_is_known_by_its_name_and_joins_the_law(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, figure = tmp_path / "mine.yaml", tmp_path / "fit.png"
+    facts = run_fit(capsys, HELD, "--tension", ECOFLEX, "--alone", "-o", out, "--figure", figure)
+    assert facts["model"] == "yeoh"
+    found = facts["relaxation"]
+    assert found["greatest"] < 0.0025
+    assert len(found["terms"]) == 5
+    assert found["moduli"] == "long-term"
+    assert [item["time_s"] for item in found["left"]][1:-1] == [0.01, 0.1, 1.0, 10.0, 100.0]
+    assert figure.is_file()
+    assert (tmp_path / "fit_relaxation.png").is_file()
+    material = read_material(out)
+    assert material.relaxation is not None
+    assert material.relaxation.times == pytest.approx([term["time_s"] for term in found["terms"]])
+    assert "relaxation 0.00282…287 s: within 0.15 %" in material.quality
+    assert call("material", "show", out) == 0
+    assert "relaxation, moduli long-term: shares 0.05527 in 0.01491 s" in capsys.readouterr().out
+
+
+def test_a_relaxation_alone_is_put_beside_the_law_of_another_material(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    plain = get_material("zaid_2024_ecoflex_00_30")
+    words = ("fit", HELD, "--moduli", "instantaneous", "-o", "mine.yaml")
+    assert call(*words, "--onto", plain.name) == 0
+    shown = capsys.readouterr().out
+    for text in ("5 terms by AICc; within 0.15 %", "stress left after a step", "of the instantaneous", "interval"):
+        assert text in shown
+    material = read_material(tmp_path / "mine.yaml")
+    assert material.law == plain.law
+    assert material.name == "mine"
+    assert (tmp_path / "fit.png").is_file()
+    assert call(*words) == 2
+    assert "A relaxation alone is no material." in capsys.readouterr().err

@@ -9,9 +9,11 @@ import h5py
 import numpy as np
 import pytest
 
+import palpate
 from palpate.core import ArtefactStore, PalpateError, Recipe, refuse_outside_links
 
-SOURCE = Path(__file__).parents[3] / "src" / "palpate"
+SOURCE = Path(palpate.__file__).parent
+"""Of the checkout, or of the wheel that is tested beside it."""
 FILES = sorted(SOURCE.rglob("*.py"))
 
 CALLS = {"eval", "exec", "compile", "__import__"}

@@ -1,6 +1,7 @@
 """The constants of a deck mean the same law in CalculiX as here: one brick, stretched along z."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from palpate.deck import Dialect
 from palpate.deck.material import material_lines
 from palpate.deck.read_results import read_blocks
 from palpate.material import Material, get_material
+from palpate.relaxation import Relaxation
 
 LAWS = {
     "neo-hooke": "neo-hooke:0.02",
@@ -85,3 +87,19 @@ def test_calculix_reads_the_law_we_mean(law: str, tmp_path: Path) -> None:
     subprocess.run(["ccx", "one"], cwd=tmp_path, check=True, capture_output=True, timeout=60)
     (force,) = [block.rows[0, 2] for block in read_blocks(tmp_path / "one.dat")]
     assert force == pytest.approx(nominal_stress(material, STRETCH), rel=2e-4)
+
+
+@pytest.mark.parametrize("dialect", Dialect)
+def test_a_relaxation_is_told_in_comments_and_changes_no_line_of_the_press(dialect: Dialect) -> None:
+    plain = get_material("zaid_2024_ecoflex_00_30")
+    fading = replace(plain, relaxation=Relaxation((0.1, 0.05), (0.5, 20.0)))
+    before, lines = list(material_lines(plain, dialect)), list(material_lines(fading, dialect))
+    assert [line for line in lines if not line.startswith("**")] == [line for line in before if line[:2] != "**"]
+    told = "\n".join(lines)
+    assert "of the long-term moduli" in told
+    if dialect is Dialect.ABAQUS:
+        assert "** *VISCOELASTIC, TIME=PRONY\n** 0.1, 0., 0.5\n** 0.05, 0., 20" in told
+        assert "MODULI=LONG TERM" in told
+    else:
+        assert "share 0.1 in 0.5 s, share 0.05 in 20 s" in told
+        assert "left out" in told

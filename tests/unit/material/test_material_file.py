@@ -1,11 +1,20 @@
 """A material file is written and read back whole; a wrong one is refused with file, key and remedy."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from palpate.core import PalpateError
-from palpate.material import Material, get_material, list_materials, read_material, write_material
+from palpate.material import (
+    Material,
+    get_material,
+    list_materials,
+    material_from_data,
+    read_material,
+    write_material,
+)
+from palpate.relaxation import Moduli, Relaxation
 from palpate.study import MaterialSpec, read_study
 
 TEXTS = [
@@ -104,3 +113,60 @@ def test_a_study_refuses_a_material_file_that_is_wrong_with_its_line(tmp_path: P
     path.write_text("name: mine\nmaterial:\n  name: nowhere.yaml\n")
     with pytest.raises(PalpateError, match=r"study.yaml:3: material.name.*nowhere.yaml cannot be read"):
         read_study(path)
+
+
+RELAXATION = Relaxation((0.05, 0.1), (0.5, 20.0), Moduli.INSTANTANEOUS)
+
+
+def test_a_relaxation_is_read_back_and_belongs_to_the_identity(tmp_path: Path) -> None:
+    plain = get_material("zaid_2024_ecoflex_00_30")
+    material = replace(plain, relaxation=RELAXATION)
+    write_material(tmp_path / "mine.yaml", material)
+    again = read_material(tmp_path / "mine.yaml")
+    assert again.relaxation == RELAXATION
+    assert "relaxation" not in plain.key_data()  # keys of materials that do not relax stay as they were
+    assert material.key_data() != plain.key_data()
+    assert material_from_data({"name": "mine", **again.key_data()}).relaxation == RELAXATION
+    assert material_from_data({"name": plain.name, **material.key_data()}).relaxation == RELAXATION
+    assert material_from_data({"name": plain.name, **plain.key_data()}).relaxation is None
+
+
+def test_a_list_of_terms_alone_is_of_long_term_moduli(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(GOOD + "relaxation:\n- {share: 0.1, time: 3}\n")
+    assert read_material(path).relaxation == Relaxation((0.1,), (3.0,), Moduli.LONG_TERM)
+
+
+WRONG_RELAXATION = {
+    "a number": ("relaxation: 3\n", "relaxation is no list of terms"),
+    "no terms": ("relaxation: {moduli: long-term}\n", "relaxation is no list of terms"),
+    "another key": ("relaxation: {terms: [], tau: 1}\n", "relaxation is no list of terms"),
+    "no share": ("relaxation: [{time: 1}]\n", "no pair of share and time"),
+    "a term as numbers": ("relaxation: [[0.1, 3]]\n", "no pair of share and time"),
+    "other moduli": (
+        "relaxation: {moduli: dynamic, terms: [{share: 0.1, time: 1}]}\n",
+        "relaxation.moduli is 'dynamic'",
+    ),
+    "a text for a time": ("relaxation: [{share: 0.1, time: soon}]\n", "relaxation.terms[1].time is 'soon'"),
+    "no end": ("relaxation: [{share: 1, time: 1}]\n", "sum to 1"),
+    "an empty list": ("relaxation: []\n", "0 shares"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG_RELAXATION)
+def test_a_wrong_relaxation_is_refused_with_the_file(kind: str, tmp_path: Path) -> None:
+    text, says = WRONG_RELAXATION[kind]
+    path = tmp_path / "wrong.yaml"
+    path.write_text(GOOD + text)
+    with pytest.raises(PalpateError) as refused:
+        read_material(path)
+    assert says in refused.value.what
+    assert str(path) in refused.value.what
+    assert refused.value.remedy
+
+
+def test_a_gel_that_relaxes_otherwise_than_its_wall_has_no_relaxation_of_the_whole() -> None:
+    wall = replace(get_material("neo-hooke:0.02"), relaxation=RELAXATION)
+    assert replace(wall, gel=wall).whole_relaxation == RELAXATION
+    with pytest.raises(PalpateError, match="relaxes otherwise than its wall"):
+        _ = replace(wall, gel=get_material("neo-hooke:0.002")).whole_relaxation

@@ -22,7 +22,20 @@ def refusal(folder: Path, text: str) -> str:
 
 
 def test_presets_are_named() -> None:
-    assert list_presets() == ("any_wall", "best", "best_frictionless", "first", "paper", "paper_h20", "small_tactip")
+    assert list_presets() == (
+        "any_wall",
+        "best",
+        "best_frictionless",
+        "filled_hemisphere",
+        "first",
+        "gel_pad",
+        "hemisphere_397",
+        "paper",
+        "paper_h20",
+        "small_tactip",
+        "tactip_127",
+        "tactip_331",
+    )
 
 
 @pytest.mark.parametrize(("name", "contact"), [("best", "no-slip"), ("best_frictionless", "frictionless")])
@@ -119,7 +132,7 @@ def test_more_errors_than_a_screen_holds_are_counted(tmp_path: Path) -> None:
 
 
 def test_an_unknown_name_lists_the_presets() -> None:
-    with pytest.raises(PalpateError, match="first, paper"):
+    with pytest.raises(PalpateError, match="first, gel_pad"):
         read_study("second")
 
 

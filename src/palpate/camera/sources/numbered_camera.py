@@ -21,6 +21,8 @@ _PATIENCE_S = 0.05
 class CameraSource(Source):
     """A camera that the system knows by a number: UVC and others that OpenCV opens."""
 
+    live = True
+
     def __init__(self, text: str) -> None:
         self._number = int(text)
         self._capture = open_capture(self._number)

@@ -1,0 +1,140 @@
+"""The part of `palpate fit` that reads relaxation tests, and says what was found."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from cyclopts import Parameter
+
+from palpate.cli.output import print_table
+from palpate.core import PalpateError
+from palpate.material import BenchSpec, Material, get_material, read_relaxation
+from palpate.relaxation import Moduli, RelaxationFit, RelaxationTest, fit_relaxation
+
+_FILES = "Files of relaxation tests: time and stress under a strain that stays; also known by 'relax' in their names."
+_MODULI = "Which moduli the law's constants are: long-term (a slow bench) or instantaneous."
+_ONTO = "Material whose law the relaxation is for, where no other test is given: name in the library, or file."
+_IS_RELAXATION = re.compile(r"relax(?!ed)", re.I)
+_POOR = 0.01
+"""Difference between fit and curve above which it is said."""
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class RelaxationFlags:
+    """Relaxation tests and what their series stands beside."""
+
+    relaxation: Annotated[tuple[Path, ...], Parameter(help=_FILES, consume_multiple=True, negative="")] = ()
+    moduli: Annotated[Moduli, Parameter(help=_MODULI)] = Moduli.LONG_TERM
+    onto: Annotated[str | None, Parameter(help=_ONTO)] = None
+
+
+def is_relaxation(path: Path) -> bool:
+    """Whether a file's name says that it holds a relaxation test."""
+    return bool(_IS_RELAXATION.search(path.stem))
+
+
+def fit_tests(
+    files: Sequence[Path], bench: BenchSpec, confidence: float, moduli: Moduli
+) -> tuple[list[RelaxationTest], RelaxationFit] | None:
+    """Read the tests and fit one series to them; `None` without files."""
+    if not files:
+        return None
+    tests = [read_relaxation(path, bench) for path in files]
+    return tests, fit_relaxation(tests, confidence, moduli)
+
+
+def add_relaxation(material: Material | None, found: RelaxationFit, flags: RelaxationFlags, name: str) -> Material:
+    """The material with the series: that of the other tests, or the one named."""
+    if material is None:
+        if flags.onto is None:
+            raise PalpateError(
+                "A relaxation alone is no material.", "Give its law by --onto NAME, or the files of a tensile test."
+            )
+        material = replace(get_material(flags.onto), name=name)
+    quality = f"relaxation {found.first:.3g}…{found.last:.3g} s: within {100 * found.greatest:.2g} %"
+    joined = "; ".join(part for part in (material.quality, quality) if part)
+    return replace(material, relaxation=found.relaxation, quality=joined)
+
+
+def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -> dict[str, Any]:
+    """A series as JSON data, with what it was fitted to."""
+    series = found.relaxation
+    halves = zip(found.intervals[: len(series.shares)], found.intervals[len(series.shares) :], strict=True)
+    times = [found.first, *(10.0**k for k in range(-6, 9) if found.first < 10.0**k < found.last), found.last]
+    return {
+        "samples": [
+            {
+                "name": test.name,
+                "rows": len(test.time),
+                "came_s": test.came[1] - test.came[0],
+                "notes": list(test.notes),
+            }
+            for test in tests
+        ],
+        "moduli": str(series.moduli),
+        "terms": [
+            {
+                "share": share,
+                "share_interval": list(map(float, a)),
+                "time_s": time,
+                "time_interval": list(map(float, b)),
+            }
+            for share, time, (a, b) in zip(series.shares, series.times, halves, strict=True)
+        ],
+        "confidence": found.confidence,
+        "first_s": found.first,
+        "last_s": found.last,
+        "left": [
+            {"time_s": time, "left": float(series.left(time)), "modulus": float(series.modulus(time))}
+            for time in times
+        ],
+        "greatest": found.greatest,
+        "rms": found.rms,
+        "tried": [{"terms": terms, "aicc": aicc, "greatest": greatest} for terms, aicc, greatest in found.tried],
+        "rows": found.count,
+        "warnings": list(_warnings(found)),
+    }
+
+
+def _warnings(found: RelaxationFit) -> Iterator[str]:
+    if found.greatest > _POOR:
+        yield (
+            f"The series is up to {100 * found.greatest:.2g} % off the curve: noise, or a course that "
+            "no sum of decays has."
+        )
+    if np.isnan(found.intervals).any():
+        yield "A term lies at the end of the measured times, so least squares gives it no interval."
+
+
+def print_relaxation(facts: dict[str, Any]) -> None:
+    """Print what `describe_relaxation` found."""
+    rows = [
+        [item["name"], str(item["rows"]), f"{item['came_s']:.3g}", "; ".join(item["notes"])]
+        for item in facts["samples"]
+    ]
+    print_table("relaxation tests", ["file", "rows", "strain came in s", "notes"], rows)
+    interval = f"{100 * facts['confidence']:g} % interval"
+    rows = [
+        [f"{term['share']:.5g}", _span(term["share_interval"]), f"{term['time_s']:.4g}", _span(term["time_interval"])]
+        for term in facts["terms"]
+    ]
+    print_table("relaxation (shares of the instantaneous stress)", ["share", interval, "time s", interval], rows)
+    rows = [[f"{item['time_s']:.4g}", f"{item['left']:.4f}", f"{item['modulus']:.4f}"] for item in facts["left"]]
+    print_table(
+        "stress left after a step of strain", ["time s", "of the instantaneous", f"of the {facts['moduli']}"], rows
+    )
+    greatest, rms = 100 * facts["greatest"], 100 * facts["rms"]
+    print(f"{len(facts['terms'])} terms by AICc; within {greatest:.2g} % of the held curve, rms {rms:.2g} %")
+    for warning in facts["warnings"]:
+        print(f"Warning: {warning}")
+
+
+def _span(ends: Sequence[float]) -> str:
+    return "-" if math.isnan(ends[0]) else f"{ends[0]:.4g} … {ends[1]:.4g}"

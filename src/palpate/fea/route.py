@@ -1,0 +1,200 @@
+"""A flat wall on a route: through waypoints in all six degrees of freedom, as robots press, slide, twist and tilt.
+
+The wall comes at the tilt of its first waypoint to first touch. The point that it touches there is its pivot: it
+goes down by the depth and aside in the wall's own plane, and the wall turns about it. Between waypoints all six
+numbers change evenly over the length of the route, in which a turn counts as what it moves a point `ARM` away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+from typing import Annotated, Any, Literal, NamedTuple, final
+
+import numpy as np
+from pydantic import BeforeValidator, model_validator
+from pydantic_core import PydanticCustomError
+from scipy.spatial.transform import Rotation
+
+from palpate.core import FloatArray, PalpateError, parameter
+from palpate.design import OFFSET_DEPTH, PoseSpace
+from palpate.fea.spec import ObstacleSpec
+from palpate.fea.wall import Plane
+from palpate.mechanics import Obstacle
+from palpate.mesh import Mesh
+
+ARM = 20.0
+"""Distance in mm at which a turn is counted as a length."""
+_SHORTEST = 1e-6
+"""Length in mm below which two waypoints are one."""
+
+
+class Waypoint(NamedTuple):
+    """Where a wall is.
+
+    Attributes
+    ----------
+    depth_mm, x_mm, y_mm
+        How far its pivot went down along the skin's axis, and aside in the wall's plane along its x and y, which
+        tilt with it but do not twist.
+    rx_deg, ry_deg, twist_deg
+        Its rotation vector across the skin's axis, and its turn about its own normal.
+    """
+
+    depth_mm: float = 0.0
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+    rx_deg: float = 0.0
+    ry_deg: float = 0.0
+    twist_deg: float = 0.0
+
+
+_MOST = Waypoint(60.0, 30.0, 30.0, 30.0, 30.0, 90.0)
+
+
+def _read(value: Any) -> Any:
+    """Waypoints from words, ``4 0 0 0 5; 4 2 0 0 5``: numbers that are left out are 0."""
+    if isinstance(value, str):
+        value = [point.split() for point in value.split(";") if point.strip()]
+    if not isinstance(value, list | tuple):
+        return value
+    try:
+        return tuple(Waypoint(*map(float, point)) for point in value)
+    except (TypeError, ValueError):
+        raise PydanticCustomError(
+            "no_waypoints",
+            "waypoints are lists of up to six numbers, {names}: [[4, 0, 0, 0, 5], [4, 2]]",
+            {"names": ", ".join(Waypoint._fields)},
+        ) from None
+
+
+@final
+class RouteSpec(ObstacleSpec):
+    """A rigid flat wall that goes through waypoints."""
+
+    kind: Literal["route"] = "route"
+    waypoints: Annotated[tuple[Waypoint, ...], BeforeValidator(_read)] = parameter(
+        (Waypoint(4.0), Waypoint(4.0, 1.0)),
+        unit="mm, deg",
+        meaning="where the wall goes from first touch: depth, x, y in its own plane, rx, ry, twist",
+    )
+    depth: float = parameter(5.0, unit="mm", meaning="length of the route; follows from its waypoints", gt=0, le=1000)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _depth_is_the_length(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        points = _read(values.get("waypoints", cls.model_fields["waypoints"].default))
+        if not isinstance(points, tuple):
+            return values
+        if not points:
+            raise PydanticCustomError("no_waypoint", "a route has at least 1 waypoint", {})
+        _check(points)
+        return {**values, "waypoints": points, "depth": float(_lengths(points)[-1])}
+
+    @property
+    def words(self) -> str:
+        return f"route of {len(self.waypoints)} waypoints"
+
+    @property
+    def drifts(self) -> bool:
+        return True
+
+    @property
+    def stops(self) -> tuple[float, ...]:
+        return tuple(float(length) for length in _lengths(self.waypoints)[1:])
+
+    @property
+    def pose_space(self) -> PoseSpace:
+        return OFFSET_DEPTH
+
+    @property
+    def radial(self) -> float:
+        return float(np.hypot(self.waypoints[0].rx_deg, self.waypoints[0].ry_deg))
+
+    @property
+    def turn_deg(self) -> float:
+        return 0.0
+
+    def waypoint(self, length: float) -> Waypoint:
+        """Where the wall is after a length in mm of its route."""
+        at, points = _lengths(self.waypoints), np.array(_whole(self.waypoints))
+        return Waypoint(*(float(np.interp(length, at, points[:, k])) for k in range(len(_MOST))))
+
+    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        normal = _turned(self.waypoint(0.0)).as_matrix()[:, 2]
+        tilt, rim = float(np.arccos(np.clip(normal[2], -1.0, 1.0))), mesh.skin.rim_slope(mesh.spec.rim)
+        if tilt >= rim:
+            raise PalpateError(
+                f"A wall tilted by {np.degrees(tilt):.3g}° touches the clamped rim (at {np.degrees(rim):.1f}° from "
+                "the axis) before the dome.",
+                "Tilt it less, or make the dome higher.",
+            )
+        touched = mesh.skin.touch(normal)
+        return Plane(normal, touched), touched
+
+    def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
+        if not mesh.spec.whole:
+            raise PalpateError(
+                "A wall on a route is not symmetric.", "Use a whole mesh: MeshSpec(whole=True), --whole."
+            )
+        for number, point in enumerate(self.waypoints, start=1):
+            tilt = np.radians(np.hypot(point.rx_deg, point.ry_deg))
+            most = mesh.skin.clamp_depth(float(tilt), mesh.spec.rim)
+            if point.depth_mm > most:
+                raise PalpateError(
+                    f"At waypoint {number} the wall is {point.depth_mm:g} mm deep; it reaches the clamped rim at "
+                    f"{most:.3g} mm.",
+                    "Press less deep.",
+                )
+        return partial(self._at, self.at_touch(mesh)[1])
+
+    def _at(self, touched: FloatArray, length: float) -> Plane:
+        """The wall after a length in mm, whose pivot was at `touched` (3,) mm."""
+        point = self.waypoint(length)
+        axes, first = _turned(point).as_matrix(), _turned(self.waypoint(0.0)).as_matrix()
+        tilted = _turned(point._replace(twist_deg=0.0)).as_matrix()
+        pivot = touched + tilted @ [point.x_mm, point.y_mm, 0.0] - [0.0, 0.0, point.depth_mm]
+        return Plane(axes[:, 2], pivot, axes @ first.T)
+
+
+def _whole(points: tuple[Waypoint, ...]) -> tuple[Waypoint, ...]:
+    """Waypoints with the one before the first: at first touch, at its tilt."""
+    return (Waypoint(rx_deg=points[0].rx_deg, ry_deg=points[0].ry_deg), *points)
+
+
+def _turned(point: Waypoint) -> Rotation:
+    """Rotation of the wall: its twist about the skin's axis, then its tilt."""
+    tilt = Rotation.from_rotvec([point.rx_deg, point.ry_deg, 0.0], degrees=True)
+    return tilt * Rotation.from_rotvec([0.0, 0.0, point.twist_deg], degrees=True)
+
+
+def _lengths(points: tuple[Waypoint, ...]) -> FloatArray:
+    """Length (n + 1,) mm of the route at its start and at every waypoint."""
+    steps = []
+    for a, b in pairwise(_whole(points)):
+        turn = np.radians(np.subtract(b[3:], a[3:]))
+        steps.append(float(np.hypot(np.linalg.norm(np.subtract(b[:3], a[:3])), ARM * np.linalg.norm(turn))))
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _check(points: tuple[Waypoint, ...]) -> None:
+    """Refuse numbers out of bounds, and waypoints that are the same twice."""
+    for number, point in enumerate(points, start=1):
+        for name, value, most in zip(Waypoint._fields, point, _MOST, strict=True):
+            least = 0.0 if name == "depth_mm" else -most
+            if not least <= value <= most:
+                raise PydanticCustomError(
+                    "waypoint_out_of_bounds",
+                    "waypoint {number} has {name} = {value}; choose one from {least} to {most}",
+                    {"number": number, "name": name, "value": f"{value:g}", "least": least, "most": most},
+                )
+    short = np.flatnonzero(np.diff(_lengths(points)) < _SHORTEST)
+    if len(short):
+        raise PydanticCustomError(
+            "waypoint_twice",
+            "waypoint {number} is where the one before is; leave it out",
+            {"number": int(short[0]) + 1},
+        )

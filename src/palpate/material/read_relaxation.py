@@ -1,0 +1,108 @@
+"""From the file of a test bench to a relaxation test: time, stress, and strain where it was measured."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from palpate.core import FloatArray, PalpateError
+from palpate.material.columns import find_column, seek_column, units_of_column
+from palpate.material.spec import BenchSpec, StrainUnit, TimeUnit
+from palpate.material.table import Table, read_table
+from palpate.relaxation import RelaxationTest
+
+_TIME = re.compile(r"time|zeit|temps|\bt\b|\bt[ _(\[]", re.I)
+_STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)
+_STRESS = re.compile(r"stress|spannung|contrainte|modulus|relax|force|load|kraft", re.I)
+_STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
+_SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
+_UNITS = {"ms": "ms", "s": "s", "sec": "s", "sek": "s", "min": "min", "h": "h", "hour": "h"}
+
+
+def read_relaxation(path: str | Path, spec: BenchSpec | None = None) -> RelaxationTest:
+    """Read a relaxation test.
+
+    Parameters
+    ----------
+    path
+        CSV or other text with columns of time and of stress, force or modulus; where there is one of strain or
+        travel, the stress is taken for the answer to that strain, else for that to a step.
+    spec
+        What the file does not say. Units of stress and strain do not matter, nor do section and gauge length.
+
+    Raises
+    ------
+    PalpateError
+        If the file is wrong or ambiguous, or holds no relaxation; the message names row and column, and what to do.
+    """
+    path, spec = Path(path), spec or BenchSpec()
+    table = read_table(path, spec)
+    time_at = find_column(table, spec.time, "time", _TIME)
+    stress_at = find_column(table, spec.stress, "stress", _STRESS)
+    strain_at = seek_column(table, spec.strain, "strain", _STRAIN)
+    columns = [time_at, stress_at, *([] if strain_at is None else [strain_at])]
+    if len(set(columns)) < len(columns):
+        raise PalpateError(
+            f"{path}: column {columns[0] + 1} is taken twice.", "Give --time, --stress and --strain by number."
+        )
+    values = _take(table, columns)
+    time = values[:, 0] * _SECONDS[_time_unit(table, time_at, spec)]
+    stress, notes = _signed(values[:, 1]), []
+    strain = None
+    if strain_at is not None:
+        strain = _strain(table, values[:, 2], strain_at, spec)
+        notes.append("answer to the strain measured")
+    test = RelaxationTest(path.name, time, stress, strain, tuple(notes))
+    test.check()
+    if strain is None and test.came[1] > test.came[0]:
+        notes.append("no strain: taken to have come evenly until the greatest stress")
+    elif strain is None:
+        notes.append("no strain: taken to have come as a step at time 0")
+    return replace(test, notes=tuple(notes))
+
+
+def _take(table: Table, columns: list[int]) -> FloatArray:
+    """Columns (n, k) without the rows in which all of them are empty."""
+    values = table.values[:, columns]
+    filled = ~np.isnan(values).all(axis=1)
+    values, lines = values[filled], table.lines[filled]
+    gap = np.argwhere(np.isnan(values))
+    if len(gap):
+        row, at = gap[0]
+        raise PalpateError(
+            f"{table.path}: row {lines[row]}, column {columns[at] + 1} is empty.", "Fill or delete the row."
+        )
+    return values
+
+
+def _time_unit(table: Table, column: int, spec: BenchSpec) -> TimeUnit:
+    if spec.time_unit is not None:
+        return spec.time_unit
+    written = {_UNITS[text.lower()] for text in units_of_column(table, column) if text.lower() in _UNITS}
+    if len(written) == 1:
+        return TimeUnit(written.pop())
+    raise PalpateError(
+        f"{table.path}: the time (column {column + 1}) is without a unit.",
+        f"Give --time-unit: {', '.join(TimeUnit)}.",
+    )
+
+
+def _signed(stress: FloatArray) -> FloatArray:
+    """Stress with the sign that its greatest value has taken for positive."""
+    return np.asarray(stress * np.sign(stress[np.argmax(np.abs(stress))] or 1.0))
+
+
+def _strain(table: Table, strain: FloatArray, column: int, spec: BenchSpec) -> FloatArray:
+    """Strain that grows from zero, in the file's unit."""
+    name = table.header[column] if table.header else ""
+    if spec.strain_unit is StrainUnit.STRETCH or (spec.strain_unit is None and _STRETCH.search(name)):
+        strain = strain - 1.0
+    strain = _signed(strain)
+    if not np.abs(strain).max() > 0:
+        raise PalpateError(
+            f"{table.path}: the strain (column {column + 1}) stays at 0.", "Check the column of strain."
+        )
+    return strain

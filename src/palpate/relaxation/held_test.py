@@ -1,0 +1,116 @@
+"""A relaxation test: stress through time under a strain that came and stayed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.core import FloatArray, PalpateError
+
+LEAST_ROWS = 8
+"""Fewer rows than these are no curve of relaxation."""
+_DECADE = 10.0
+_RISES = 0.02
+"""Share of the greatest stress by which a held one may rise: less is the bench's tremor."""
+_RAMP = 0.5
+"""Share of the greatest stress below which a first one shows that the strain was still coming."""
+_BINS = 8
+"""Stretches of log time over whose means a rise is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class RelaxationTest:
+    """One specimen that was strained and held.
+
+    Attributes
+    ----------
+    name
+        File.
+    time
+        (n,) s, rising; without `strain`, since the strain came.
+    stress
+        (n,) positive, in any unit of stress or force: its size does not matter.
+    strain
+        (n,) in any unit, positive, as far as it was measured; `None`: it came at time 0 and stayed, or where the
+        stress rises first, came evenly until its peak.
+    notes
+        What was assumed, for the report.
+    """
+
+    name: str
+    time: FloatArray
+    stress: FloatArray
+    strain: FloatArray | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def came(self) -> tuple[float, float]:
+        """Times in s at which the strain began and was whole; both 0 of a step."""
+        if self.strain is not None:
+            whole = int(np.argmax(self.strain >= 0.99 * np.median(self.strain[len(self.strain) // 2 :])))
+            return float(self.time[0]), float(self.time[whole])
+        peak = int(np.argmax(self.stress))
+        ramps = self.stress[0] < _RAMP * self.stress[peak]
+        return (float(self.time[0]), float(self.time[peak])) if ramps else (0.0, 0.0)
+
+    @property
+    def first(self) -> float:
+        """Shortest time in s after the strain began that the test tells something of."""
+        begun, whole = self.came
+        return whole - begun if whole > begun else float(self.time[self.time > begun][0] - begun)
+
+    @property
+    def last(self) -> float:
+        """Longest time in s after the strain began."""
+        return float(self.time[-1] - self.came[0])
+
+    def check(self) -> None:
+        """Refuse what cannot be a relaxation, with a `PalpateError`."""
+        if len(self.time) < LEAST_ROWS:
+            raise PalpateError(
+                f"{self.name} has {len(self.time)} row{'s' if len(self.time) != 1 else ''} of numbers.",
+                f"A relaxation needs {LEAST_ROWS} or more: export the whole test.",
+            )
+        back = np.flatnonzero(np.diff(self.time) <= 0)
+        if len(back):
+            raise PalpateError(
+                f"{self.name}: after {self.time[back[0]]:g} s comes {self.time[back[0] + 1]:g} s.",
+                "Times must rise: give one test a file, in the order in which it was measured.",
+            )
+        begun, whole = self.came
+        if begun == whole == 0.0 and self.time[0] < 0:
+            raise PalpateError(
+                f"{self.name} begins at {self.time[0]:g} s and has no strain.",
+                "Count time from when the strain came.",
+            )
+        if self.last < _DECADE * self.first:
+            raise PalpateError(
+                f"{self.name} goes from {self.first:.3g} s to {self.last:.3g} s after the strain began.",
+                "A relaxation needs a decade of time or more: strain faster or hold longer.",
+            )
+        self._check_course(whole)
+
+    def _check_course(self, whole: float) -> None:
+        """Refuse a held stress that rises, or that does not fall at all."""
+        held = self.time >= whole
+        time, stress = self.time[held], self.stress[held]
+        least = max(float(time[time > 0][0]), 1e-12)
+        edges = np.geomspace(least, time[-1], _BINS + 1)
+        bin_of = np.clip(np.searchsorted(edges, np.maximum(time, least), side="right") - 1, 0, _BINS - 1)
+        kept = [at for at in range(_BINS) if np.any(bin_of == at)]
+        mean = np.array([stress[bin_of == at].mean() for at in kept])
+        when = np.array([time[bin_of == at].mean() for at in kept])
+        low = int(np.argmin(mean))
+        if mean[low:].max() - mean[low] > _RISES * stress.max():
+            high = low + int(np.argmax(mean[low:]))
+            raise PalpateError(
+                f"{self.name}: the held stress rises from {mean[low]:.4g} at {when[low]:.3g} s to {mean[high]:.4g} "
+                f"at {when[high]:.3g} s.",
+                "Give a test whose strain stays, without drift of the cell, and cut what comes after it.",
+            )
+        if mean.min() <= 0:
+            raise PalpateError(
+                f"{self.name}: the stress falls to {mean.min():.4g} and changes its sign.",
+                "Set the cell to zero before the strain comes, or cut the unloading.",
+            )

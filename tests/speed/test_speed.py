@@ -1,0 +1,134 @@
+"""What a person waits for, ten cases; `.ci/speed.py` holds their CPU-seconds against the last release."""
+
+import numpy as np
+import pytest
+
+from needs import needs
+from palpate.built import PoseFitter, ToleranceSpec, learn_rest, model_unit
+from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, render
+from palpate.dataset import DatasetSpec, generate_dataset
+from palpate.design import MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.fea import Ended, WallSpec, solve_press
+from palpate.learn import TrainSpec, train
+from palpate.markers import build_pattern, name_markers, prepare_detector
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.twin import TWIN_DERIVATIVES, read_twin
+from small_chain import DOME, MATERIAL, TILTS, solve, write_small_twin
+
+pytestmark = pytest.mark.speed
+SKIN = build_skin(DOME)
+LAYOUT = place_markers(SKIN, MarkerSpec(count=169))
+MARK = place_orientation_mark(SKIN, LAYOUT)
+CAMERA = build_camera()
+
+
+def cost(press):
+    return {"iterations": press.newton_iterations, "unknowns": press.unknowns}
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory):
+    return read_twin(write_small_twin(tmp_path_factory.mktemp("twin") / "twin.h5"))
+
+
+@pytest.fixture(scope="module")
+def presses():
+    return [solve(tilt) for tilt in TILTS]
+
+
+@pytest.fixture(scope="module")
+def image():
+    needs("cv2")
+    dots = np.vstack([LAYOUT.positions, MARK])
+    normals = SKIN.normal(dots)
+    return render(CAMERA, dot_edges(dots, normals, LAYOUT.diameter), RenderSpec(noise=2.0, blur_px=0.8))
+
+
+@pytest.mark.parametrize("contact", ["frictionless", "no-slip", 0.5], ids=["frictionless", "no_slip", "friction"])
+def test_press(measure, contact):
+    """H 20 T 2 under 5° to 8 mm on the default mesh."""
+    wall = WallSpec(tilt_deg=5.0, depth=8.0, contact=contact)
+    press = measure(lambda: solve_press(mesh_skin(SKIN), MATERIAL, wall), cost)
+    assert press.ended == Ended.DEPTH_REACHED
+
+
+def test_press_derivatives(measure):
+    """A coarse press without slip, with the eleven derivatives that a twin takes."""
+    wall, solver = WallSpec(tilt_deg=5.0, depth=4.0), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    press = measure(lambda: solve_press(mesh_skin(SKIN, MeshSpec(cells=9)), MATERIAL, wall, solver), cost)
+    assert set(press.derivatives) == set(TWIN_DERIVATIVES)
+
+
+def test_twin_move(measure, twin):
+    """Where 169 dots go, and how by pose, friction, thickness, bend and drift, a thousand times."""
+    dots = twin.print_dots(LAYOUT.positions)
+    poses = np.random.default_rng(1).uniform([-5, -5, 2], [5, 5, 4.5], (1000, 3))
+    moved = measure(
+        lambda: [dots.move(pose, 0.5, drift=np.zeros(3)) for pose in poses],
+        lambda found: {"iterations": len(found), "unknowns": found[0].by.size},
+    )
+    assert np.isfinite([each.by for each in moved]).all()
+
+
+def test_fit_pose(measure, twin):
+    """Pose, friction and their covariance from 120 images of a press, each from where the last one was."""
+    dots, rng = twin.print_dots(LAYOUT.positions), np.random.default_rng(2)
+    rest = CAMERA.project(LAYOUT.positions)
+    belief = learn_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
+    model = model_unit(twin, LAYOUT, belief, ToleranceSpec())
+    poses = np.column_stack([np.full(120, 4.0), np.full(120, -2.0), np.linspace(1.5, 4.5, 120)])
+    seen = [CAMERA.project(dots.move(pose, 1.0).positions) + rng.normal(0, 0.05, rest.shape) for pose in poses]
+
+    def fit():
+        fitter = PoseFitter(model, 0.05)
+        return [fitter.fit(each) for each in seen]
+
+    fits = measure(
+        fit, lambda found: {"iterations": sum(each.steps for each in found), "unknowns": 2 * len(LAYOUT.positions)}
+    )
+    assert np.abs([each.pose - pose for each, pose in zip(fits, poses, strict=True)]).max() < 0.5
+
+
+def test_find_dots(measure, image):
+    """The dots of an image of 169 and the mark, ten times, detector chosen anew."""
+    found = measure(
+        lambda: [prepare_detector(image).find(image) for _ in range(10)],
+        lambda found: {"iterations": len(found), "unknowns": len(found[0].positions_px)},
+    )
+    assert len(found[0].positions_px) == len(LAYOUT.positions) + 1
+
+
+def test_name_dots(measure, image):
+    """Which of 169 is which, ten times, pattern included."""
+    blobs = prepare_detector(image).find(image).positions_px
+    named = measure(
+        lambda: [name_markers(blobs, build_pattern(LAYOUT.positions, CAMERA.project, MARK)) for _ in range(10)],
+        lambda found: {"iterations": len(found), "unknowns": int(found[0].found.sum())},
+    )
+    assert named[0].found.all()
+    assert not named[0].ambiguous
+
+
+def test_generate_dataset(measure, presses):
+    """Images of 169 markers at 3000 poses from three presses."""
+    spec = DatasetSpec(n_presses=3000, max_tilt_deg=8.0)
+    dataset = measure(
+        lambda: generate_dataset(presses, LAYOUT, CAMERA, spec),
+        lambda found: {"iterations": len(found.poses), "unknowns": found.images_px[0].size},
+    )
+    assert np.isfinite(dataset.images_px).all()
+
+
+def test_train(measure, presses):
+    """Three perceptrons at once, five epochs over 600 poses."""
+    needs("torch")
+    dataset = generate_dataset(presses, LAYOUT, CAMERA, DatasetSpec(n_presses=600, max_tilt_deg=8.0))
+    estimator = measure(
+        lambda: train(dataset, TrainSpec(epochs=5)),
+        lambda found: {
+            "iterations": 5 * int((~dataset.validation).sum()),
+            "unknowns": sum(w.size for w in found.weights),
+        },
+    )
+    assert np.isfinite(estimator.repeat_rmse_deg).all()

@@ -1,0 +1,129 @@
+"""Walls on routes, held against walls that descend, against each other by another way, and by their work."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from palpate.core import PalpateError
+from palpate.design import DomeSpec, MarkerSpec, place_markers
+from palpate.fea import Press, WallSpec, obstacle_from_data, read_obstacle, solve_press
+from palpate.fea.route import RouteSpec, Waypoint
+from palpate.fea.spec import ObstacleSpec
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+
+SKIN = DomeSpec(height=20, thickness=2).build()
+MESH = mesh_skin(SKIN, MeshSpec(cells=9, whole=True, centred=False))
+MARKERS = place_markers(SKIN, MarkerSpec(count=37)).positions
+ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
+
+
+def press(wall: ObstacleSpec) -> Press:
+    # what holds the flat patch to the wall would bear on the force, and not on the limit of friction
+    return solve_press(MESH, ECOFLEX, wall, SolverSpec(adhesion=0))
+
+
+def route(contact: str | float, *waypoints: tuple[float, ...], **more: float) -> Press:
+    return press(RouteSpec(waypoints=waypoints, contact=contact, image_step=0.5, **more))
+
+
+def imbalance(pressed: Press) -> float:
+    """Greatest difference between the wall's work and what is stored or lost, over the greatest work."""
+    kept = pressed.energy + pressed.contact_energy + pressed.dissipation
+    return float(np.abs(pressed.work - kept).max() / np.abs(pressed.work).max())
+
+
+def test_a_route_straight_down_is_a_press() -> None:
+    ours, plain = route(0.5, (3.0, 0, 0, 5)), press(WallSpec(tilt_deg=5, depth=3, image_step=0.5, contact=0.5))
+    assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=1e-6)
+    assert ours.work[-1] == pytest.approx(plain.work[-1], rel=1e-4)
+
+
+def test_a_route_down_and_aside_is_a_wall_that_drifts() -> None:
+    ours = route("no-slip", (3.0, 0.6, 0, 0, 0, 3))
+    plain = press(WallSpec(depth=3, image_step=0.5, drift_across=0.2, twist_rate_deg=1.0))
+    # their increments are not of one length, and what sticks remembers them
+    assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=0.01)
+    assert ours.force[-1] == pytest.approx(plain.force[-1], abs=0.02 * plain.force[-1, 2])
+
+
+def test_without_friction_the_way_to_a_place_does_not_matter() -> None:
+    """Pressed straight, then tilted about the contact: the wall that comes tilted to the same plane."""
+    ours = route("frictionless", (3.0,), (3.0, 0, 0, 6))
+    normal = np.array([0.0, -np.sin(np.radians(6)), np.cos(np.radians(6))])
+    depth = 3.0 + (SKIN.touch(normal) - SKIN.touch(np.array([0.0, 0.0, 1.0]))) @ normal / normal[2]
+    plain = press(WallSpec(tilt_deg=6, depth=float(depth), image_step=0.5, contact="frictionless"))
+    assert ours.positions(MARKERS)[-1] == pytest.approx(plain.positions(MARKERS)[-1], abs=2e-4)
+    assert ours.force[-1] == pytest.approx(plain.force[-1], abs=1e-3 * plain.force[-1, 2])
+    assert ours.energy[-1] == pytest.approx(plain.energy[-1], rel=1e-3)
+    assert imbalance(ours) < 0.01
+
+
+def test_a_wall_that_twists_without_friction_does_nothing() -> None:
+    ours = route("frictionless", (2.0,), (2.0, 1.0, 0, 0, 0, 20))
+    at = int(np.argmin(np.abs(ours.depth - 2.0)))
+    assert ours.positions(MARKERS)[-1] == pytest.approx(ours.positions(MARKERS)[at], abs=1e-5)
+    assert ours.work[-1] == pytest.approx(ours.work[at], rel=1e-6)
+
+
+@pytest.mark.parametrize("contact", ["no-slip", 0.4])
+def test_pressed_then_slid_the_work_is_stored_or_lost(contact: str | float) -> None:
+    ours = route(contact, (3.0,), (3.0, 0, 2.0))
+    assert ours.ended_depth == pytest.approx(5.0)
+    assert imbalance(ours) < 0.02
+    aside, down = np.hypot(*ours.force[-1, :2]), ours.force[-1, 2]
+    assert ours.force[-1, 1] < 0  # the wall is dragged back
+    if contact == "no-slip":
+        assert ours.dissipation[-1] == pytest.approx(0.0, abs=1e-9)
+        assert aside > 0.5 * down
+    else:
+        assert ours.dissipation[-1] > 0.1 * (ours.work[-1] - ours.work[6])
+        assert aside == pytest.approx(0.4 * down, rel=0.01)
+
+
+def test_what_sticks_comes_back_with_the_wall() -> None:
+    ours = route("no-slip", (3.0,), (3.0, 0.8), (3.0,))
+    there, back = int(np.argmin(np.abs(ours.depth - 3.0))), len(ours.depth) - 1
+    away = int(np.argmin(np.abs(ours.depth - 3.8)))
+    moved = np.abs(ours.displacement[away] - ours.displacement[there]).max()
+    assert np.abs(ours.displacement[back] - ours.displacement[there]).max() < 0.05 * moved
+    slipped = route(0.2, (3.0,), (3.0, 0.8), (3.0,))
+    assert np.abs(slipped.displacement[-1] - slipped.displacement[there]).max() > 0.2 * moved
+
+
+def test_a_route_is_read_from_words_and_from_data() -> None:
+    spec = read_obstacle("route:waypoints=4 0 0 0 5; 4 2", WallSpec(contact=0.5))
+    assert isinstance(spec, RouteSpec)
+    assert spec.waypoints == (Waypoint(4, ry_deg=5), Waypoint(4, 2))
+    assert spec.contact == 0.5
+    assert obstacle_from_data(spec.model_dump(mode="json")) == spec
+    # down by 4 mm, then aside by 2 while a tilt of 5° goes back, which counts 20 mm times its angle
+    assert spec.depth == pytest.approx(4 + np.hypot(2, 20 * np.radians(5)))
+    assert spec.waypoint(4.0) == pytest.approx(spec.waypoints[0])
+
+
+@pytest.mark.parametrize(
+    ("waypoints", "says"),
+    [
+        ("4 0 0 x", "up to six numbers"),
+        ([[1, 2, 3, 4, 5, 6, 7]], "up to six numbers"),
+        ([[4], [4]], "waypoint 2 is where the one before is"),
+        ([[0, 0, 0, 5]], "waypoint 1 is where the one before is"),
+        ([[-1]], "waypoint 1 has depth_mm = -1"),
+        ([[3, 0, 0, 40]], "rx_deg = 40"),
+        ([[float("nan")]], "depth_mm = nan"),
+        ([], "at least 1"),
+    ],
+)
+def test_waypoints_that_are_none_are_refused(waypoints: object, says: str) -> None:
+    with pytest.raises(ValidationError, match=says):
+        RouteSpec(waypoints=waypoints)
+
+
+def test_half_a_mesh_and_a_depth_beyond_the_clamp_are_refused() -> None:
+    half = mesh_skin(SKIN, MeshSpec(cells=8))
+    with pytest.raises(PalpateError, match="not symmetric"):
+        solve_press(half, ECOFLEX, RouteSpec())
+    with pytest.raises(PalpateError, match="reaches the clamped rim"):
+        route("no-slip", (30.0,))

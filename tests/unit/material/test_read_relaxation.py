@@ -1,0 +1,88 @@
+"""Files of relaxation tests: columns, units, signs, and what is refused."""
+
+import numpy as np
+import pytest
+
+from palpate.core import PalpateError
+from palpate.material import BenchSpec, read_relaxation
+
+TIME = np.geomspace(0.1, 100, 40)
+STRESS = 0.02 * (0.8 + 0.2 * np.exp(-TIME / 3))
+
+
+def write(path, header, *columns):
+    rows = "\n".join(",".join(f"{cell:.9g}" for cell in row) for row in zip(*columns, strict=True))
+    path.write_text(f"{header}\n{rows}\n")
+    return path
+
+
+def test_time_and_stress_are_found_by_their_names(tmp_path):
+    test = read_relaxation(write(tmp_path / "relax.csv", "time (s),stress (kPa)", TIME, STRESS))
+    assert test.time == pytest.approx(TIME)
+    assert test.stress == pytest.approx(STRESS)
+    assert test.strain is None
+    assert "step at time 0" in test.notes[-1]
+
+
+@pytest.mark.parametrize(("unit", "size"), [("ms", 1e3), ("min", 1 / 60), ("h", 1 / 3600)])
+def test_times_of_other_units_become_seconds(tmp_path, unit, size):
+    test = read_relaxation(write(tmp_path / "a.csv", f"Zeit [{unit}],Kraft [N]", TIME * size, STRESS))
+    assert test.time == pytest.approx(TIME, rel=1e-6)
+
+
+def test_compression_of_either_sign_is_positive(tmp_path):
+    strain = np.full(40, 0.7)
+    test = read_relaxation(write(tmp_path / "a.csv", "time (s),stretch,stress (MPa)", TIME, strain, -STRESS))
+    assert test.stress == pytest.approx(STRESS)
+    assert test.strain == pytest.approx(0.3)
+
+
+def test_a_stress_that_comes_up_first_is_taken_for_an_even_ramp(tmp_path):
+    time = np.concatenate([[0, 0.5, 1.0], 1.0 + TIME])
+    stress = np.concatenate([[0, 0.01, 0.021], STRESS])
+    test = read_relaxation(write(tmp_path / "a.csv", "time (s),stress (MPa)", time, stress))
+    assert test.came == (0.0, 1.0)
+    assert "evenly" in test.notes[-1]
+
+
+def test_columns_without_names_are_given_by_number(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(f"{b:.9g};{a:.9g}" for a, b in zip(TIME, STRESS, strict=True)))
+    test = read_relaxation(path, BenchSpec(time="2", time_unit="s", stress="1"))
+    assert test.time == pytest.approx(TIME)
+
+
+WRONG = {
+    "no time": ("strain,stress (MPa)", (TIME, STRESS), {}, "no column is called time"),
+    "no unit": ("time,stress (MPa)", (TIME, STRESS), {}, "without a unit"),
+    "two stresses": ("time (s),stress a,stress b", (TIME, STRESS, STRESS), {}, "may all be the stress"),
+    "one column twice": ("time (s),stress", (TIME, STRESS), {"stress": "1"}, "taken twice"),
+    "times that fall": ("time (s),stress", (TIME[::-1], STRESS), {}, "Times must rise"),
+    "a time twice": ("time (s),stress", (np.repeat(TIME[::2], 2), STRESS), {}, "Times must rise"),
+    "a stress that rises": ("time (s),stress", (TIME, STRESS[::-1]), {}, "the held stress rises"),
+    "a step in the stress": ("time (s),stress", (TIME, STRESS + 0.003 * (TIME > 20)), {}, "the held stress rises"),
+    "half a decade": ("time (s),stress", (np.geomspace(1, 5, 40), STRESS), {}, "needs a decade of time"),
+    "five rows": ("time (s),stress", (TIME[::8], STRESS[::8]), {}, "has 5 rows of numbers"),
+    "an unloading": ("time (s),stress", (TIME, STRESS - 0.03 * (TIME > 50)), {}, "changes its sign"),
+    "no strain": ("time (s),strain,stress", (TIME, 0 * TIME, STRESS), {}, "stays at 0"),
+    "time before the touch": ("time (s),stress", (TIME - 5, STRESS), {}, "begins at -4.9 s and has no strain"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_a_file_that_holds_no_relaxation_is_refused_with_a_remedy(kind, tmp_path):
+    header, columns, spec, says = WRONG[kind]
+    with pytest.raises(PalpateError) as refused:
+        read_relaxation(write(tmp_path / "wrong.csv", header, *columns), BenchSpec(**spec))
+    assert says in str(refused.value)
+    assert "wrong.csv" in refused.value.what
+    assert refused.value.remedy
+
+
+def test_an_empty_cell_is_named_by_its_row(tmp_path):
+    path = write(tmp_path / "a.csv", "time (s),stress", TIME, STRESS)
+    lines = path.read_text().splitlines()
+    lines[7] = lines[7].split(",")[0] + ","
+    path.write_text("\n".join(lines))
+    with pytest.raises(PalpateError, match="row 8, column 2 is empty"):
+        read_relaxation(path)
