@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Hold the CPU-seconds and the iterations of the cases in tests/speed against the last release.
 
-    python .ci/speed.py             # compare with the last version in docs/results/speed.csv; exit code 1 if slower
-    python .ci/speed.py --append    # measure three times and write the median as this version's rows
+    python .ci/speed.py             # compare with the runs of the last version; exit code 1 if slower
+    python .ci/speed.py --append    # measure three times and add the runs to this version's
 
 CPU-seconds differ from machine to machine, so a case is told by its ratio to a yardstick of known work, run before
 and after every round of it (tests/speed/yardstick.py): mean over mean, which under other work was steadier than least
-over least (docs/speed.md). A case that is too slow is measured again, twice at most, and the least ratio counts.
-Iterations and unknowns are counts: one that falls by more than the limit is refused as well, for then the case has
-become another one. On another processor than that of the last release ratios are told, and only counts are refused.
+over least (docs/speed.md). That ratio differs too, by machine and by what else it does: so the last release is known
+by several runs (docs/results/speed_runs.csv), and a case is refused that is slower than the slowest of them by more
+than the limit. One that is too slow is measured again, twice at most, and the least ratio counts. Iterations and
+unknowns are counts: one that falls by more than the limit is refused as well, for then the case has become another
+one. On a processor that no run of the last release knows ratios are told, and only counts are refused.
 """
 
 from __future__ import annotations
@@ -28,11 +30,13 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
+RUNS = ROOT / "docs" / "results" / "speed_runs.csv"
 HISTORY = ROOT / "docs" / "results" / "speed.csv"
+"""Every run of every version, and their medians by version and processor: what the page shows."""
 LIMIT = 0.20
-"""Share by which a case may be slower, or count more or less, than in the last release."""
+"""Share by which a case may be slower, or count more or less, than in any run of the last release."""
 AGAIN, APPENDED = 2, 3
-"""Times that a slow case is measured again, and that all are measured for a release's rows."""
+"""Times that a slow case is measured again, and that all are measured for a release."""
 
 
 class SpeedError(Exception):
@@ -41,10 +45,9 @@ class SpeedError(Exception):
 
 @dataclass(frozen=True)
 class Row:
-    """One case of one version: ratio to the yardstick, what it counts, CPU-seconds and processor of that day."""
+    """One case in one run of one version: ratio to the yardstick, what it counts, CPU-seconds and processor."""
 
     version: str
-    commit: str
     case: str
     ratio: float
     iterations: int
@@ -63,14 +66,13 @@ class Finding:
     slow: bool = False
 
 
-def read_history(path: Path = HISTORY) -> list[Row]:
-    """Rows of every version, oldest first."""
+def read_runs(path: Path = RUNS) -> list[Row]:
+    """Rows of every run of every version, oldest first."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = [
                 Row(
                     each["version"],
-                    each["commit"],
                     each["case"],
                     float(each["ratio"]),
                     int(each["iterations"]),
@@ -87,41 +89,44 @@ def read_history(path: Path = HISTORY) -> list[Row]:
     return rows
 
 
-def last_release(rows: Iterable[Row]) -> dict[str, Row]:
-    """Rows of the last version, by case."""
+def last_release(rows: Iterable[Row]) -> dict[str, list[Row]]:
+    """Rows of the last version's runs, by case."""
     rows = list(rows)
-    return {row.case: row for row in rows if row.version == rows[-1].version}
+    cases: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.version == rows[-1].version:
+            cases.setdefault(row.case, []).append(row)
+    return cases
 
 
 def read_measured(path: Path) -> dict[str, Row]:
     """Rows from what pytest-benchmark has written, by case."""
-    found, version, commit, processor = {}, _version(), _commit(), _processor()
+    found, version, processor = {}, _version(), _processor()
     for each in json.loads(path.read_text(encoding="utf-8"))["benchmarks"]:
         extra = each["extra_info"]
         case = each["name"].removeprefix("test_").replace("[", "_").removesuffix("]")
         ratio = statistics.mean(extra["rounds"]) / statistics.mean(extra["yardsticks"])
         counts = extra["iterations"], extra["unknowns"]
-        found[case] = Row(version, commit, case, ratio, *counts, min(extra["rounds"]), processor)
+        found[case] = Row(version, case, ratio, *counts, min(extra["rounds"]), processor)
     return found
 
 
-def compare(last: Mapping[str, Row], now: Mapping[str, Row], limit: float = LIMIT) -> list[Finding]:
-    """Hold what was measured against the last release, case by case."""
+def compare(last: Mapping[str, list[Row]], now: Mapping[str, Row], limit: float = LIMIT) -> list[Finding]:
+    """Hold what was measured against the slowest run of the last release, case by case."""
     findings = []
-    for case, old in last.items():
-        new = now.get(case)
+    for case, runs in last.items():
+        old, new = max(runs, key=lambda run: run.ratio), now.get(case)
         if new is None:
             findings.append(Finding(case, "was not measured: install the extras 'all' and 'test'", refused=True))
             continue
         slower = new.ratio / old.ratio - 1
-        text = f"ratio {new.ratio:.3g}, {slower:+.0%} against {old.version}"
+        usual = new.ratio / statistics.median(run.ratio for run in runs) - 1
+        text = f"ratio {new.ratio:.3g}, {usual:+.0%} against {old.version}, {slower:+.0%} against its slowest run"
         counts = {name: (getattr(old, name), getattr(new, name)) for name in ("iterations", "unknowns")}
         moved = [f"{name} {a} -> {b}" for name, (a, b) in counts.items() if abs(b / a - 1) > limit]
-        alike = new.processor == old.processor
-        slow = alike and slower > limit
-        text += (
-            ": SLOWER" if slow else "" if alike else f", which was measured on another processor ({old.processor})"
-        )
+        known = new.processor in {run.processor for run in runs}
+        slow = known and slower > limit
+        text += ": SLOWER" if slow else "" if known else ", which was never measured on this processor"
         findings.append(Finding(case, "; ".join([text, *moved]), slow or bool(moved), slow))
     new_cases = [
         Finding(case, "is new: no release to compare with", refused=False) for case in now if case not in last
@@ -134,26 +139,27 @@ def keep_fastest(first: Mapping[str, Row], again: Mapping[str, Row]) -> dict[str
     return {case: min(row, again.get(case, row), key=lambda each: each.ratio) for case, row in first.items()}
 
 
-def middle(measured: list[dict[str, Row]]) -> dict[str, Row]:
-    """The median of several measurements, case by case."""
-    return {
-        case: replace(
-            row,
-            ratio=statistics.median(each[case].ratio for each in measured),
-            cpu_s=statistics.median(each[case].cpu_s for each in measured),
+def medians(rows: Iterable[Row]) -> list[Row]:
+    """The median of the runs of each case, by version and processor, in the order in which they come."""
+    alike: dict[tuple[str, str, str], list[Row]] = {}
+    for row in rows:
+        alike.setdefault((row.version, row.processor, row.case), []).append(row)
+    return [
+        replace(
+            runs[0],
+            ratio=statistics.median(run.ratio for run in runs),
+            cpu_s=statistics.median(run.cpu_s for run in runs),
         )
-        for case, row in measured[0].items()
-    }
+        for runs in alike.values()
+    ]
 
 
-def append(rows: Iterable[Row], new: Mapping[str, Row], path: Path = HISTORY) -> None:
-    """Write a version's rows after those of the others; those of the same version are replaced."""
-    made = {row.version for row in new.values()}
-    kept = [row for row in rows if row.version not in made]
+def write_rows(path: Path, rows: Iterable[Row]) -> None:
+    """Write rows as a table."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, [each.name for each in fields(Row)], lineterminator="\n")
         writer.writeheader()
-        for row in [*kept, *new.values()]:
+        for row in rows:
             writer.writerow(asdict(row) | {"ratio": f"{row.ratio:.4g}", "cpu_s": f"{row.cpu_s:.3g}"})
 
 
@@ -198,19 +204,15 @@ def _processor(path: Path = Path("/proc/cpuinfo")) -> str:
     return " ".join(told.get(name, "?") for name in ("vendor_id", "cpu family", "model"))
 
 
-def _commit() -> str:
-    command = ["git", "rev-parse", "--short", "HEAD"]
-    asked = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    return asked.stdout.strip() or "unknown"
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--append", action="store_true", help="write this version's rows")
+    parser.add_argument("--append", action="store_true", help="add three runs to this version's")
     given = parser.parse_args()
-    rows = read_history() if HISTORY.exists() or not given.append else []
+    rows = read_runs() if RUNS.exists() or not given.append else []
     if given.append:
-        append(rows, middle([measure() for _ in range(APPENDED)]))
+        rows += [row for _ in range(APPENDED) for row in measure().values()]
+        write_rows(RUNS, rows)
+        write_rows(HISTORY, medians(rows))
         return 0
     last, now = last_release(rows), measure()
     for _ in range(AGAIN):
