@@ -30,6 +30,8 @@ _DEPTH_SD = 1e3
 """The same of a depth, mm: next to nothing is known of it."""
 _GAINED = 0.05
 """A fit ends with the step that is expected to take less than this off its cost, 0.2 standard deviations."""
+_TAMED = 0.5
+"""Share of its length that a step has from where the last one went too far."""
 _STEPS, _BENT_STEPS = 12, 25
 """Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall."""
 TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
@@ -48,6 +50,8 @@ _DRIFTING_SLIP_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
 """Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
+_SHALLOW_MM = 0.6
+"""Depth up to which an image tells so little of the tilt that the next one may begin elsewhere."""
 _CHECK_MM = 1.0
 """Change of depth (mm) after which a fit that ends at the least or greatest 1/µ, as without slip, is checked anew."""
 _OUTLIER = 16.0
@@ -162,7 +166,7 @@ class PoseFitter:
         """Images to begin from: a grid of poses."""
         twin = self.model.dots.twin
         first, last = twin.depths_mm[[0, -1]]
-        depths = first + (last - first) * np.array([0.1, 0.3, 0.5, 0.7, 0.9])
+        depths = first + (last - first) * np.array([0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9])
         tilts = twin.tilts_deg[-1] * np.array([0.0, 0.35, 0.8])
         turns = np.radians(np.arange(0, 360, 45))
         self._starts = np.array(
@@ -222,13 +226,23 @@ class PoseFitter:
 
     def _fit_near(self, seen_px: FloatArray) -> PoseFit:
         """Fit one image from where the last one was."""
-        found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._last + self._motion)
+        found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._go_on(seen_px))
         if self._last is not None and self._doubted(found):
             again = self._fit(seen_px, self._begin(seen_px))
             found = again if again.cost < found.cost else found
             self._checked_mm = float(found.theta[2])
         self._follow(found)
         return found
+
+    def _go_on(self, seen_px: FloatArray) -> FloatArray:
+        """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
+        assert self._last is not None
+        onward = self._inside(self._last + self._motion)
+        if self._last[2] > _SHALLOW_MM:
+            return onward
+        shown = self.model.look(onward[:3], float(onward[3]), None, float(onward[_BEND]), unit=False).pixels
+        away = np.nansum((np.append(self._shown, shown[None], axis=0) - seen_px) ** 2, axis=(1, 2))
+        return onward if int(away.argmin()) == len(self._starts) else self._begin(seen_px)
 
     def _follow(self, found: PoseFit) -> None:
         """The next image is looked for where the wall goes on as before, if it just did."""
@@ -271,8 +285,9 @@ class PoseFitter:
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
         mean, prior, gain = self._mean[free], self._sd[free] ** -2.0, np.inf
-        least = 0.0 if _BEND in free else _GAINED
-        for step in range(1, (_BENT_STEPS if _BEND in free else _STEPS) + 1):
+        bent, most, moved = _BEND in free, 1.0, np.zeros(len(free) + len(z))
+        least = 0.0 if bent else _GAINED
+        for step in range(1, (_BENT_STEPS if bent else _STEPS) + 1):
             looked, every = self._look(theta, again=step in (1, 3))
             by_unit = every[there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
@@ -286,13 +301,15 @@ class PoseFitter:
             gradient[known:] -= z
             change = self._solve(normal, gradient, theta)
             gain, last = float(gradient @ change), gain
-            most = 0.5 if step > 3 and gain > 0.5 * last else 1.0  # it swings about the pose
+            if gain > 0.5 * last and float(gradient @ moved) < 0:  # it swings, as about a corner of the twin over 1/µ
+                most *= _TAMED
             shrink = min(most, float(np.min(_TRUST[free] / np.maximum(np.abs(change[:known]), 1e-12))))
             before = theta.copy()
-            theta[free] += shrink * change[:known]
-            z = z + shrink * change[known:]
+            moved = shrink * change
+            theta[free] += moved[:known]
+            z = z + moved[known:]
             theta = self._inside(theta)
-            if step >= 2 and (gain < least or (np.abs(theta - before) < _SMALL).all()):
+            if step >= 2 and (most * gain < least or (np.abs(theta - before) < _SMALL).all()):
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
         pose, covariance = self._on_robot(theta, z, whole)

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from palpate.built.deviation import Deviation
+from palpate.built.shifted_cameras import ShiftedCameras, show
 from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, dot_edges
 from palpate.core import BoolArray, FloatArray
@@ -205,37 +206,6 @@ class Look(NamedTuple):
     force_thicker: FloatArray
 
 
-class ShiftedCameras:
-    """Cameras a little beside one, in pairs, for differences by the numbers of `CAMERA`.
-
-    Parameters
-    ----------
-    pairs
-        Camera with each number a step greater, and with it a step smaller.
-    steps
-        (10,) those steps.
-    """
-
-    def __init__(self, pairs: list[tuple[Camera, Camera]], steps: FloatArray) -> None:
-        cameras = [camera for pair in pairs for camera in pair]
-        self._turn = np.array([camera.camera_from_dome.T for camera in cameras])
-        self._offset = np.array([camera.origin @ camera.camera_from_dome.T for camera in cameras])[:, None, :]
-        self._scale = np.array([(camera.spec.fx_px, camera.spec.fy_px) for camera in cameras])[:, None, :]
-        self._middle = np.array([(camera.spec.cx_px, camera.spec.cy_px) for camera in cameras])[:, None, :]
-        lenses = list(dict.fromkeys(camera.lens for camera in cameras))
-        self._lenses = [(lens, [k for k, camera in enumerate(cameras) if camera.lens == lens]) for lens in lenses]
-        self._twice = 2 * steps[: len(pairs)]
-
-    def slopes(self, points: FloatArray) -> FloatArray:
-        """Derivatives (m, 2, 10) of the pixels of points (m, 3) mm."""
-        seen = points @ self._turn - self._offset
-        plane = seen[..., :2] / seen[..., 2:]
-        for lens, which in self._lenses:
-            plane[which] = lens.distort(plane[which])
-        pixels = plane * self._scale + self._middle
-        return np.moveaxis(pixels[::2] - pixels[1::2], 0, -1) / self._twice
-
-
 @dataclass(frozen=True, eq=False)
 class UnitModel:
     """A unit ready to be looked at.
@@ -257,7 +227,7 @@ class UnitModel:
     place_by
         (m, 3, 10) mm: how the dots move on the undeformed surface as the camera changes.
     waves_beside
-        Derivative of the print's waves along two tangents, and the tangents (m, 3).
+        Derivative of the print's waves along two tangents, and the part of `place_by` along each (m, 10).
     shifted
         Cameras beside the one believed in.
     """
@@ -296,14 +266,14 @@ class UnitModel:
         curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit.
         """
         moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift, bend)
-        pixels, slopes = _project(self.camera, moved.positions)
+        pixels, slopes = shown = show(self.camera, moved.positions)
         by_pose = slopes @ moved.by
         by_unit = None
         if unit:
             by_unit = np.empty((len(pixels), 2, len(UNKNOWN)))
             by_unit[..., -1] = by_pose[..., 4]
-            by_unit[..., :-1] = slopes @ self._carried(pose, slip, bend)
-            by_unit[..., :-1] += self.shifted.slopes(moved.positions)
+            carried = self._carried(pose, slip, bend)
+            by_unit[..., :-1] = self.shifted.slopes(moved.positions, shown, carried)
         pixels = np.where(self.seen[:, None], pixels + self.bias_px, np.nan)
         touch = [k for k in range(by_pose.shape[-1]) if k != 4]
         return Look(pixels, by_pose[..., touch], by_unit, moved.force, moved.force_by[:, touch], moved.force_by[:, 4])
@@ -312,8 +282,7 @@ class UnitModel:
         """How pressed dots (m, 3, 10) mm move as their places do."""
         rates = self.place_by.copy()
         amplitude = self.dots.amplitudes(pose, slip, float(self.belief.mean[-1]), bend)
-        for waves, tangent in self.waves_beside:
-            along = np.einsum("mi,mik->mk", tangent, self.place_by)
+        for waves, along in self.waves_beside:
             rates += (waves @ amplitude).reshape(-1, 3)[:, :, None] * along[:, None, :]
         return rates
 
@@ -339,7 +308,7 @@ def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: 
     beside = []
     for tangent in (along, around):
         high, low = (twin.print_dots(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
-        beside.append(((high - low) / (2 * _STEP_MM), tangent))
+        beside.append(((high - low) / (2 * _STEP_MM), np.einsum("mi,mik->mk", tangent, rates)))
     return UnitModel(
         layout,
         tolerance,
@@ -350,7 +319,7 @@ def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: 
         bias,
         rates,
         tuple(beside),
-        ShiftedCameras(shifted, steps),
+        ShiftedCameras(camera, shifted, steps),
     )
 
 
@@ -360,10 +329,3 @@ def _places(camera: Camera, twin: Twin, pixels: FloatArray, bias: FloatArray) ->
     places = np.full((len(pixels), 3), np.nan)
     places[known] = twin.skin.hit(camera.origin, camera.back_project(pixels[known] - bias[known]))
     return places
-
-
-def _project(camera: Camera, points: FloatArray, step: float = 1e-4) -> tuple[FloatArray, FloatArray]:
-    """Pixels (m, 2) of points (m, 3) mm, and their derivatives (m, 2, 3)."""
-    around = np.concatenate([points[None], points + step * np.eye(3)[:, None, :]])
-    found = camera.project(around)
-    return found[0], np.moveaxis((found[1:] - found[0]) / step, 0, -1)
