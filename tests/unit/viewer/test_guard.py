@@ -1,5 +1,7 @@
 """Who may come in: this machine's own pages, or those who bring the token."""
 
+import socket
+
 import pytest
 
 pytest.importorskip("fastapi", reason="the extra web is not there: pip install -e '.[web]'")
@@ -113,6 +115,15 @@ def test_another_address_makes_a_token():
     listener.close()
     assert len(door.token) >= 32
     assert door.token in link_of(door)
+
+
+def test_what_is_sent_goes_out_at_once() -> None:
+    """Not when the last packet is acknowledged, 40 ms later."""
+    door, listener = open_door(ServeSpec(port=0))
+    with listener, socket.create_connection(("127.0.0.1", door.port)):
+        visitor, _ = listener.accept()
+        with visitor:
+            assert visitor.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 def test_this_machines_address_needs_none():
