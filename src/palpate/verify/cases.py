@@ -15,6 +15,7 @@ import palpate.verify.fits as fits
 import palpate.verify.inflation as inflation
 import palpate.verify.laws as laws
 import palpate.verify.material as material
+import palpate.verify.pads as pads
 import palpate.verify.properties as properties
 import palpate.verify.roofs as roofs
 import palpate.verify.sensitivity as sensitivity
@@ -62,6 +63,10 @@ CASES: tuple[Case, ...] = (
     Case("sphere_buckling", "Zoelly 1915, Ubamanyu et al. 2024", spheres.sphere_buckling, slow=True),
     Case("sphere_point", "Reissner 1946", spheres.sphere_point),
     Case("bonded_disc", "Gent & Lindley 1959, Kelly 1997", blocks.bonded_disc),
+    *(
+        Case(f"pressed_pad_{name}", "exact, Lebedev & Ufliand 1958", partial(pads.pressed_pad, name))
+        for name in ("ball", "bar")
+    ),
     Case("hertz_sphere_plane", "Hertz 1882", ball.hertz, slow=True),
     *(
         Case(f"hertz_sphere_{name}", "Hertz 1882", partial(ball.hertz_round, name), slow=True)
