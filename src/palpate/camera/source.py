@@ -8,8 +8,9 @@ camera that gives nothing any more, or a file that is cut off, ends with one. Ea
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -30,7 +31,7 @@ class Source(ABC):
     suffixes
         Endings of the files that it opens, in small letters with the dot.
     live
-        Whether an image is handed on as it is taken, so that the clock tells when; false of what was recorded.
+        Whether an image is handed on as it is taken; false of what was recorded.
     """
 
     suffixes: ClassVar[tuple[str, ...]] = ()
@@ -50,6 +51,11 @@ class Source(ABC):
     def truth(self) -> tuple[float, float, float] | None:
         """Pose of the wall in the image handed on last: rx, ry (degrees), depth (mm); `None` where nobody knows."""
         return None
+
+    @property
+    def clock(self) -> Callable[[], float] | None:
+        """Tells in s when the image handed on last was taken; `None` of what was recorded."""
+        return time.monotonic if self.live else None
 
     @abstractmethod
     def images(self) -> Iterator[Item]:

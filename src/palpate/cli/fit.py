@@ -14,6 +14,7 @@ from palpate.cli.fit_relaxation import (
     RelaxationFlags,
     add_relaxation,
     describe_relaxation,
+    find_law,
     fit_tests,
     is_relaxation,
     print_relaxation,
@@ -129,26 +130,27 @@ def fit(
 ) -> None:
     """Fit a hyperelastic model and a relaxation to the files of a test bench and say how far they may be trusted."""
     check_file(out.output)
-    check_file(None if out.no_figure else out.figure, ".png", ".svg", ".pdf")
+    check_file(out.draws, ".png", ".svg", ".pdf")
     held = [*(path for path in files if is_relaxation(path)), *relaxing.relaxation]
     elastic = [*((path, None) for path in files if not is_relaxation(path)), *tests.pairs()]
+    material = find_law(relaxing, out.output, alone=bool(held) and not elastic)
     series = fit_tests(held, curves.bench, fitting.how.confidence, relaxing.moduli)
     facts: dict[str, Any] = {}
-    material, written = None, []
+    written = []
     if elastic or series is None:
         samples = read_samples(elastic, curves)
         found = fit_material(samples, fitting.spec)
         facts = describe_fit(samples, found, alone=out.alone)
         if out.draws is not None:
             written.append(_save(out.draws, draw_fit(samples, found)))
-        material = _make_material(out, samples, found) if out.output is not None else None
+        if out.output is not None:
+            material = _make_material(out, samples, found)
     if series is not None:
         facts["relaxation"] = describe_relaxation(*series)
         if out.draws is not None:
             path = out.draws.with_stem(f"{out.draws.stem}_relaxation") if elastic else out.draws
             written.append(_save(path, draw_relaxation(*series)))
-        if out.output is not None:
-            material = add_relaxation(material, series[1], relaxing, out.output.stem)
+        material = add_relaxation(material, series[1]) if material is not None else None
     if out.output is not None and material is not None:
         write_material(out.output, material)
         written.append(str(out.output))

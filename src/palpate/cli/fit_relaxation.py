@@ -50,14 +50,24 @@ def fit_tests(
     return tests, fit_relaxation(tests, confidence, moduli)
 
 
-def add_relaxation(material: Material | None, found: RelaxationFit, flags: RelaxationFlags, name: str) -> Material:
-    """The material with the series: that of the other tests, or the one named."""
-    if material is None:
-        if flags.onto is None:
+def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Material | None:
+    """The material whose law a relaxation `alone` is written beside; `None` where other tests give it, or no file."""
+    if not alone:
+        if flags.onto is not None:
             raise PalpateError(
-                "A relaxation alone is no material.", "Give its law by --onto NAME, or the files of a tensile test."
+                f"--onto {flags.onto} gives the law of a relaxation that is fitted alone.",
+                "Leave it out, or give files of relaxation tests and of no others.",
             )
-        material = replace(get_material(flags.onto), name=name)
+        return None
+    if flags.onto is None and output is not None:
+        raise PalpateError(
+            "A relaxation alone is no material.", "Give its law by --onto NAME, or the files of a tensile test."
+        )
+    return replace(get_material(flags.onto), name=output.stem) if flags.onto is not None and output else None
+
+
+def add_relaxation(material: Material, found: RelaxationFit) -> Material:
+    """The material with the series, which its quality tells of."""
     quality = f"relaxation {found.first:.3g}…{found.last:.3g} s: within {100 * found.greatest:.2g} %"
     joined = "; ".join(part for part in (material.quality, quality) if part)
     return replace(material, relaxation=found.relaxation, quality=joined)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, islice
@@ -106,7 +105,7 @@ def live(
         sensor = open_sensor(
             _at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit, material)
         )
-        sensor.clock = time.monotonic if opened.live else None
+        sensor.clock = opened.clock
         print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:

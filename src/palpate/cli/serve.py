@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -48,12 +47,12 @@ def serve(
     unit = built.unit()
     model = open_model(reads.find(built), unit.skin)
     with open_source(source) as opened:
-        rest, live = list(islice(opened.images(), rig.rest_images)), opened.live
+        rest, clock = list(islice(opened.images(), rig.rest_images)), opened.clock
     images = [image for image in rest if not isinstance(image, PalpateError)]
     if len(images) < rig.rest_images:
         raise PalpateError(f"{rig.rest_images} images at rest of {len(images)} cannot be read.", "Record more.")
     sensor = open_sensor(images, unit, model, rig)
-    sensor.clock = time.monotonic if live else None
+    sensor.clock = clock
     feed = Feed(lambda: open_source(source), again=not Path(source).exists())
     serve_readings(sensor, feed, ServeSpec(door.host, door.port, door.token), _announce)
 

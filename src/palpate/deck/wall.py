@@ -10,7 +10,7 @@ import numpy as np
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.deck.mesh import node_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
-from palpate.fea import ObstacleSpec
+from palpate.fea import ObstacleSpec, WallSpec
 from palpate.mesh import Mesh
 
 ROUGH_FRICTION = 10.0
@@ -49,9 +49,12 @@ def ascii_words(wall: ObstacleSpec) -> str:
 
 def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -> DeckWall:
     """The obstacle over a mesh; `elements` are already numbered."""
-    if getattr(wall, "drifts", False):
-        raise PalpateError("A deck has no wall that drifts.", "Leave the drift out.")
-    if getattr(wall, "bend", 0.0):
+    if wall.drifts:
+        raise PalpateError(
+            f"A deck's obstacle only descends along the skin's axis, and this one does not: {wall.words}.",
+            "Leave out drift and twist, or press with a wall instead of a route.",
+        )
+    if isinstance(wall, WallSpec) and wall.bend:
         raise PalpateError("A deck has no wall that is nearly flat.", "Leave the bend out, or press with a ball.")
     obstacle, touched = wall.at_touch(mesh)
     half = 2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness)

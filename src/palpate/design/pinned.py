@@ -26,7 +26,7 @@ from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 
 _LONGEST = 0.8
-"""Length of a pin over the height of the dome that leaves its tips apart and over the base."""
+"""Greatest length of a pin over the height of the dome: the tips stay apart, and that at the apex over the base."""
 
 
 @final
@@ -37,7 +37,6 @@ class PinnedSpec(SkinSpec):
     pin: float = parameter(2.0, unit="mm", meaning="length of a pin, inward from the wall", gt=0, le=20)
 
     def build(self) -> PinnedDome:
-        made = PinnedDome(self.height, self.base_radius, self.thickness, self.pin)
         if self.height > self.base_radius:
             raise PalpateError(
                 f"A dome {self.height:g} mm high on a base radius of {self.base_radius:g} mm bulges: no core with "
@@ -49,7 +48,7 @@ class PinnedSpec(SkinSpec):
                 f"Pins {self.pin:g} mm long in a dome {self.height:g} mm high meet in its middle or reach its base.",
                 f"Take at most {_LONGEST * self.height:.3g} mm.",
             )
-        return made
+        return PinnedDome(self.height, self.base_radius, self.thickness, self.pin)
 
 
 @final

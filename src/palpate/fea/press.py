@@ -162,10 +162,7 @@ class Press:
         return result
 
     def moved(self, points: FloatArray, by: str = "") -> FloatArray:
-        """Displacement (n, m, 3) mm of such points (m, 3) mm, or its derivative `by` one of `derivatives`.
-
-        The derivative must not break the mirror symmetry of a half model.
-        """
+        """Displacement (n, m, 3) mm of such points (m, 3) mm, or its derivative `by` one of `derivatives`."""
         turn = self.wall.turn(self.mesh)
         points = np.asarray(points, float)
         local = points @ turn
@@ -175,10 +172,12 @@ class Press:
             mirrored = local[:, 0] < 0
             side = np.array([-1.0, 1.0, 1.0])
         seen = np.where(mirrored[:, None], local * side, local)
-        places, state = locate_inner(self.mesh, seen), self.displacement
-        rate = self.derivatives[by].displacement if by else None
-        moved = (
-            follow_marked(self.mesh, places, state) if rate is None else follow_rate(self.mesh, places, state, rate)
-        )
+        places = locate_inner(self.mesh, seen)
+        if by:
+            rate = self.derivatives[by]
+            side = -side if rate.across else side
+            moved = follow_rate(self.mesh, places, self.displacement, rate.displacement, across=rate.across)
+        else:
+            moved = follow_marked(self.mesh, places, self.displacement)
         result: FloatArray = np.where(mirrored[:, None], moved * side, moved) @ turn.T
         return result

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design import OFFSET_DEPTH, PoseSpace
 from palpate.fea.spec import ObstacleSpec
-from palpate.fea.wall import Plane
+from palpate.fea.wall import Plane, refuse_rim_first
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
@@ -124,32 +124,37 @@ class RouteSpec(ObstacleSpec):
         return Waypoint(*(float(np.interp(length, at, points[:, k])) for k in range(len(_MOST))))
 
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        refuse_rim_first(mesh, self.radial)
         normal = _turned(self.waypoint(0.0)).as_matrix()[:, 2]
-        tilt, rim = float(np.arccos(np.clip(normal[2], -1.0, 1.0))), mesh.skin.rim_slope(mesh.spec.rim)
-        if tilt >= rim:
-            raise PalpateError(
-                f"A wall tilted by {np.degrees(tilt):.3g}° touches the clamped rim (at {np.degrees(rim):.1f}° from "
-                "the axis) before the dome.",
-                "Tilt it less, or make the dome higher.",
-            )
         touched = mesh.skin.touch(normal)
         return Plane(normal, touched), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
+        """The wall after a length in mm of its route.
+
+        Raises
+        ------
+        PalpateError
+            If the mesh is half a skin, or the wall reaches the clamped rim at a waypoint.
+        """
         if not mesh.spec.whole:
             raise PalpateError(
                 "A wall on a route is not symmetric.", "Use a whole mesh: MeshSpec(whole=True), --whole."
             )
-        for number, point in enumerate(self.waypoints, start=1):
-            tilt = np.radians(np.hypot(point.rx_deg, point.ry_deg))
-            most = mesh.skin.clamp_depth(float(tilt), mesh.spec.rim)
-            if point.depth_mm > most:
+        path = partial(self._at, self.at_touch(mesh)[1])
+        for number, (point, length) in enumerate(zip(self.waypoints, self.stops, strict=True), start=1):
+            tilt_deg, plane = float(np.hypot(point.rx_deg, point.ry_deg)), path(length)
+            refuse_rim_first(mesh, tilt_deg)
+            # below where a wall of this tilt touches first: it may have tilted on its way
+            deep = float((mesh.skin.touch(plane.normal) - plane.point) @ plane.normal / plane.normal[2])
+            most = mesh.skin.clamp_depth(np.radians(tilt_deg), mesh.spec.rim)
+            if deep > most:
                 raise PalpateError(
-                    f"At waypoint {number} the wall is {point.depth_mm:g} mm deep; it reaches the clamped rim at "
-                    f"{most:.3g} mm.",
-                    "Press less deep.",
+                    f"At waypoint {number} the wall is {deep:.3g} mm deep; at its tilt of {tilt_deg:.3g}° it reaches "
+                    f"the clamped rim at {most:.3g} mm.",
+                    "Press less deep, or tilt less.",
                 )
-        return partial(self._at, self.at_touch(mesh)[1])
+        return path
 
     def _at(self, touched: FloatArray, length: float) -> Plane:
         """The wall after a length in mm, whose pivot was at `touched` (3,) mm."""

@@ -73,12 +73,15 @@ def solve_press(
     Raises
     ------
     PalpateError
-        If the obstacle would touch the clamped rim before the skin, or miss it; or there is no such derivative.
+        If the obstacle would touch the clamped rim before the skin, or miss it; there is no such derivative; or the
+        inverted state is asked of a filled skin or along a route.
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
     if branch is Branch.INVERTED and mesh.filling:
         raise PalpateError("A filled skin has no inverted state.", "Press it from rest.")
+    if branch is Branch.INVERTED and wall.stops:
+        raise PalpateError("The inverted state is not followed along a route.", "Press it from rest.")
     mesh = refine(mesh) if branch is Branch.INVERTED else mesh
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.axisymmetric else mesh
     reachable = wall.clamp_depth(mesh)
@@ -92,7 +95,7 @@ def solve_press(
         followed = follow_derivatives(path, mesh, material, wall)
         increments = _press_down(path, goals, wall.stops, observe)
         if wall.unload and path.ended is Ended.DEPTH_REACHED:
-            increments += _draw_back(path, goals)
+            increments += _draw_back(path, goals, wall.stops)
     derivatives = gather_derivatives(followed, increments, mesh, wall)
     ended, message = path.ended, path.message
     if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
@@ -131,21 +134,27 @@ def _press_down(
                 increments.append(len(path.increments) - 1)
             break
         increments.append(len(path.increments) - 1)
-        if any(abs(goal - stop) < _SAME_MM for stop in stops):
+        if goal < goals[-1] and _is_stop(goal, stops):
             path.turn()
         if observe is not None:
             observe(goal)
     return increments
 
 
-def _draw_back(path: Continuation, goals: list[float]) -> list[int]:
+def _draw_back(path: Continuation, goals: list[float], stops: tuple[float, ...]) -> list[int]:
     """Draw the wall back through the depths (mm) of the increments to first touch; the points that are increments."""
     increments = []
     for goal in [*reversed(goals[:-1]), 0.0]:
+        if _is_stop(path.last.depth, stops):
+            path.turn(-1.0)
         if not path.advance(goal):
             break
         increments.append(len(path.increments) - 1)
     return increments
+
+
+def _is_stop(depth: float, stops: tuple[float, ...]) -> bool:
+    return any(abs(depth - stop) < _SAME_MM for stop in stops)
 
 
 def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
@@ -154,7 +163,7 @@ def increment_depths(wall: ObstacleSpec, deepest: float) -> list[float]:
     depths = [wall.image_step * (k + 1) for k in range(count)]
     for stop in wall.stops:
         depths = sorted([*(depth for depth in depths if abs(depth - stop) > _SAME_MM), stop])
-    if not depths or deepest - depths[-1] > 1e-6:
+    if not depths or deepest - depths[-1] > _SAME_MM:
         depths.append(deepest)
     return depths
 

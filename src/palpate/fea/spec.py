@@ -94,7 +94,7 @@ class ObstacleSpec(Spec, ABC):
 
     @property
     def stops(self) -> tuple[float, ...]:
-        """Depths in mm where its way changes; there are images there too."""
+        """Depths in mm where its way changes; there are increments there too."""
         return ()
 
     @property

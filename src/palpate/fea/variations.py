@@ -74,7 +74,8 @@ def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, .
     contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
     if not isinstance(wall, WallSpec):
         contact = [name for name in contact if name in ("depth", "shift", "shift_across", "friction")]
-    skin = [name for name, value in mesh.skin.spec_data.items() if isinstance(value, float) and not mesh.filling]
+    sizes = {} if mesh.filling else mesh.skin.spec_data
+    skin = [name for name, value in sizes.items() if isinstance(value, float) and name != "pin"]  # pins bear nothing
     return (*contact, *skin, *material.key_data()["constants"])
 
 

@@ -102,14 +102,8 @@ class WallSpec(ObstacleSpec):
         PalpateError
             If the wall touches the clamped rim before the skin.
         """
+        refuse_rim_first(mesh, self.tilt_deg)
         tilt, azimuth = np.radians(self.tilt_deg), np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
-        rim = mesh.skin.rim_slope(mesh.spec.rim)
-        if tilt >= rim:
-            raise PalpateError(
-                f"A wall tilted by {self.tilt_deg:g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the "
-                "axis) before the dome.",
-                "Tilt it less, or make the dome higher.",
-            )
         return wall_normal(*rotation_vector(tilt, azimuth))
 
     def clamp_depth(self, mesh: Mesh) -> float:
@@ -170,6 +164,17 @@ class Plane(Obstacle):
         reach = self.reach(points)
         place = points - self.point - reach[:, None] * self.normal
         return reach, place if self.axes is None else place @ self.axes
+
+
+def refuse_rim_first(mesh: Mesh, tilt_deg: float) -> None:
+    """Refuse, with a `PalpateError`, a tilt of a flat wall at which it touches the clamped rim before the skin."""
+    rim = mesh.skin.rim_slope(mesh.spec.rim)
+    if np.radians(tilt_deg) >= rim:
+        raise PalpateError(
+            f"A wall tilted by {tilt_deg:.3g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
+            "before the dome.",
+            "Tilt it less, or make the dome higher.",
+        )
 
 
 def slope_ways(normal: FloatArray, azimuth: float) -> tuple[FloatArray, FloatArray]:

@@ -17,7 +17,7 @@ _STRESS = re.compile(r"stress|spannung|contrainte", re.I)
 _FORCE = re.compile(r"force|load|kraft|\blast\b", re.I)
 _NOT_STRAIN = re.compile(r"\btrue\b|rate|geschwindigkeit|lateral|transverse|quer|wahre", re.I)
 _SAMPLE = re.compile(r"sample|specimen|probe|éprouvette", re.I)
-_STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
+STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
 _SHORT = re.compile(r"[ _-](?:ut|uc|et|ps)\d*$", re.I)
 """Short name of a test at the end of a column's name."""
 _STRAIN_UNITS = {
@@ -80,8 +80,7 @@ def find_columns(table: Table, spec: BenchSpec) -> Columns:
     stresses = _find(table, spec.stress, "stress", (_STRESS, _FORCE))
     if len(strains) != len(stresses) or (len(strains) > 1 and not _alternate(strains, stresses)):
         kind, several = ("strain", strains) if len(strains) > 1 else ("stress", stresses)
-        shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in several)
-        raise PalpateError(f"{table.path}: columns {shown} may all be the {kind}.", f"Choose one: --{kind} NUMBER.")
+        raise _several(table, kind, several)
     pairs = tuple(Pair(a, b) for a, b in zip(strains, stresses, strict=True))
     _check_apart(table, pairs)
     return Columns(
@@ -113,19 +112,18 @@ def seek_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[
     """Column as `find_column` finds it; `None` where no name has the pattern."""
     if given is not None:
         return _named(table, given, kind)[0]
-    found = [at for at, name in enumerate(table.header) if pattern.search(name) and not _NOT_STRAIN.search(name)]
+    found = _matching(table, pattern)
     if len(found) > 1:
-        shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in found)
-        raise PalpateError(f"{table.path}: columns {shown} may all be the {kind}.", f"Choose one: --{kind} NUMBER.")
+        raise _several(table, kind, found)
     return found[0] if found else None
 
 
 def units_of_column(table: Table, column: int) -> set[str]:
-    """Texts that may be a column's unit: from the row of units, and in brackets or at the end of its name."""
+    """Texts that may be a column's unit: from the row of units, in brackets or at the end of its name."""
     found = {table.units[column].strip("()[] ")} if table.units else set()
     if table.header:
-        name = table.header[column]
-        tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z]+)$", name)
+        name = _SHORT.sub("", table.header[column])
+        tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z%²/0-9^]+)$", name)
         found |= {*re.findall(r"[\(\[]\s*(.*?)\s*[\)\]]", name), *([tail[1]] if tail else [])}
     return found - {""}
 
@@ -134,14 +132,22 @@ def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern
     if given is not None:
         return _named(table, given, kind)
     for pattern in patterns:
-        found = [at for at, name in enumerate(table.header) if pattern.search(name)]
-        found = [at for at in found if not _NOT_STRAIN.search(table.header[at])]
-        if found:
+        if found := _matching(table, pattern):
             return found
     raise PalpateError(
         f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
         f"Say which: --{kind} NAME or NUMBER, and --{kind}-unit.",
     )
+
+
+def _matching(table: Table, pattern: re.Pattern[str]) -> list[int]:
+    """Columns whose names have the pattern, without rates and the like."""
+    return [at for at, name in enumerate(table.header) if pattern.search(name) and not _NOT_STRAIN.search(name)]
+
+
+def _several(table: Table, kind: str, columns: list[int]) -> PalpateError:
+    shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in columns)
+    return PalpateError(f"{table.path}: columns {shown} may all be the {kind}.", f"Choose one: --{kind} NUMBER.")
 
 
 def _named(table: Table, given: str, kind: str) -> list[int]:
@@ -184,15 +190,8 @@ def _bare(name: str) -> str:
 
 
 def _written_units(table: Table, column: int) -> set[str]:
-    """Units written for a column: in brackets or after a slash or underscore in its name, or in the row of units."""
-    found = set()
-    if table.units and table.units[column].strip("()[] "):
-        found.add(table.units[column].strip("()[] "))
-    if table.header:
-        name = _SHORT.sub("", table.header[column])
-        brackets = re.findall(r"[\(\[]\s*(.*?)\s*[\)\]]", name)
-        tail = re.search(r"(?:_|\s+in\s+|\s/\s*|,\s*)([A-Za-z%²/0-9^]+)$", name)
-        found |= {text for text in brackets if text} | ({tail[1]} if tail else set())
+    """Units of strain or stress written for a column."""
+    found = units_of_column(table, column)
     return {text for text in found if text.lower() in _STRAIN_UNITS or text.lower() in _STRESS_UNITS}
 
 
@@ -201,7 +200,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> Stra
         return spec.strain_unit
     column = pairs[0].strain
     name = table.header[column] if table.header else ""
-    if _STRETCH.search(name):
+    if STRETCH.search(name):
         return StrainUnit.STRETCH
     written = {text for pair in pairs for text in _written_units(table, pair.strain)}
     units = {_STRAIN_UNITS[text.lower()] for text in written if text.lower() in _STRAIN_UNITS}

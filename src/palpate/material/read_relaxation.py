@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.material.columns import find_column, seek_column, units_of_column
+from palpate.material.columns import STRETCH, find_column, seek_column, units_of_column
 from palpate.material.spec import BenchSpec, StrainUnit, TimeUnit
 from palpate.material.table import Table, read_table
 from palpate.relaxation import RelaxationTest
@@ -17,7 +17,6 @@ from palpate.relaxation import RelaxationTest
 _TIME = re.compile(r"time|zeit|temps|\bt\b|\bt[ _(\[]", re.I)
 _STRAIN = re.compile(r"strain|stretch|lambda|λ|dehnung|stauchung|elongation|extension|displacement|travel", re.I)
 _STRESS = re.compile(r"stress|spannung|contrainte|modulus|relax|force|load|kraft", re.I)
-_STRETCH = re.compile(r"stretch|lambda|λ|verstreckung", re.I)
 _SECONDS = {TimeUnit.MILLISECOND: 1e-3, TimeUnit.SECOND: 1.0, TimeUnit.MINUTE: 60.0, TimeUnit.HOUR: 3600.0}
 _UNITS = {"ms": "ms", "s": "s", "sec": "s", "sek": "s", "min": "min", "h": "h", "hour": "h"}
 
@@ -44,9 +43,10 @@ def read_relaxation(path: str | Path, spec: BenchSpec | None = None) -> Relaxati
     stress_at = find_column(table, spec.stress, "stress", _STRESS)
     strain_at = seek_column(table, spec.strain, "strain", _STRAIN)
     columns = [time_at, stress_at, *([] if strain_at is None else [strain_at])]
-    if len(set(columns)) < len(columns):
+    twice = [column for column in columns if columns.count(column) > 1]
+    if twice:
         raise PalpateError(
-            f"{path}: column {columns[0] + 1} is taken twice.", "Give --time, --stress and --strain by number."
+            f"{path}: column {twice[0] + 1} is taken twice.", "Give --time, --stress and --strain by number."
         )
     values = _take(table, columns)
     time = values[:, 0] * _SECONDS[_time_unit(table, time_at, spec)]
@@ -69,6 +69,8 @@ def _take(table: Table, columns: list[int]) -> FloatArray:
     values = table.values[:, columns]
     filled = ~np.isnan(values).all(axis=1)
     values, lines = values[filled], table.lines[filled]
+    if not len(values):
+        raise PalpateError(f"{table.path}: the columns of time and stress are empty.", "Give other columns.")
     gap = np.argwhere(np.isnan(values))
     if len(gap):
         row, at = gap[0]
@@ -98,7 +100,7 @@ def _signed(stress: FloatArray) -> FloatArray:
 def _strain(table: Table, strain: FloatArray, column: int, spec: BenchSpec) -> FloatArray:
     """Strain that grows from zero, in the file's unit."""
     name = table.header[column] if table.header else ""
-    if spec.strain_unit is StrainUnit.STRETCH or (spec.strain_unit is None and _STRETCH.search(name)):
+    if spec.strain_unit is StrainUnit.STRETCH or (spec.strain_unit is None and STRETCH.search(name)):
         strain = strain - 1.0
     strain = _signed(strain)
     if not np.abs(strain).max() > 0:

@@ -294,10 +294,13 @@ class Continuation:
         """Let go of what the monitor stabilises, for the rest of the path."""
         self._released, self._stabilisation = True, np.zeros_like(self._stabilisation)
 
-    def turn(self) -> None:
-        """Begin anew with steps and prediction: what moves changes its way here, and so its power."""
-        last = self.last
-        power = self.loading.power(last.depth, last.state, last.history, last.loads.force, self._way)
+    def turn(self, way: float = 1.0) -> None:
+        """Begin anew with steps and prediction: what moves changes its way here, and so its power.
+
+        From here it goes the `way` of a greater (1) or lesser (-1) parameter.
+        """
+        last, self._way = self.last, way
+        power = self.loading.power(last.depth, last.state, last.history, last.loads.force, way)
         self.increments.append(replace(last, jumped=False, power=power))
         self._since, self._step = len(self.increments) - 1, self._first_step
 

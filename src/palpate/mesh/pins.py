@@ -33,17 +33,24 @@ def follow_marked(mesh: Mesh, places: SurfacePoints, displacement: FloatArray) -
     return tips
 
 
-def follow_rate(mesh: Mesh, places: SurfacePoints, displacement: FloatArray, rate: FloatArray) -> FloatArray:
-    """Derivative (n, m, 3) of `follow_marked`, where that of the displacement (n, n_nodes, 3) is `rate`."""
+def follow_rate(
+    mesh: Mesh, places: SurfacePoints, displacement: FloatArray, rate: FloatArray, *, across: bool = False
+) -> FloatArray:
+    """Derivative (n, m, 3) of `follow_marked`, where that of the displacement (n, n_nodes, 3) is `rate`.
+
+    `across` says that the rate is antisymmetric about the mirror plane of a half model.
+    """
     moved = places.interpolate(rate)
     if not mesh.skin.pin:
         return moved
-    normals, changes = _normals(mesh, mesh.nodes + displacement, rate)
+    normals, changes = _normals(mesh, mesh.nodes + displacement, rate, across=across)
     tips: FloatArray = moved - mesh.skin.pin * _unit_rate(places.interpolate(normals), places.interpolate(changes))
     return tips
 
 
-def _normals(mesh: Mesh, nodes: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _normals(
+    mesh: Mesh, nodes: FloatArray, rate: FloatArray, *, across: bool = False
+) -> tuple[FloatArray, FloatArray]:
     """Outward unit normals (n, n_nodes, 3) of the inner surface with these nodes, and how they change with them."""
     faces = mesh.inner_faces
     a, b = _tangents(nodes[:, faces])
@@ -53,10 +60,7 @@ def _normals(mesh: Mesh, nodes: FloatArray, rate: FloatArray) -> tuple[FloatArra
     for at_nodes, at_faces in ((total, _unit(crossed)), (turned, _unit_rate(crossed, change))):
         np.add.at(at_nodes.swapaxes(0, 1), faces, np.moveaxis(at_faces, 0, 2))
     total[:, mesh.mirror, 0] = 0.0
-    if np.any(rate[:, mesh.mirror, 0]):  # across the mirror
-        turned[:, mesh.mirror, 1:] = 0.0
-    else:
-        turned[:, mesh.mirror, 0] = 0.0
+    turned[:, mesh.mirror, slice(1, 3) if across else 0] = 0.0
     kept = np.unique(faces)
     normals, changes = np.zeros_like(total), np.zeros_like(turned)
     normals[:, kept] = _unit(total[:, kept])

@@ -8,13 +8,14 @@ relaxed. Where the robot gives way, or holds its force, the depth is part of wha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from palpate.core import FloatArray, PalpateError
-from palpate.relaxation.history import StressHistory
+from palpate.relaxation.history import StressHistory, relax_history
 from palpate.relaxation.relaxation import Relaxation
 
 
@@ -28,10 +29,22 @@ class ForceCurve:
         (n,) mm, rising from 0.
     force
         (n,) N along the wall's normal, or (n, 3) N.
+
+    Raises
+    ------
+    PalpateError
+        If the depths do not rise, as those of a press that is drawn back, or there are not as many forces.
     """
 
     depth: FloatArray
     force: FloatArray
+
+    def __post_init__(self) -> None:
+        if len(self.depth) != len(self.force) or not (np.diff(self.depth) > 0).all():
+            raise PalpateError(
+                f"{len(self.depth)} depths and {len(self.force)} forces are no curve of a press on its way down.",
+                "Give rising depths and a force for each; of a press that was drawn back, the way down.",
+            )
 
     def at(self, depth: FloatArray) -> FloatArray:
         """Force (m,) or (m, 3) N at depths (m,) mm.
@@ -89,15 +102,14 @@ def hold_wall(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, depth
     WallCourse
         At these times; exact for this curve.
     """
-    time, depth = np.asarray(time, float), np.asarray(depth, float)
-    history, forces = StressHistory(relaxation), []
-    for number, (when, there) in enumerate(zip(time, depth, strict=True)):
-        for share in _passed(curve, depth[number - 1], there) if number else ():
-            between = depth[number - 1] + share * (there - depth[number - 1])
-            at = time[number - 1] + share * (when - time[number - 1])
-            history.follow(float(at), curve.at(np.array([between]))[0])
-        forces.append(history.follow(float(when), curve.at(np.array([there]))[0]))
-    return WallCourse(time, depth, np.array(forces))
+    course = _course(time, depth)
+    pieces = [course[:1]]
+    for start, end in pairwise(course):
+        share = _passed(curve, start[1], end[1])[:, None]
+        pieces.append(np.vstack([start + share * (end - start), end]))
+    cut = np.concatenate(pieces)
+    force = relax_history(relaxation, cut[:, 0], curve.at(cut[:, 1]))
+    return WallCourse(course[:, 0], course[:, 1], force[np.cumsum([len(piece) for piece in pieces]) - 1])
 
 
 def sink_wall(
@@ -132,8 +144,8 @@ def sink_wall(
     """
     if not 0 < stiffness < np.inf:
         raise PalpateError(f"The robot's stiffness is {stiffness:g} N/mm.", "Give one above 0.")
-    given = np.asarray(travel, float)
-    return _balance(relaxation, curve, np.asarray(time, float), stiffness * given, stiffness)
+    course = _course(time, travel)
+    return _balance(relaxation, curve, course * [1.0, stiffness], stiffness)
 
 
 def hold_force(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, force: FloatArray) -> WallCourse:
@@ -156,15 +168,26 @@ def hold_force(relaxation: Relaxation, curve: ForceCurve, time: FloatArray, forc
     PalpateError
         If the wall goes beyond the press.
     """
-    return _balance(relaxation, curve, np.asarray(time, float), np.asarray(force, float), 0.0)
+    return _balance(relaxation, curve, _course(time, force), 0.0)
 
 
-def _balance(
-    relaxation: Relaxation, curve: ForceCurve, time: FloatArray, given: FloatArray, stiffness: float
-) -> WallCourse:
-    """Depths (n,) at which the relaxed force and ``given - stiffness · depth`` (N) are one."""
+def _course(time: FloatArray, given: FloatArray) -> FloatArray:
+    """Times and what is given at each, (n, 2)."""
+    time, given = np.asarray(time, float), np.asarray(given, float)
+    if time.ndim != 1 or time.shape != given.shape:
+        raise PalpateError(f"There are {time.size} times and {given.size} values.", "Give one value for every time.")
+    return np.column_stack([time, given])
+
+
+def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stiffness: float) -> WallCourse:
+    """Wall whose relaxed force is ``given - stiffness · depth`` (N), over a course (n, 2) of s and N given."""
+    if curve.force.ndim > 1:
+        raise PalpateError(
+            "A robot that gives way, or keeps a force, needs one number for the force at a depth.",
+            "Give the curve of the force along the wall's normal.",
+        )
     history, depths, forces = StressHistory(relaxation), [], []
-    for when, push in zip(time, given, strict=True):
+    for when, push in course:
         a, b = history.affine(float(when))
 
         def missing(depth: float, a: float = float(a), b: float = b, push: float = float(push)) -> float:
@@ -181,7 +204,7 @@ def _balance(
             depth = float(brentq(missing, 0.0, float(curve.depth[-1]), xtol=1e-12))
         depths.append(depth)
         forces.append(history.follow(float(when), curve.at(np.array([depth]))[0]))
-    return WallCourse(time, np.array(depths), np.array(forces))
+    return WallCourse(course[:, 0], np.array(depths), np.array(forces))
 
 
 def _passed(curve: ForceCurve, before: float, after: float) -> FloatArray:

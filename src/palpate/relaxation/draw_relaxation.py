@@ -20,7 +20,7 @@ _SAMPLE, _MODEL = "0.55", "#c1272d"
 
 
 def draw_relaxation(tests: Sequence[RelaxationTest], fit: RelaxationFit) -> Figure:
-    """Draw the stress of every test over that of its series at its end, and the series, over log time.
+    """Draw the stress of every test, as shares of the instantaneous one, and the series, over log time.
 
     Parameters
     ----------
@@ -37,17 +37,14 @@ def draw_relaxation(tests: Sequence[RelaxationTest], fit: RelaxationFit) -> Figu
     axis = figure.subplots()
     for number, test in enumerate(tests):
         begun, whole = test.came
-        course = np.interp(test.time, [begun, max(whole, begun + 1e-12)], [0.0, 1.0])
-        if test.strain is not None:
-            course = test.strain / np.median(test.strain[len(test.strain) // 2 :])
-        answer = relax_history(fit.relaxation, test.time, course if whole > begun else np.ones(len(test.time)))
-        if whole == begun:
-            answer = fit.relaxation.modulus(test.time - begun)
-        held = test.time >= max(whole, np.nextafter(begun, np.inf))
-        size = float(np.mean(test.stress[held] / answer[held])) * fit.relaxation.scale
+        since, course = test.course
+        answer = relax_history(fit.relaxation, since, course)[1:] / fit.relaxation.scale
+        after = test.time >= begun
+        time, stress = since[1:], test.stress[after]
+        held = (test.time[after] >= whole) & (time > 0)
         axis.plot(
-            test.time[held] - begun,
-            test.stress[held] / size,
+            time[held],
+            stress[held] / np.mean(stress[held] / answer[held]),
             marker=".",
             markersize=3,
             linestyle="",

@@ -17,12 +17,12 @@ from scipy.special import stdtrit
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.relaxation.held_test import RelaxationTest
-from palpate.relaxation.relaxation import Moduli, Relaxation
+from palpate.relaxation.relaxation import MOST_TERMS, Moduli, Relaxation
 
 _BINS_PER_DECADE = 20
 _GRID_PER_DECADE = 10
 _KNOT = 0.01
-"""Share of the strain by which its course of straight pieces may be off."""
+"""Share of the strain held by which its course of straight pieces may be off."""
 _LEAST_WEIGHED = 0.2
 """Stresses below this share of a test's greatest weigh as that one."""
 _AT_BOUND = 1e-4
@@ -113,10 +113,15 @@ def fit_relaxation(
     Raises
     ------
     PalpateError
-        If there are fewer rows than constants, or the stress still falls at the end as if nothing would stay.
+        If a test is no relaxation, there are fewer rows than constants, or the stress does not fall, or falls at the
+        end as if nothing would stay.
     """
     if not tests:
         raise PalpateError("There are no relaxation tests.", "Give the file of at least one.")
+    if terms is not None and not 1 <= terms <= MOST_TERMS:
+        raise PalpateError(f"A series of {terms} terms was asked for.", f"Ask for 1 to {MOST_TERMS}.")
+    for test in tests:
+        test.check()
     rows = [_average(test) for test in tests]
     first, last = min(test.first for test in tests), max(test.last for test in tests)
     most = max(1, int(np.ceil(np.log10(last / first) - 1e-9)))
@@ -153,8 +158,9 @@ class _Found:
 def _average(test: RelaxationTest) -> _Rows:
     """Rows averaged over even stretches of log time since the strain began, those before it was whole as they are."""
     begun, whole = test.came
-    time = test.time - begun
-    held = test.time >= whole
+    after = test.time >= begun
+    time, stress = test.time[after] - begun, test.stress[after]
+    held = test.time[after] >= whole
     edges = np.geomspace(
         test.first, max(test.last, test.first * 1.001), 2 + int(_BINS_PER_DECADE * np.log10(test.last / test.first))
     )
@@ -162,16 +168,12 @@ def _average(test: RelaxationTest) -> _Rows:
     ramp = np.minimum(np.arange(len(time)) * _BINS_PER_DECADE // max(int((~held).sum()), 1), _BINS_PER_DECADE - 1)
     _, bins = np.unique(np.where(held, _BINS_PER_DECADE + place, ramp), return_inverse=True)
     count = np.bincount(bins)
-    stress = np.bincount(bins, test.stress) / count
+    stress = np.bincount(bins, stress) / count
     stress = stress / stress.max()
-    course = test.strain if test.strain is not None else None
-    if course is None:
-        knots = np.array([[0.0, 0.0], [whole - begun, 1.0]])
-    else:
-        at = _knots(time, course, _KNOT * float(np.abs(course).max()))
-        knots = np.column_stack([time[at], course[at] / np.abs(course).max()])
-        if knots[0, 1] > _KNOT:  # the strain was there when the file begins: it came as a step
-            knots = np.vstack([[0.0, 0.0], knots])
+    knots = np.column_stack(test.course)
+    knots = knots[_knots(*knots.T)]
+    if knots[0, 1] > _KNOT:  # it came as a step
+        knots = np.vstack([[0.0, 0.0], knots])
     lengths, steps = np.diff(knots[:, 0]), np.diff(knots[:, 1])
     rates = np.where(lengths > 0, steps / np.where(lengths > 0, lengths, 1.0), steps)
     passed = time[:, None] - knots[None, :-1, 0]
@@ -179,8 +181,8 @@ def _average(test: RelaxationTest) -> _Rows:
     return _Rows(stress, weight, np.bincount(bins, held) / count > 0.5, passed, rates, lengths, bins)
 
 
-def _knots(time: FloatArray, strain: FloatArray, most: float) -> list[int]:
-    """Rows between which the strain runs straight to within `most` (Douglas & Peucker 1973)."""
+def _knots(time: FloatArray, strain: FloatArray) -> list[int]:
+    """Rows between which the strain runs straight to within `_KNOT` (Douglas & Peucker 1973)."""
     kept, open_pieces = {0, len(time) - 1}, [(0, len(time) - 1)]
     while open_pieces:
         low, high = open_pieces.pop()
@@ -189,7 +191,7 @@ def _knots(time: FloatArray, strain: FloatArray, most: float) -> list[int]:
         line = np.interp(time[low : high + 1], time[[low, high]], strain[[low, high]])
         off = np.abs(strain[low : high + 1] - line)
         far = int(np.argmax(off))
-        if off[far] > most:
+        if off[far] > _KNOT:
             kept.add(low + far)
             open_pieces += [(low, low + far), (low + far, high)]
     return sorted(kept)
@@ -269,7 +271,8 @@ def _search(rows: Sequence[_Rows], start: FloatArray, ends: tuple[float, float])
 
 def _guess(rows: Sequence[_Rows], times: FloatArray) -> FloatArray:
     """Amplitudes, strengths and log times from which the search begins, by non-negative least squares."""
-    parts = nnls(rows[0].answer(times) * rows[0].weight[:, None], rows[0].stress * rows[0].weight)[0]
+    A = rows[0].answer(times) * rows[0].weight[:, None]
+    parts = nnls(A, rows[0].stress * rows[0].weight, maxiter=50 * A.shape[1])[0]
     end = max(parts[0], 0.01 * parts.sum(), 1e-6)
     return np.concatenate([np.full(len(rows), end), parts[1:] / end, np.log(times)])
 

@@ -15,6 +15,8 @@ _RISES = 0.02
 """Share of the greatest stress by which a held one may rise: less is the bench's tremor."""
 _RAMP = 0.5
 """Share of the greatest stress below which a first one shows that the strain was still coming."""
+_WHOLE, _NOTHING = 0.99, 0.01
+"""Shares of the strain held, or of the greatest stress, from which it is whole, and up to which it has not begun."""
 _BINS = 8
 """Stretches of log time over whose means a rise is looked for."""
 
@@ -46,13 +48,40 @@ class RelaxationTest:
 
     @property
     def came(self) -> tuple[float, float]:
-        """Times in s at which the strain began and was whole; both 0 of a step."""
+        """Times in s at which the strain began and was whole; without `strain`, both 0 of a step."""
         if self.strain is not None:
-            whole = int(np.argmax(self.strain >= 0.99 * np.median(self.strain[len(self.strain) // 2 :])))
-            return float(self.time[0]), float(self.time[whole])
-        peak = int(np.argmax(self.stress))
-        ramps = self.stress[0] < _RAMP * self.stress[peak]
-        return (float(self.time[0]), float(self.time[peak])) if ramps else (0.0, 0.0)
+            rises, held = self.strain, self._strain_held
+            whole = int(np.argmax(rises >= _WHOLE * held))
+        else:
+            rises, whole = self.stress, int(np.argmax(self.stress))
+            held = float(rises[whole])
+            if rises[0] >= _RAMP * held:
+                return 0.0, 0.0
+        begun = np.flatnonzero(rises[:whole] <= _NOTHING * held)
+        return float(self.time[begun[-1] if len(begun) else 0]), float(self.time[whole])
+
+    @property
+    def course(self) -> tuple[FloatArray, FloatArray]:
+        """Strain as it came: times (n,) s since it began, the first 0, and the strain then, over the one held.
+
+        What is there at time 0 came as a step.
+        """
+        begun, whole = self.came
+        after = self.time >= begun
+        since = self.time[after] - begun
+        if self.strain is not None:
+            strain = self.strain[after] / self._strain_held
+        elif whole > begun:
+            strain = np.minimum(since / (whole - begun), 1.0)
+        else:
+            strain = np.ones(len(since))
+        return np.append(0.0, since), np.append(strain[0], strain)
+
+    @property
+    def _strain_held(self) -> float:
+        """Median of the second half of the strain."""
+        assert self.strain is not None
+        return float(np.median(self.strain[len(self.strain) // 2 :]))
 
     @property
     def first(self) -> float:
@@ -78,6 +107,11 @@ class RelaxationTest:
                 f"{self.name}: after {self.time[back[0]]:g} s comes {self.time[back[0] + 1]:g} s.",
                 "Times must rise: give one test a file, in the order in which it was measured.",
             )
+        if self.strain is not None and self._strain_held <= 0:
+            raise PalpateError(
+                f"{self.name}: in the second half of its rows the strain is gone.",
+                "Cut what comes after the strain is let go, and check the column of strain.",
+            )
         begun, whole = self.came
         if begun == whole == 0.0 and self.time[0] < 0:
             raise PalpateError(
@@ -89,18 +123,18 @@ class RelaxationTest:
                 f"{self.name} goes from {self.first:.3g} s to {self.last:.3g} s after the strain began.",
                 "A relaxation needs a decade of time or more: strain faster or hold longer.",
             )
-        self._check_course(whole)
+        self._check_held(begun, whole)
 
-    def _check_course(self, whole: float) -> None:
-        """Refuse a held stress that rises, or that does not fall at all."""
+    def _check_held(self, begun: float, whole: float) -> None:
+        """Refuse a held stress that rises, or that changes its sign."""
         held = self.time >= whole
-        time, stress = self.time[held], self.stress[held]
-        least = max(float(time[time > 0][0]), 1e-12)
+        time, stress = self.time[held] - begun, self.stress[held]
+        least = float(time[time > 0][0])
         edges = np.geomspace(least, time[-1], _BINS + 1)
         bin_of = np.clip(np.searchsorted(edges, np.maximum(time, least), side="right") - 1, 0, _BINS - 1)
         kept = [at for at in range(_BINS) if np.any(bin_of == at)]
         mean = np.array([stress[bin_of == at].mean() for at in kept])
-        when = np.array([time[bin_of == at].mean() for at in kept])
+        when = begun + np.array([time[bin_of == at].mean() for at in kept])
         low = int(np.argmin(mean))
         if mean[low:].max() - mean[low] > _RISES * stress.max():
             high = low + int(np.argmax(mean[low:]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
@@ -74,7 +73,7 @@ def open_by(spec: OpenSpec) -> Sensor:
     known = read_unit(spec.unit) if spec.unit else None
     unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, known=known)
     with open_source(spec.source) as source:
-        first, live = list(islice(source.images(), spec.rest_images)), source.live
+        first, clock = list(islice(source.images(), spec.rest_images)), source.clock
     images = [image for image in first if not isinstance(image, PalpateError)]
     if len(images) < spec.rest_images:
         raise PalpateError(
@@ -82,5 +81,5 @@ def open_by(spec: OpenSpec) -> Sensor:
             "Look at the camera, or ask for fewer.",
         )
     sensor = open_sensor(images, unit, twin, RigSpec(rest_images=spec.rest_images))
-    sensor.clock = time.monotonic if live else None
+    sensor.clock = clock
     return sensor

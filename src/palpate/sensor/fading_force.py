@@ -38,8 +38,6 @@ class FadingForce:
         if self._history.time is not None and time_s < self._history.time:
             self._history = StressHistory(self.relaxation)
         elastic = reading.force.vector if reading.touching else np.zeros(3)
-        if self._history.time is None and reading.touching:
-            self._history.follow(time_s, np.zeros(3))  # it came at once, as far as anybody knows
         there = self._history.follow(time_s, elastic)
         return replace(reading, force=_replaced(reading.force, there)) if reading.touching else reading
 

@@ -49,8 +49,8 @@ class Sensor:
     detector, naming, registration
         What the rest image gave.
     clock
-        Tells when an image was taken, in s; with it, forces are those of that time where the material relaxes.
-        `None`: they are those of the law's constants.
+        Asked once an image, before it is read: when it was taken, in s. With it, forces are those of that time where
+        the material relaxes; `None`: they are those of the law's constants.
     """
 
     unit: Unit
@@ -69,10 +69,10 @@ class Sensor:
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
         """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading."""
-        reading = self._read_elastic(image)
         if self._fading is None or self.clock is None:
-            return reading
-        return self._fading.follow(reading, self.clock())
+            return self._read_elastic(image)
+        taken_s = self.clock()
+        return self._fading.follow(self._read_elastic(image), taken_s)
 
     def _read_elastic(self, image: NDArray[Any] | PalpateError) -> Reading:
         """The reading with the force that the law alone gives."""

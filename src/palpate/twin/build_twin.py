@@ -83,8 +83,7 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     fields, forces = [], []
     for press in table:
         rates = [press.derivatives[name] for name in TWIN_DERIVATIVES]
-        parts = [press.displacement, *(rate.displacement for rate in rates)]
-        expanded = expand_surface(press, *zip(parts, _ACROSS.tolist(), strict=True))
+        expanded = expand_surface(press, dict(zip(TWIN_DERIVATIVES, _ACROSS[1:].tolist(), strict=True)))
         fields.append([_fill(part, press, depths) for part in _over_travel(expanded, press)])
         pushes = np.array(
             [forces_along_tilt(press, force) for force in (press.force, *(rate.force for rate in rates))]

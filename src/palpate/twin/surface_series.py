@@ -12,6 +12,8 @@ even: ``u_r = Σ r_k sin kψ, u_φ = -Σ f_k cos kψ, u_z = Σ z_k sin kψ``, th
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from palpate.core import FloatArray
@@ -34,16 +36,15 @@ def place_circles() -> FloatArray:
     return 0.5 - 0.5 * np.cos(angle)
 
 
-def expand_surface(press: Press, *fields: tuple[FloatArray, bool]) -> FloatArray:
-    """Coefficients (len(fields), n images, `ORDERS`, 3, `CIRCLES`) mm of fields of a press: in r, φ, z.
+def expand_surface(press: Press, derivatives: Mapping[str, bool]) -> FloatArray:
+    """Coefficients (1 + k, n increments, `ORDERS`, 3, `CIRCLES`) mm of a press and k derivatives: in r, φ, z.
 
     Parameters
     ----------
     press
         Under a flat wall.
-    fields
-        (n images, n nodes, 3) mm the press's displacement, or a derivative of it, and whether it breaks the mirror
-        symmetry.
+    derivatives
+        Names of its derivatives, and whether each breaks the mirror symmetry.
     """
     psi = np.pi * np.arange(_HALF + 1) / _HALF
     azimuth = psi + QUARTER_TURN  # the frame of the mesh
@@ -58,13 +59,13 @@ def expand_surface(press: Press, *fields: tuple[FloatArray, bool]) -> FloatArray
     order = np.arange(ORDERS)
     even = np.cos(np.outer(psi, order)) * share[:, None] * np.where(order == 0, 0.5, 1.0)
     odd = np.sin(np.outer(psi, order)) * share[:, None]
+    fields = [(follow_marked(press.mesh, places, press.displacement), False)]
+    for name, across in derivatives.items():
+        rate = press.derivatives[name].displacement
+        fields.append((follow_rate(press.mesh, places, press.displacement, rate, across=across), across))
     found = []
-    for field, across in fields:
-        if field is press.displacement:
-            at = follow_marked(press.mesh, places, field)
-        else:
-            at = follow_rate(press.mesh, places, press.displacement, field)
-        moved = np.where(beyond, at * (-flip if across else flip), at).reshape(len(field), CIRCLES, _HALF + 1, 3)
+    for at, across in fields:
+        moved = np.where(beyond, at * (-flip if across else flip), at).reshape(len(at), CIRCLES, _HALF + 1, 3)
         radial = moved[..., 0] * cosine + moved[..., 1] * sine
         around = -moved[..., 0] * sine + moved[..., 1] * cosine
         waves, other = (odd, -even) if across else (even, odd)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -86,7 +85,7 @@ class Live:
         check_model(model, unit, TILT_DEPTH)
         self.size_px = first.shape[:2]
         self.sensor: Sensor = open_sensor([first], unit, model)
-        self.sensor.clock = time.monotonic if source.live else None
+        self.sensor.clock = source.clock
         self.rest_px = self.sensor.naming.positions_px
         self.record: list[dict[str, Any]] | None = None
 

@@ -204,5 +204,9 @@ def test_a_relaxation_alone_is_put_beside_the_law_of_another_material(
     assert material.law == plain.law
     assert material.name == "mine"
     assert (tmp_path / "fit.png").is_file()
+    (tmp_path / "fit.png").unlink()
     assert call(*words) == 2
     assert "A relaxation alone is no material." in capsys.readouterr().err
+    assert not (tmp_path / "fit.png").exists()  # refused before anything is drawn
+    assert call(*words, "--tension", ECOFLEX, "--onto", plain.name) == 2
+    assert "--onto zaid_2024_ecoflex_00_30 gives the law" in capsys.readouterr().err

@@ -5,8 +5,9 @@ import pytest
 from pydantic import ValidationError
 
 from palpate.core import PalpateError
+from palpate.deck import deck_text
 from palpate.design import DomeSpec, MarkerSpec, place_markers
-from palpate.fea import Press, WallSpec, obstacle_from_data, read_obstacle, solve_press
+from palpate.fea import Branch, Press, WallSpec, obstacle_from_data, read_obstacle, solve_press
 from palpate.fea.route import RouteSpec, Waypoint
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import get_material
@@ -92,6 +93,27 @@ def test_what_sticks_comes_back_with_the_wall() -> None:
     assert np.abs(slipped.displacement[-1] - slipped.displacement[there]).max() > 0.2 * moved
 
 
+def test_a_route_is_drawn_back_by_the_way_it_came() -> None:
+    """Without friction every place on the way back is that on the way out, and all work is given back."""
+    ours = route("frictionless", (3.0,), (3.0, 0, 0, 5), (2.0, 0, 0, 5), unload=True)
+    deepest = int(np.argmax(ours.depth))
+    assert ours.depth[: deepest + 1] == pytest.approx(ours.depth[-1 : deepest - 1 : -1])
+    there, back = ours.positions(MARKERS)[: deepest + 1], ours.positions(MARKERS)[-1 : deepest - 1 : -1]
+    assert back == pytest.approx(there, abs=5e-4)
+    assert ours.work[-1] == pytest.approx(0.0, abs=0.01 * ours.work.max())
+    assert imbalance(ours) < 0.01
+
+
+def test_what_sticks_and_is_drawn_back_by_its_route_is_left_as_it_was() -> None:
+    ours = route("no-slip", (3.0,), (3.0, 0.8), unload=True)
+    there, back = np.flatnonzero(np.abs(ours.depth - 3.0) < 1e-9)
+    away = int(np.argmax(ours.depth))
+    moved = np.abs(ours.displacement[away] - ours.displacement[there]).max()
+    assert np.abs(ours.displacement[back] - ours.displacement[there]).max() < 0.05 * moved
+    assert imbalance(ours) < 0.02
+    assert ours.depth[-1] == 0.0
+
+
 def test_a_route_is_read_from_words_and_from_data() -> None:
     spec = read_obstacle("route:waypoints=4 0 0 0 5; 4 2", WallSpec(contact=0.5))
     assert isinstance(spec, RouteSpec)
@@ -121,9 +143,26 @@ def test_waypoints_that_are_none_are_refused(waypoints: object, says: str) -> No
         RouteSpec(waypoints=waypoints)
 
 
-def test_half_a_mesh_and_a_depth_beyond_the_clamp_are_refused() -> None:
+def test_half_a_mesh_a_depth_beyond_the_clamp_and_the_inverted_state_are_refused() -> None:
     half = mesh_skin(SKIN, MeshSpec(cells=8))
     with pytest.raises(PalpateError, match="not symmetric"):
         solve_press(half, ECOFLEX, RouteSpec())
     with pytest.raises(PalpateError, match="reaches the clamped rim"):
         route("no-slip", (30.0,))
+    with pytest.raises(PalpateError, match="not followed along a route"):
+        solve_press(MESH, ECOFLEX, RouteSpec(), branch=Branch.INVERTED)
+
+
+def test_a_wall_that_tilts_once_it_is_down_is_refused_where_it_cuts_the_rim() -> None:
+    """At 14.5 mm a wall that came tilted by 20° is clear of the clamp, one that tilts only there is not."""
+    RouteSpec(waypoints=[[14.5, 0, 0, 20]]).path(MESH)
+    with pytest.raises(PalpateError, match=r"At waypoint 2 the wall is 15\.9 mm deep; at its tilt of 20°"):
+        RouteSpec(waypoints=[[14.5], [14.5, 0, 0, 20]]).path(MESH)
+    low = mesh_skin(DomeSpec(height=4, thickness=2).build(), MeshSpec(cells=8, whole=True))
+    with pytest.raises(PalpateError, match="tilted by 30° touches the clamped rim"):
+        RouteSpec(waypoints=[[1], [1, 0, 0, 30]]).path(low)
+
+
+def test_a_route_is_refused_by_a_deck() -> None:
+    with pytest.raises(PalpateError, match=r"only descends .* route of 2 waypoints"):
+        deck_text(MESH, ECOFLEX, RouteSpec())

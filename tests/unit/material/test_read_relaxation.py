@@ -65,6 +65,13 @@ WRONG = {
     "five rows": ("time (s),stress", (TIME[::8], STRESS[::8]), {}, "has 5 rows of numbers"),
     "an unloading": ("time (s),stress", (TIME, STRESS - 0.03 * (TIME > 50)), {}, "changes its sign"),
     "no strain": ("time (s),strain,stress", (TIME, 0 * TIME, STRESS), {}, "stays at 0"),
+    "a strain let go": ("time (s),strain,stress", (TIME, 0.3 * (TIME < 1), STRESS), {}, "the strain is gone"),
+    "strain and stress in one": (
+        "time (s),strain,stress",
+        (TIME, TIME, STRESS),
+        {"strain": "3"},
+        "column 3 is taken",
+    ),
     "time before the touch": ("time (s),stress", (TIME - 5, STRESS), {}, "begins at -4.9 s and has no strain"),
 }
 
@@ -77,6 +84,14 @@ def test_a_file_that_holds_no_relaxation_is_refused_with_a_remedy(kind, tmp_path
     assert says in str(refused.value)
     assert "wrong.csv" in refused.value.what
     assert refused.value.remedy
+
+
+def test_columns_without_numbers_are_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "\n".join(f",,{a:.9g},{b:.9g}" for a, b in zip(TIME, STRESS, strict=True))
+    path.write_text(f"time (s),stress,gap,temperature\n{rows}\n")
+    with pytest.raises(PalpateError, match="columns of time and stress are empty"):
+        read_relaxation(path)
 
 
 def test_an_empty_cell_is_named_by_its_row(tmp_path):

@@ -10,6 +10,7 @@ from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, place_markers, skin_from_data
 from palpate.design.pinned import PinnedDome, PinnedSpec
 from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea.variations import names_of
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, follow_marked, follow_rate, locate_inner, mesh_skin
@@ -105,6 +106,26 @@ def test_a_derivative_by_tilt_foresees_the_tips_of_the_next_tilt(presses: list[P
     change = high.moved(LAYOUT.positions)[-1] - low.moved(LAYOUT.positions)[-1]
     # every press has a mesh of its own: points of the wall themselves differ by 0.08 here
     assert np.sqrt(np.mean((change - rate) ** 2)) < 0.12 * np.sqrt(np.mean(change**2))
+
+
+@pytest.mark.parametrize("name", ["thickness", "twist_rate_deg"])
+def test_tips_on_both_sides_of_the_mirror_follow_a_derivative(presses: list[Press], name: str) -> None:
+    """What turns about the axis moves mirrored tips to mirrored places the other way, all else the same way."""
+    flip = np.array([-1.0, 1.0, 1.0])
+    rate, mirrored = (presses[1].moved(points, by=name)[-1] for points in (LAYOUT.positions, LAYOUT.positions * flip))
+    sign = -1 if name == "twist_rate_deg" else 1
+    assert np.abs(rate).max() > 1e-3
+    assert mirrored == pytest.approx(sign * rate * flip, abs=1e-9)
+    on_mirror = np.abs(LAYOUT.positions[:, 0]) < 1e-9
+    assert on_mirror.any()
+    assert np.abs(rate[on_mirror][:, 1:] if sign < 0 else rate[on_mirror][:, 0]).max() < 1e-9
+
+
+def test_a_press_has_no_derivative_by_the_length_of_pins() -> None:
+    """The wall does not know of them; where tips go is linear in their length."""
+    names = names_of(mesh_skin(SKIN, MeshSpec(cells=8)), ECOFLEX, WallSpec())
+    assert "thickness" in names
+    assert "pin" not in names
 
 
 def test_a_mesh_of_pins_is_that_of_the_dome() -> None:

@@ -64,3 +64,14 @@ def test_a_wall_that_creeps_beyond_the_press_is_refused():
         hold_wall(SOLID, CURVE, np.array([0.0, 1.0]), np.array([0.0, 21.0]))
     with pytest.raises(PalpateError, match="stiffness is 0 N/mm"):
         sink_wall(SOLID, CURVE, LATER, LATER, 0.0)
+
+
+def test_what_is_no_curve_or_no_course_is_refused():
+    with pytest.raises(PalpateError, match="no curve of a press on its way down"):
+        ForceCurve(np.array([0.0, 1.0, 0.5]), np.array([0.0, 1.0, 0.4]))
+    with pytest.raises(PalpateError, match="2 depths and 3 forces"):
+        ForceCurve(np.array([0.0, 1.0]), np.zeros(3))
+    with pytest.raises(PalpateError, match="2 times and 3 values"):
+        hold_wall(SOLID, CURVE, np.array([0.0, 1.0]), np.zeros(3))
+    with pytest.raises(PalpateError, match="needs one number for the force"):
+        hold_force(SOLID, ForceCurve(CURVE.depth, np.zeros((2, 3))), LATER, LATER)

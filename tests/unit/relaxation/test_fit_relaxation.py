@@ -84,6 +84,40 @@ def test_a_ramp_is_fitted_as_a_ramp(g, measured):
     assert greatest_miss(step, g, 0.05, 300.0) > 0.01
 
 
+@pytest.mark.parametrize("measured", [True, False])
+def test_a_bench_that_waits_before_it_strains_is_fitted_alike(measured):
+    """Ten seconds at nothing first, by a clock of its own: the strain begins where it begins, not with the file."""
+    time = np.concatenate([np.linspace(0, 2, 41), np.geomspace(2.05, 300, 260)])
+    stress, strain = ramped(spectrum, np.maximum(time, 1e-9), 2.0), 0.1 * np.minimum(time / 2, 1)
+    late = np.concatenate([np.linspace(-60, -50, 50, endpoint=False), time - 50])
+    waits = [np.concatenate([np.zeros(50), part]) for part in (stress, strain)]
+    prompt = RelaxationTest("prompt", time, stress, strain if measured else None)
+    waited = RelaxationTest("waited", late, waits[0], waits[1] if measured else None)
+    waited.check()
+    assert waited.came == pytest.approx((-50.0, -48.0))
+    ours, theirs = fit_relaxation([waited]), fit_relaxation([prompt])
+    assert (ours.first, ours.last) == pytest.approx((theirs.first, theirs.last))
+    assert ours.relaxation.left(time) == pytest.approx(theirs.relaxation.left(time), rel=1e-6)
+    drawn, plain = (draw_relaxation([each], ours).axes[0].lines[0] for each in (waited, prompt))
+    assert drawn.get_xydata() == pytest.approx(plain.get_xydata(), rel=1e-6)
+
+
+def test_measured_stresses_are_drawn_on_the_curve_of_their_series():
+    """Behind a ramp, after a step, and held from the first row: within the fit of the curve that is drawn."""
+    time = np.concatenate([np.linspace(0, 2, 41), np.geomspace(2.05, 300, 260)])
+    ramp, step = ramped(spectrum, np.maximum(time, 1e-9), 2.0), spectrum(time[1:])
+    tests = [
+        RelaxationTest("ramp", time, ramp, 0.1 * np.minimum(time / 2, 1)),
+        RelaxationTest("step", time[1:], step),
+        RelaxationTest("held", time[1:], spectrum(time[1:] - time[1]), np.full(len(time) - 1, 0.1)),
+    ]
+    for test in tests:
+        fit = fit_relaxation([test])
+        at, seen = draw_relaxation([test], fit).axes[0].lines[0].get_xydata().T
+        late = at > 20 * 2.0  # a ramp is a step by then
+        assert seen[late] == pytest.approx(fit.relaxation.left(at[late]), rel=0.01)
+
+
 def test_the_intervals_cover_a_series_that_was_drawn():
     """Of two terms a decade apart, drawn 40 times: the 90 % intervals hold each constant some nine times in ten."""
     time, hits, drawn = np.geomspace(0.02, 200, 120), np.zeros(4), np.array([0.08, 0.12, 0.3, 15])
@@ -144,3 +178,7 @@ def test_fewer_rows_than_constants_are_refused():
         fit_relaxation([RelaxationTest("few", time, stretched(time))], terms=4)
     with pytest.raises(PalpateError, match="no relaxation tests"):
         fit_relaxation([])
+    with pytest.raises(PalpateError, match="series of 0 terms"):
+        fit_relaxation([RelaxationTest("few", time, stretched(time))], terms=0)
+    with pytest.raises(PalpateError, match="the held stress rises"):
+        fit_relaxation([RelaxationTest("rising", time, stretched(time)[::-1])])
