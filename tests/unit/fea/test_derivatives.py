@@ -175,4 +175,5 @@ def test_on_the_way_back_every_increment_has_derivatives_of_its_own() -> None:
     for contact, same in (("frictionless", True), ("no-slip", False)):
         wall = WALL.model_copy(update={"contact": contact, "unload": True, "image_step": 0.8})
         there, back = (solve_press(mesh_of(), MATERIAL, wall, solver).derivative("tilt_deg").force[k] for k in (1, 3))
-        assert bool(np.abs(back - there).max() < 1e-4 * np.abs(there).max()) is same
+        # 2e-4 are the rounding of the differences, another on another processor; one that held on is off by 0.1
+        assert bool(np.abs(back - there).max() < 1e-3 * np.abs(there).max()) is same
