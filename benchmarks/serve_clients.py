@@ -128,9 +128,9 @@ def main() -> None:
     print(f"image to client, ms: P50 {np.median(late):.1f}, P99 {np.quantile(late, 0.99):.1f}, most {late.max():.1f}")
     for name, which in (("19 clients", logs[1:]), ("the stalled one", logs[:1])):
         missing = sum(log[-1][0] - log[0][0] + 1 - len(log) for log in which)
-        print(
-            f"{name}: {missing} readings missing, {sum(row[1] for log in which for row in log[1:])} said to be lost"
-        )
+        said = sum(row[1] for log in which for row in log[1:])
+        last = min(log[-1][0] for log in which)
+        print(f"{name}: {missing} readings missing, {said} said to be lost, heard up to image {last}")
     print(f"camera gone: {sum(row[3] == 'gone' for row in logs[1])} time")
     while not told.empty():
         share, used = told.get()
