@@ -122,7 +122,7 @@ def gather(dataset, whole):
     if not whole:
         return dataset.images_px, dataset.poses[:, :2], dataset.press
     presses, counts = np.unique(dataset.press, return_counts=True)
-    full = presses[counts == counts.max()]
+    full = presses[counts == np.bincount(counts).argmax()]  # the straight one was drawn at every azimuth
     rows = [np.flatnonzero(dataset.press == press) for press in full]
     rows = [each[np.argsort(dataset.poses[each, 2])] for each in rows]
     images = np.stack([dataset.images_px[each].reshape(-1, 2) for each in rows])
