@@ -90,6 +90,10 @@ READINGS = (
     Reading("frictionless, validation clean", contact="frictionless", judged="clean"),
     Reading("frictionless, the last image alone", contact="frictionless", dropped=9),
     Reading("frictionless, a press as one input", contact="frictionless", whole=True),
+    Reading("the deeper half of the images", dropped=5),
+    Reading("the deepest image, azimuths all round", poses="paper-504", dropped=9),
+    Reading("the deepest image, azimuths all round, split by image", poses="paper-504", dropped=9, split="image"),
+    Reading("frictionless, the last three images", contact="frictionless", dropped=7),
     Reading("network of 5 layers of 1024", layers=5, width=1024),
     Reading("network of 2 layers of 128", layers=2, width=128),
 )
