@@ -17,6 +17,7 @@ LITTLE = 0.1
 BEST: Design = (20.0, 2.0, 169)
 """The paper's best design."""
 PRINTED_RMSE_DEG, PRINTED_MAX_DEG = 0.3, 0.8
+OF_PRINTED = "which jittered images at full depth reproduce (docs/published/paper_protocol.md)"
 LINE_DEG = 2.0
 """The aerospace line."""
 
@@ -56,7 +57,7 @@ def judge_best(evidence: Evidence) -> ClaimFinding:
             first = min(errors, key=lambda design: errors[design])
             figures += f"; {words} {errors[BEST]:.3f}°, best {name_design(first)}: {errors[first]:.3f}°"
     within = clean[BEST] <= PRINTED_RMSE_DEG and greatest <= PRINTED_MAX_DEG
-    why = "its errors are within the printed ones" if within else "its errors are above the printed ones"
+    why = f"its errors are {'within' if within else 'above'} the printed ones, {OF_PRINTED}"
     return ClaimFinding.of(order[0] == BEST and within, figures, why)
 
 
