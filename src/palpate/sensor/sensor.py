@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from palpate.design import place_orientation_mark
 from palpate.markers import (
     Detector,
     DetectSpec,
+    MarkerPattern,
     Motion,
     Naming,
     Sighting,
@@ -166,10 +168,9 @@ def read_rest(
     images = list(images)
     if not images:
         raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
-    detector = _prepare(images[0], unit, detect)  # naming holds the dots against the design
     mark = place_orientation_mark(unit.skin, unit.layout) if unit.marked else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
-    naming = name_markers(detector.find(images[0]).positions_px, pattern)
+    detector, naming = _find_and_name(images[0], unit, detect, pattern)
     if naming.ambiguous and known is not None:
         naming = ask_press(naming, detector.find(known.image).positions_px, known.positions, unit).naming
         if naming.ambiguous:
@@ -187,10 +188,16 @@ def read_rest(
     return Rest(detector, naming, where)
 
 
-def _prepare(image: NDArray[Any], unit: Unit, detect: DetectSpec | None) -> Detector:
-    """A detector by the image alone; where few dots are lost in clutter, by the size that the design gives them."""
+def _find_and_name(
+    image: NDArray[Any], unit: Unit, detect: DetectSpec | None, pattern: MarkerPattern
+) -> tuple[Detector, Naming]:
+    """A detector by the image alone, and the names of its dots.
+
+    Where few dots are lost in clutter, so that none or others are found, by the size that the design gives them.
+    """
     try:
-        return prepare_detector(image, detect, doubt=False)
+        detector = prepare_detector(image, detect, doubt=False)  # naming holds the dots against the design
+        return detector, name_markers(detector.find(image).positions_px, pattern)
     except PalpateError:
         camera = unit.lens or unit.nominal
         if detect is not None or camera is None:
@@ -198,10 +205,11 @@ def _prepare(image: NDArray[Any], unit: Unit, detect: DetectSpec | None) -> Dete
         away = camera.distance + float(np.median(unit.layout.positions[:, 2]))
         size = camera.fx_px * unit.layout.diameter / away
         for spec in (DetectSpec(polarity="dark", diameter_px=size), DetectSpec(polarity="bright", diameter_px=size)):
-            detector = prepare_detector(image, spec, doubt=False)
-            found = len(detector.find(image).positions_px)
-            if _FOUND[0] * len(unit.layout) <= found <= _FOUND[1] * len(unit.layout):
-                return detector
+            with suppress(PalpateError):
+                detector = prepare_detector(image, spec, doubt=False)
+                found = detector.find(image).positions_px
+                if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout):
+                    return detector, name_markers(found, pattern)
         raise
 
 

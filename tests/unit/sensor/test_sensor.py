@@ -22,6 +22,7 @@ from palpate.sensor import (
     run_sensor,
     write_readings,
 )
+from palpate.sensor.sensor import read_rest
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=91))
@@ -47,6 +48,16 @@ def photograph(pose, camera_spec=None, seed=0, **spoiled):
     return render(
         build_camera(camera_spec), dot_edges(points, normals, LAYOUT.diameter), RenderSpec(seed=seed, **spoiled)
     )
+
+
+def toothed_rim(image, middle_px, radius, width, level, teeth, seed):
+    """A bright ring about the dots that teeth of light cut into; beside the teeth it looks dotted."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[: image.shape[0], : image.shape[1]] - np.array(middle_px)[::-1, None, None]
+    away, turn = np.hypot(x, y), np.arctan2(y, x)
+    ring = 1 / (1 + np.exp((radius - away) / 1.2)) / (1 + np.exp((away - radius - width) / 1.2))
+    light = level * (0.6 + 0.4 * np.sin(teeth * turn + seed)) * (1 + 0.15 * rng.standard_normal(image.shape))
+    return np.clip(image + ring * light, 0, 255).astype(np.uint8)
 
 
 @pytest.fixture(scope="module")
@@ -273,3 +284,21 @@ def test_readings_are_written_as_they_come(predictor, tmp_path, suffix):
 def test_a_file_of_another_kind_is_refused(tmp_path):
     with pytest.raises(PalpateError, match="is neither"):
         list(write_readings(tmp_path / "out.txt", []))
+
+
+@pytest.mark.parametrize("count", [37, 91])
+@pytest.mark.parametrize("teeth", [12, 24, 40, 60])
+def test_dots_before_a_bright_toothed_rim_are_named(count, teeth):
+    """Where the rim's own dots outnumber the printed ones, the design's size tells which are meant."""
+    layout = place_markers(DOME, MarkerSpec(count=count))
+    printed = np.vstack([layout.positions, place_orientation_mark(DOME, layout)])
+    normals, camera = DOME.normal(printed), build_camera()
+    truth, middle = camera.project(printed), (camera.spec.cx_px, camera.spec.cy_px)
+    edges, outermost = dot_edges(printed, normals, layout.diameter), np.linalg.norm(truth - middle, axis=1).max()
+    for seed in range(4):
+        image = render(camera, edges, RenderSpec(seed=seed, noise=2.0, blur_px=0.8, vignetting=0.3))
+        image = toothed_rim(image, middle, outermost + 6.0 + 2.0 * seed, 4.0 + 3.0 * seed, 90.0, teeth, seed)
+        naming = read_rest([image], Unit(DOME, layout, nominal=CameraSpec())).naming
+        assert naming.found.all()
+        assert not naming.ambiguous
+        assert np.linalg.norm(naming.positions_px - truth[:-1], axis=1).max() < 0.5
