@@ -51,13 +51,14 @@ class Choosing:
 
 
 class PoseReading(NamedTuple):
-    """What a model says about one image."""
+    """What a model says about one image: its pose (k,), half-widths (k,), and the dots (n, 2) px that it saw."""
 
     pose: FloatArray
     half_width: FloatArray
     found: int
     fault: str
     correspondence: Correspondence | None
+    dots_px: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,10 +134,12 @@ class RecordedModel:
         poses, by_dots = self.estimate_all(moved, picture[None], good)
         use = self.with_dots if by_dots[0] else self.without
         if use is None:
-            return PoseReading(poses[0], np.full(poses.shape[1], np.inf), count, fault or str(Fault.NO_DOTS), found)
+            return PoseReading(
+                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(Fault.NO_DOTS), found, dots
+            )
         if good[0] and self.with_dots is not None and not by_dots[0]:
             fault = str(Fault.PICTURE)
-        return PoseReading(poses[0], use.half_width, count, fault, found)
+        return PoseReading(poses[0], use.half_width, count, fault, found, dots)
 
     def estimate_all(
         self, moved: FloatArray, pictures: NDArray[Any], good: BoolArray

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError
-from palpate.recording import RecordedModel
+from palpate.markers import Sighting
+from palpate.recording import PoseReading, RecordedModel
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.spec import RigSpec
 
@@ -55,5 +56,15 @@ class RecordedSensor:
             flags=tuple(flags),
             latency_ms=(time.perf_counter() - start) * 1e3,
             reason=found.fault,
+            sighting=self._sighting(found),
             space=space,
         )
+
+    def _sighting(self, found: PoseReading) -> Sighting | None:
+        """Where numbered dots were seen; `None` where they were not believed."""
+        seen, layout = found.correspondence, self.model.layout
+        if seen is None or layout is None or not seen.good:
+            return None
+        places = layout.rest_px + seen.moved_px
+        blob = np.linalg.norm(places[:, None] - found.dots_px[None], axis=-1).argmin(axis=1)
+        return Sighting(places, seen.found, np.where(seen.found, blob, -1), False)

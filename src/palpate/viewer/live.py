@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,8 @@ from palpate.camera import Source
 from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
 from palpate.learn import Predictor
-from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor
+from palpate.recording import RecordedModel
+from palpate.sensor import Reading, RecordedSensor, Sensor, Unit, check_model, describe_reading, open_sensor
 from palpate.twin import Twin
 from palpate.viewer.results import Design
 
@@ -56,37 +59,31 @@ class Step:
 
 
 class Live:
-    """A sensor opened on the first image of a source; `step` reads the next ones until `close`.
+    """A sensor that reads one image of a source after another until `close`.
 
     Parameters
     ----------
-    design, model
-        The unit's design and what reads it.
-    source
-        Images; the first shows the untouched dome.
-    marked
-        Whether the orientation mark is printed.
-
-    Raises
-    ------
-    PalpateError
-        If there is no image, or the dots are not those of the design.
+    sensor
+        What reads: a `Sensor`, or a `RecordedSensor`.
+    source, images
+        Where images come from, and those that are yet to be read.
+    size_px
+        Height and width of the images.
+    rest_px
+        (m, 2) markers at rest, px.
     """
 
-    def __init__(self, design: Design, model: Predictor | Twin, source: Source, *, marked: bool = True) -> None:
-        self._source, self._images = source, source.images()
+    def __init__(
+        self,
+        sensor: Sensor | RecordedSensor,
+        source: Source,
+        images: Iterator[NDArray[Any] | PalpateError],
+        size_px: tuple[int, int],
+        rest_px: FloatArray,
+    ) -> None:
+        self.sensor, self.size_px, self.rest_px = sensor, size_px, rest_px
+        self._source, self._images = source, images
         self._lock = threading.Lock()
-        first = next(self._images, None)
-        if first is None:
-            raise PalpateError("The source has no image.", "Record the untouched dome first.")
-        if isinstance(first, PalpateError):
-            raise first
-        unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
-        check_model(model, unit, TILT_DEPTH)
-        self.size_px = first.shape[:2]
-        self.sensor: Sensor = open_sensor([first], unit, model)
-        self.sensor.clock = source.clock
-        self.rest_px = self.sensor.naming.positions_px
         self.record: list[dict[str, Any]] | None = None
 
     def step(self) -> Step | None:
@@ -108,6 +105,57 @@ class Live:
         """Give the camera or file back."""
         with self._lock:
             self._source.close()
+
+
+def open_live(design: Design, model: Predictor | Twin, source: Source, *, marked: bool = True) -> Live:
+    """Open a unit of a design on the first image of a source, which shows it untouched.
+
+    Parameters
+    ----------
+    design, model
+        The unit's design and what reads it.
+    source
+        Images.
+    marked
+        Whether the orientation mark is printed.
+
+    Raises
+    ------
+    PalpateError
+        If there is no image, or the dots are not those of the design.
+    """
+    images = source.images()
+    first = _first_of(images, "Record the untouched dome first.")
+    unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
+    check_model(model, unit, TILT_DEPTH)
+    sensor = open_sensor([first], unit, model)
+    sensor.clock = source.clock
+    return Live(sensor, source, images, first.shape[:2], sensor.naming.positions_px)
+
+
+def open_recorded_live(model: RecordedModel, source: Source) -> Live:
+    """Open a sensor that was learnt from a recording; every image is read by itself, the first as well.
+
+    Raises
+    ------
+    PalpateError
+        If there is no image, or it has another size than those of the recording.
+    """
+    images = source.images()
+    first = _first_of(images, "Give a folder of images, a video or a camera.")
+    sensor = RecordedSensor(model)
+    model.eye.look(first)
+    rest = np.zeros((0, 2)) if model.layout is None else model.layout.rest_px
+    return Live(sensor, source, chain([first], images), first.shape[:2], rest)
+
+
+def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDArray[Any]:
+    first = next(images, None)
+    if first is None:
+        raise PalpateError("The source has no image.", remedy)
+    if isinstance(first, PalpateError):
+        raise first
+    return first
 
 
 def judge(reading: Reading, tolerance_deg: float) -> LiveVerdict:

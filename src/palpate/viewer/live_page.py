@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import base64
-import math
 from typing import Any
 
 import numpy as np
@@ -12,24 +11,15 @@ from fastapi import Request
 from nicegui import events, ui
 from numpy.typing import NDArray
 
-from palpate.bench import SimulatedSource, draw_touches
-from palpate.camera import Source, open_source
 from palpate.core import PalpateError, load_opencv
-from palpate.grid import name_row
-from palpate.sensor import Reading, Unit, open_model
-from palpate.twin import twin_path
+from palpate.sensor import Reading
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.export import write_table
-from palpate.viewer.library import Library
 from palpate.viewer.live import Live, LiveVerdict, Step, judge, tilt_interval
+from palpate.viewer.live_opening import LiveOpening
 from palpate.viewer.page_head import Head, complain, complaint, heading
-from palpate.viewer.recordings import find_recordings, inside
-from palpate.viewer.results import Design, model_path
 
-_VIRTUAL = "virtual touches"
-_CAMERAS = {"camera 0": "0", "camera 1": "1"}
-"""Cameras of the machine that the viewer runs on."""
 _PERIOD_S = 0.1
 
 
@@ -38,20 +28,19 @@ class LivePage:
 
     Parameters
     ----------
-    library
-        The result folder: designs with their models, and recordings in folders of their own.
+    opening
+        What can be opened.
     request
         Of the page.
     """
 
-    def __init__(self, library: Library, request: Request) -> None:
-        self._library = library
-        self._rows = library.results.grid.designs
+    def __init__(self, opening: LiveOpening, request: Request) -> None:
+        self._opening = opening
         self._live: Live | None = None
         self._busy = False
         self._tolerance = 2.0
         self._kept: list[dict[str, Any]] = []
-        Head(request, "/live", library.results.folder.resolve().name)
+        Head(request, "/live", opening.folder.resolve().name)
 
     def build(self) -> None:
         """Place every element; nothing runs before *Start*."""
@@ -69,22 +58,13 @@ class LivePage:
         self._show_pose(None)
 
     def _build_source(self) -> None:
-        names = {i: name_row(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
-        best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
-        recordings = find_recordings(self._library.results.folder)
         with ui.element("div").classes("card"):
             heading("Source")
-            self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
-            self._source = ui.select([_VIRTUAL, *recordings, *_CAMERAS], value=_VIRTUAL, label="Images")
-            for select in (self._design, self._source):
-                select.props("dense outlined options-dense").classes("wide")
-            self._marked = ui.checkbox("The orientation mark is printed", value=True).props("dense")
+            self._opening.build()
             with ui.element("div").classes("do"):
                 self._start_button = ui.button("Start", icon="play_arrow", on_click=self._start)
                 self._start_button.props("no-caps unelevated dense")
                 ui.button("Stop", icon="stop", on_click=self._stop).props("no-caps outline dense")
-            ui.label("Folders of images and videos inside the result folder are listed.").classes("faint")
-            ui.label("The first image shows the dome at rest.").classes("faint")
 
     def _build_record(self) -> None:
         with ui.element("div").classes("card"):
@@ -122,7 +102,7 @@ class LivePage:
         complain(self._fault, "")
         self._status.text = "Opening the sensor …"
         try:
-            self._live = await asyncio.to_thread(self._open)
+            self._live = await asyncio.to_thread(self._opening.open)
         except PalpateError as error:
             self._status.text = ""
             complain(self._fault, str(error))
@@ -130,28 +110,6 @@ class LivePage:
         height, width = self._live.size_px
         self._view.begin(width, height, self._live.rest_px.round(2).tolist())
         self._timer.activate()
-
-    def _open(self) -> Live:
-        if self._design.value is None:
-            raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
-        design = self._library.design(int(self._design.value))
-        folder = self._library.results.folder
-        twin = twin_path(folder, design.dome)
-        model = open_model(twin if twin.is_file() else model_path(self._library.results, design))
-        source = self._open_source(design)
-        marked = self._source.value == _VIRTUAL or bool(self._marked.value)
-        try:
-            return Live(design, model, source, marked=marked)
-        except PalpateError:
-            source.close()
-            raise
-
-    def _open_source(self, design: Design) -> Source:
-        chosen = str(self._source.value)
-        if chosen == _VIRTUAL:
-            unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
-            return SimulatedSource(unit, draw_touches(self._library.specimen(design).pressed.presses))
-        return open_source(_CAMERAS.get(chosen) or str(inside(self._library.results.folder, chosen)))
 
     def _stop(self) -> None:
         self._timer.deactivate()
@@ -200,7 +158,8 @@ class LivePage:
         verdict = judge(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
         self._verdict.text = verdict.upper()
         self._verdict.style(f"background: {COLOURS[verdict]}")
-        self._dial.set_content(draw_dial(reading, self._tolerance, verdict, step.truth if step else None))
+        known = step.truth if step else None
+        self._dial.set_content(draw_dial(reading, self._tolerance, verdict, known, self._opening.reach_deg))
         self._figures.clear()
         if step is None or verdict is LiveVerdict.NO_TOUCH:
             return
@@ -243,7 +202,8 @@ def list_figures(
             zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
-    rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
+    if reading.space.tilts:
+        rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
     if reading.force is not None:
         force = reading.force
         rows += [

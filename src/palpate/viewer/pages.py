@@ -10,7 +10,10 @@ from nicegui import ui
 from palpate.core import PalpateError
 from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
+from palpate.viewer.learnt import is_learnt, read_learnt
+from palpate.viewer.learnt_page import LearntPage
 from palpate.viewer.library import Library
+from palpate.viewer.live_opening import DesignOpening, LearntOpening
 from palpate.viewer.live_page import LivePage
 from palpate.viewer.page_head import Head
 from palpate.viewer.results import read_results
@@ -22,19 +25,24 @@ TITLE = "palpate"
 
 def build_app(folder: Path | None) -> FastAPI:
     """The application for a result folder; without one, or with one that cannot be read, its page says so."""
-    shelf, reason = SpecimenCache(), "No result folder was given."
+    shelf, learnt, reason = SpecimenCache(), None, "No result folder was given."
     if folder is not None:
         try:
-            shelf, reason = SpecimenCache(Library(read_results(folder))), ""
+            if is_learnt(folder):
+                learnt = read_learnt(folder)
+            else:
+                shelf = SpecimenCache(Library(read_results(folder)))
         except PalpateError as error:
             reason = str(error)
     app = FastAPI(title=TITLE, docs_url=None, redoc_url=None, openapi_url=None)
     answer_errors(app)
-    app.include_router(make_routes(shelf))
+    app.include_router(make_routes(shelf, learnt))
 
     @ui.page("/", title=TITLE)
     def explore(request: Request) -> None:
-        if shelf.library is None:
+        if learnt is not None:
+            LearntPage(learnt, request).build()
+        elif shelf.library is None:
             show_reason(request, "/", reason)
         else:
             ExplorePage(shelf.library, request).build()
@@ -45,10 +53,12 @@ def build_app(folder: Path | None) -> FastAPI:
 
     @ui.page("/live", title=f"{TITLE}: live")
     def live(request: Request) -> None:
-        if shelf.library is None:
+        if learnt is not None:
+            LivePage(LearntOpening(learnt), request).build()
+        elif shelf.library is None:
             show_reason(request, "/live", reason)
         else:
-            LivePage(shelf.library, request).build()
+            LivePage(DesignOpening(shelf.library), request).build()
 
     ui.run_with(app, title=TITLE, tailwind=False, show_welcome_message=False, language="en-US")
     return app

@@ -10,6 +10,7 @@ from fastapi.responses import JSONResponse
 from palpate.core import PalpateError
 from palpate.viewer.export import dome_parts, marker_rows, write_table
 from palpate.viewer.gltf import write_gltf
+from palpate.viewer.learnt import LearntResults
 from palpate.viewer.link import kept_rows
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
@@ -18,7 +19,7 @@ from palpate.viewer.specimen_cache import SpecimenCache
 BINARY = "application/octet-stream"
 
 
-def make_routes(shelf: SpecimenCache) -> APIRouter:
+def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> APIRouter:
     """The addresses below ``/data``; ``name`` is that of a design on the shelf, tilt and azimuth are in degrees."""
     router = APIRouter(prefix="/data")
 
@@ -56,6 +57,13 @@ def make_routes(shelf: SpecimenCache) -> APIRouter:
         found = shelf.library.results.grid
         rows = [dict(found.designs[i]) for i in sorted(kept_rows(found, where))]
         return _csv("grid.csv", rows)
+
+    @router.get("/learnt/{name}")
+    def picture(name: str) -> Response:
+        found = {} if learnt is None else learnt.pictures
+        if name not in found:
+            raise PalpateError("There is no such picture.", "Make the report again by palpate learn.")
+        return Response(found[name].read_bytes(), media_type="image/png")
 
     return router
 

@@ -20,7 +20,7 @@ from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
-from palpate.viewer.live import Live, LiveVerdict, judge, tilt_interval, to_grey
+from palpate.viewer.live import LiveVerdict, judge, open_live, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
 
@@ -88,7 +88,7 @@ def test_the_tilt_lies_within_its_interval():
 
 
 def test_virtual_touches_are_read_back(touches):
-    live = Live(DESIGN, MadeUpPredictor(), touches)
+    live = open_live(DESIGN, MadeUpPredictor(), touches)
     live.record = []
     steps = [live.step() for _ in range(60)]
     assert all(step.found.mean() > 0.9 for step in steps if step.found.any())
@@ -113,7 +113,7 @@ def test_the_truth_is_that_of_the_image_handed_on(touches):
 
 def test_the_source_is_given_back(touches):
     source = MadeUpSource(*islice(touches.images(), 2))
-    live = Live(DESIGN, MadeUpPredictor(), source)
+    live = open_live(DESIGN, MadeUpPredictor(), source)
     assert live.step().truth is None
     assert live.step() is None
     live.close()
@@ -121,7 +121,7 @@ def test_the_source_is_given_back(touches):
 
 
 def test_each_image_is_searched_once_and_drawn_as_it_was_read(touches):
-    live, found = Live(DESIGN, MadeUpPredictor(), touches), []
+    live, found = open_live(DESIGN, MadeUpPredictor(), touches), []
     detector = live.sensor.detector
 
     def find(image):
@@ -141,7 +141,7 @@ def test_a_recording_is_replayed_with_its_faults(touches, tmp_path):
     for number, image in enumerate(islice(touches.images(), 4)):
         cv2.imwrite(str(tmp_path / f"{number:03d}.png"), image)
     (tmp_path / "002.png").write_bytes(b"no image")
-    live = Live(DESIGN, MadeUpPredictor(), open_source(str(tmp_path)))
+    live = open_live(DESIGN, MadeUpPredictor(), open_source(str(tmp_path)))
     steps = []
     while (step := live.step()) is not None:
         steps.append(step)
@@ -160,7 +160,7 @@ def test_a_video_is_replayed(touches, tmp_path):
         video.write(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR))
     video.release()
     assert find_recordings(tmp_path) == ("touch.avi",)
-    live = Live(DESIGN, MadeUpPredictor(), open_source(str(inside(tmp_path, "touch.avi"))))
+    live = open_live(DESIGN, MadeUpPredictor(), open_source(str(inside(tmp_path, "touch.avi"))))
     assert live.size_px == (height, width)
     steps = [live.step() for _ in range(4)]
     assert [step is None for step in steps] == [False, False, False, True]
@@ -176,9 +176,9 @@ def test_a_video_that_cannot_be_opened_is_reported(tmp_path, name):
 
 def test_a_source_without_an_image_is_refused():
     with pytest.raises(PalpateError, match="no image"):
-        Live(DESIGN, MadeUpPredictor(), MadeUpSource())
+        open_live(DESIGN, MadeUpPredictor(), MadeUpSource())
     with pytest.raises(PalpateError, match="broken"):
-        Live(DESIGN, MadeUpPredictor(), MadeUpSource(PalpateError("It is broken.")))
+        open_live(DESIGN, MadeUpPredictor(), MadeUpSource(PalpateError("It is broken.")))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,139 @@
+"""What can be opened on the live page: a unit of a design of a grid, or a sensor that was learnt from a recording."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import final
+
+from nicegui import ui
+
+from palpate.bench import SimulatedSource, draw_touches
+from palpate.camera import Source, open_source
+from palpate.core import PalpateError
+from palpate.grid import name_row
+from palpate.sensor import Unit, open_model
+from palpate.twin import twin_path
+from palpate.viewer.learnt import LearntResults
+from palpate.viewer.library import Library
+from palpate.viewer.live import Live, open_live, open_recorded_live
+from palpate.viewer.recordings import find_recordings, inside
+from palpate.viewer.results import Design, model_path
+
+_VIRTUAL = "virtual touches"
+_CAMERAS = {"camera 0": "0", "camera 1": "1"}
+"""Cameras of the machine that the viewer runs on."""
+
+
+class LiveOpening(ABC):
+    """One visitor's choice of what to open; `build` places the fields, `open` opens what they say.
+
+    Attributes
+    ----------
+    folder
+        Folder of the results; recordings below it are offered.
+    reach_deg
+        Tilt at the edge of the dial.
+    """
+
+    reach_deg: float = 12.0
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @abstractmethod
+    def build(self) -> None:
+        """Place the fields."""
+
+    @abstractmethod
+    def open(self) -> Live:
+        """Open what the fields say.
+
+        Raises
+        ------
+        PalpateError
+            If it cannot be.
+        """
+
+    def _build_sources(self, more: tuple[str, ...]) -> ui.select:
+        """The field for where images come from: those given, recordings below the folder, cameras."""
+        names = [*more, *find_recordings(self.folder), *_CAMERAS]
+        return ui.select(names, value=names[0], label="Images").props("dense outlined options-dense").classes("wide")
+
+    def _open_source(self, chosen: str) -> Source:
+        return open_source(_CAMERAS.get(chosen) or str(inside(self.folder, chosen)))
+
+
+@final
+class DesignOpening(LiveOpening):
+    """A unit of a design of a grid, read by its twin or its network.
+
+    Parameters
+    ----------
+    library
+        Designs with their models, and recordings in folders of their own.
+    """
+
+    def __init__(self, library: Library) -> None:
+        super().__init__(library.results.folder)
+        self._library = library
+        self._rows = library.results.grid.designs
+
+    def build(self) -> None:
+        names = {i: name_row(row) for i, row in enumerate(self._rows) if row.get("estimator_key")}
+        best = min(names, key=lambda i: float(self._rows[i].get("rmse_jitter_deg") or math.inf), default=None)
+        self._design = ui.select(names, value=best, label="Unit of the design", with_input=True)
+        self._design.props("dense outlined options-dense").classes("wide")
+        self._source = self._build_sources((_VIRTUAL,))
+        self._marked = ui.checkbox("The orientation mark is printed", value=True).props("dense")
+        ui.label("Folders of images and videos inside the result folder are listed.").classes("faint")
+        ui.label("The first image shows the dome at rest.").classes("faint")
+
+    def open(self) -> Live:
+        if self._design.value is None:
+            raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
+        design = self._library.design(int(self._design.value))
+        twin, chosen = twin_path(self.folder, design.dome), str(self._source.value)
+        model = open_model(twin if twin.is_file() else model_path(self._library.results, design))
+        source = self._touches(design) if chosen == _VIRTUAL else self._open_source(chosen)
+        try:
+            return open_live(design, model, source, marked=chosen == _VIRTUAL or bool(self._marked.value))
+        except PalpateError:
+            source.close()
+            raise
+
+    def _touches(self, design: Design) -> Source:
+        unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
+        return SimulatedSource(unit, draw_touches(self._library.specimen(design).pressed.presses))
+
+
+@final
+class LearntOpening(LiveOpening):
+    """A sensor that was learnt from a recording.
+
+    Parameters
+    ----------
+    learnt
+        The folder of `palpate learn`.
+    """
+
+    def __init__(self, learnt: LearntResults) -> None:
+        super().__init__(learnt.folder)
+        self._model = learnt.model
+        low, high = learnt.model.about["range"]
+        if learnt.model.space.tilts:
+            self.reach_deg = math.ceil(max(math.hypot(*low[:2]), math.hypot(*high[:2])))
+
+    def build(self) -> None:
+        self._source = self._build_sources(())
+        ui.label("Folders of images and videos below the folder of the model are listed.").classes("faint")
+        ui.label("Every image is read by itself; none needs to show the sensor at rest.").classes("faint")
+
+    def open(self) -> Live:
+        source = self._open_source(str(self._source.value))
+        try:
+            return open_recorded_live(self._model, source)
+        except PalpateError:
+            source.close()
+            raise

@@ -1,0 +1,84 @@
+"""The viewer on a sensor that was learnt from a recording: its report, its pictures, its readings."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("nicegui")
+
+from fastapi.testclient import TestClient
+
+from drawn_tactip import DrawnSensor, draw_motions, draw_recording
+from palpate.camera import open_source
+from palpate.cli import main
+from palpate.core import PalpateError
+from palpate.viewer.learnt import error_columns, error_rows, is_learnt, read_learnt
+from palpate.viewer.live import open_recorded_live
+from palpate.viewer.live_page import list_figures
+from palpate.viewer.pages import build_app
+
+
+@pytest.fixture(scope="module")
+def learnt(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of palpate learn, with the recording below it."""
+    folder = tmp_path_factory.mktemp("learnt")
+    draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
+    with pytest.raises(SystemExit) as left:
+        main(["learn", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"])
+    assert left.value.code == 0
+    return folder
+
+
+def test_the_table_has_every_estimator_and_the_kept_one_first(learnt):
+    assert is_learnt(learnt)
+    found = read_learnt(learnt)
+    rows, report = error_rows(found), json.loads((learnt / "report.json").read_text())
+    assert rows[0][0] == report["best"]
+    assert {row[0] for row in rows} == {one["name"] for one in report["estimators"]}
+    assert all(len(row) == len(error_columns(found)) == 2 + 2 * 3 for row in rows)
+    assert float(rows[0][2]) == pytest.approx(
+        next(one for one in report["estimators"] if one["name"] == report["best"])["errors"]["rx"]["rmse"], rel=5e-3
+    )
+
+
+def test_images_are_read_from_the_first_on_and_dots_drawn_where_they_are(learnt):
+    found = read_learnt(learnt)
+    live = open_recorded_live(found.model, open_source(str(learnt / "recording" / "images")))
+    steps = [live.step() for _ in range(5)]
+    live.close()
+    assert live.size_px == (420, 420)
+    assert [step.reading.image for step in steps] == [1, 2, 3, 4, 5]
+    for step in steps:
+        assert step.positions_px.shape == live.rest_px.shape
+        assert step.found.sum() == step.reading.found > 50
+        bright = step.image[tuple(step.positions_px[step.found].round().astype(int).T[::-1])]
+        assert np.mean(bright > 128) > 0.95
+    moved = np.linalg.norm(steps[0].positions_px - live.rest_px, axis=1)
+    assert np.median(moved) > 3.0
+    assert [row[0] for row in list_figures(steps[0].reading, None)] == ["rx", "ry", "depth", "tilt"]
+
+
+def test_an_image_of_another_size_is_refused(learnt, tmp_path):
+    cv2 = pytest.importorskip("cv2")
+    cv2.imwrite(str(tmp_path / "small.png"), np.zeros((100, 90), np.uint8))
+    with pytest.raises(PalpateError, match="90 × 100"):
+        open_recorded_live(read_learnt(learnt).model, open_source(str(tmp_path)))
+
+
+def test_pages_and_pictures_are_served_and_no_other_file(learnt):
+    client = TestClient(build_app(learnt))
+    assert client.get("/").status_code == 200
+    picture = client.get("/data/learnt/errors.png")
+    assert picture.content == (learnt / "errors.png").read_bytes()
+    for name in ("model.h5", "..%2Fmodel.h5", "report.json"):
+        assert client.get(f"/data/learnt/{name}").status_code in (404, 422)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"estimators": 3}'])
+def test_a_damaged_report_is_named(learnt, tmp_path, text):
+    (tmp_path / "model.h5").write_bytes((learnt / "model.h5").read_bytes())
+    (tmp_path / "report.json").write_text(text)
+    with pytest.raises(PalpateError, match=r"report\.json"):
+        read_learnt(tmp_path)
