@@ -58,6 +58,9 @@ class CourseSpec:
         Pull of the weights towards where they began.
     threads
         Cores that it may use.
+    vary
+        Draws inputs and targets of a batch from its rows and the share of the training that is over; `None` takes
+        them as they are.
     """
 
     epochs: int
@@ -70,6 +73,7 @@ class CourseSpec:
     rise: float = 0.0
     tie: float = 0.0
     threads: int = 1
+    vary: Callable[[Any, float], tuple[Any, Any]] | None = None
 
 
 class Course:
@@ -140,6 +144,11 @@ class Course:
         down, right = self.torch.randint(0, 2 * most + 1, (2,)).tolist()
         return padded[..., down : down + height, right : right + width]
 
+    def _draw(self, rows: Any, over: float) -> tuple[Any, Any]:
+        if self.spec.vary is not None:
+            return self.spec.vary(rows, over)
+        return self._shifted(self._batch(rows)), self.targets[rows]
+
     def _train(self) -> None:
         self.net.train()
         order = self.teach[self.torch.randperm(len(self.teach))]
@@ -149,12 +158,12 @@ class Course:
             step = self.epoch * len(batches) + number + 1
             for group in self.optimiser.param_groups:
                 group["lr"] = self._rate(step, steps)
-            inputs = self._shifted(self._batch(rows))
+            inputs, targets = self._draw(rows, step / steps)
             inputs = inputs + self.spec.noise * self.torch.randn_like(inputs)
             self.optimiser.zero_grad()
             with self.torch.autocast("cpu", self.torch.bfloat16, enabled=self.short):
                 found = self.net(inputs).float()
-            loss = ((found - self.targets[rows]) ** 2).mean()
+            loss = ((found - targets) ** 2).mean()
             for now, before in zip(self.net.parameters(), self.begin, strict=False):
                 loss = loss + self.spec.tie * ((now - before) ** 2).sum()
             loss.backward()

@@ -25,10 +25,17 @@ from palpate.recording.read_recording import Recording
 from palpate.recording.see_recording import Say, Seen, see_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import find_shift
-from palpate.recording.train_part import train_dots_network, train_picture_network
+from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
+from palpate.recording.turns import MOST_DOTS, find_sense
 
 PART_VERSION = "5"
 """Version of the code that decides what a part predicts; part of an artefact's key."""
+TURNED = "dots-network-turned"
+"""Network on dots that is taught by turned presses as well."""
+_ALIKE = ("rx", "ry"), ("depth", "rz", "force")
+"""Axes that turn with the sensor, and those that stay what they are."""
+_LEAST_TURNED = 20
+"""Images from which their turns teach: with fewer, the sense is not clear."""
 _NO_BETTER, _DOUBTFUL = 0.9, 0.7
 """Error over that of the mean pose from which nothing was learnt, and from which a shift of rows is looked for."""
 
@@ -122,11 +129,23 @@ def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
     names = [] if spec.estimators == "dots" else ["picture-ridge"]
     if seen.assigned is not None:
         names += ["dots-ridge"] if spec.estimators == "ridge" else ["dots-ridge", "dots-network"]
+        names += [TURNED] if spec.estimators != "ridge" and _sense(seen) else []
     if spec.estimators in ("all", "picture"):
         names += ["picture-network"]
         if seen.recording.others:
             names += ["picture-network-all"]
     return names or ["picture-ridge"]
+
+
+def _sense(seen: Seen) -> int:
+    """Whether (rx, ry) turn along with the dots, see `find_sense`; 0 where something else is learnt as well."""
+    axes, good = tuple(one.axis for one in seen.recording.poses), seen.good & seen.split.teach
+    layout = seen.assigned.layout if seen.assigned is not None else None
+    if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
+        return 0
+    if layout is None or len(layout) > MOST_DOTS or good.sum() < _LEAST_TURNED:
+        return 0
+    return find_sense(layout.rest_px, seen.moved[good], seen.targets[good, :2])
 
 
 def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
@@ -158,13 +177,16 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
             part: ModelPart = fit_ridge_part(name, lesson, name.startswith("picture"))
         elif name == "dots-network":
             part = train_dots_network(name, lesson, kept=kept)
+        elif name == TURNED:
+            assert seen.assigned is not None
+            part = train_turned_network(name, lesson, seen.assigned.layout.rest_px, _sense(seen), kept)
         else:
             part = train_picture_network(name, lesson, seen.targets.shape[1], course, kept, say)
         path = store.write(recipe, lambda file: write_arrays(file, part.arrays))
         for left in kept.parent.glob(f"{kept.stem}.*"):
             if left.suffix not in (".h5", ".json"):
                 left.unlink(missing_ok=True)
-    kind = "linear" if name.endswith("-ridge") else "dots-network" if name == "dots-network" else "picture-network"
+    kind = "linear" if name.endswith("-ridge") else "dots-network" if name.startswith("dots") else "picture-network"
     return PARTS[kind](name, read_arrays(path))
 
 

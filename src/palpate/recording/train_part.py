@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import child_seed
+from palpate.core import FloatArray, child_seed
 from palpate.recording.course import Course, CourseSpec, load_torch
 from palpate.recording.lesson import Lesson
 from palpate.recording.part import DotsNetwork, PictureNetwork, flat_features
+from palpate.recording.turns import COUNT, Turns, rotation
 
 COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
 """Network on dots: principal components read, units and number of hidden layers, members, epochs."""
@@ -25,6 +26,9 @@ NOISE, SHIFT, RISE = 0.1, 0.024, 0.25
 the training in which the rate rises. Shift and rise take a fifth off the error after as many epochs."""
 _POWER = 0.35
 """Components are scaled by their deviation to this power: small ones count, but not as much as large ones."""
+_TURNED, _FROM, _UNTIL = 0.8, 0.5, 0.85
+"""Share of the batches that are turned, and shares of the training between which it falls to none: a built sensor is
+not quite alike in all directions, and Euler angles do not quite turn."""
 
 
 def train_dots_network(
@@ -46,17 +50,55 @@ def train_dots_network(
     MissingExtraError
         If torch is not installed.
     """
-    features = flat_features(lesson.inputs, None)
-    taught = features[lesson.teach]
-    centre = taught.mean(axis=0)
-    values, vectors = np.linalg.eigh(np.cov((taught - centre).T) + 1e-9 * np.eye(taught.shape[1]))
-    count = min(COMPONENTS, len(values), max(4, len(taught) // 4))
-    values, vectors = np.maximum(values[::-1][:count], 1e-9), vectors[:, ::-1][:, :count]
-    projection = vectors / (values / values[0]) ** _POWER / math.sqrt(values[0])
-    start = {"projection": projection, "offset": centre @ projection}
+    taught = flat_features(lesson.inputs, None)[lesson.teach]
+    start = _components(taught.mean(axis=0), np.cov(taught.T), len(taught))
     return tune_dots_network(
         name, lesson, start, course or CourseSpec(DOTS_EPOCHS, noise=0.01), members=members, kept=kept
     )
+
+
+def _components(centre: FloatArray, covariance: FloatArray, taught: int) -> dict[str, NDArray[Any]]:
+    """Projection (p, c) on principal components, each scaled, and where the centre (p,) lies there."""
+    values, vectors = np.linalg.eigh(covariance + 1e-9 * np.eye(len(centre)))
+    count = min(COMPONENTS, len(values), max(4, taught // 4))
+    values, vectors = np.maximum(values[::-1][:count], 1e-9), vectors[:, ::-1][:, :count]
+    projection = vectors / (values / values[0]) ** _POWER / math.sqrt(values[0])
+    return {"projection": projection, "offset": centre @ projection}
+
+
+def train_turned_network(
+    name: str, lesson: Lesson, rest_px: FloatArray, sense: int, kept: Path | None = None, epochs: int = DOTS_EPOCHS
+) -> DotsNetwork:
+    """Perceptrons as `train_dots_network`, taught by turned presses as well (`palpate.recording.turns`).
+
+    Parameters
+    ----------
+    name, lesson
+        Name of the part, and what it learns from; rx and ry are the first two targets.
+    rest_px, sense
+        (m, 2) dots at rest, and whether (rx, ry) turn with the image (1) or against it (-1).
+    kept, epochs
+        As for `train_dots_network`.
+    """
+    torch = load_torch()
+    turns, fields = Turns(rest_px), flat_features(lesson.inputs, None)
+    centre, covariance = turns.spread(fields[lesson.teach].astype(float))
+    start = _components(centre, covariance, int(lesson.teach.sum()))
+    mean, sd = (values.copy() for values in lesson.scale)
+    mean[:2], sd[:2] = 0.0, sd[:2].mean()
+    along = [torch.as_tensor((turns.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)]
+    tilts = [torch.as_tensor(rotation(sense * k).T.astype(np.float32)) for k in range(COUNT)]
+    flat, offset = torch.as_tensor(fields), torch.as_tensor(start["offset"].astype(np.float32))
+    targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
+
+    def vary(rows: Any, over: float) -> tuple[Any, Any]:
+        share = _TURNED * min(1.0, max(0.0, (_UNTIL - over) / (_UNTIL - _FROM)))
+        turn = int(torch.randint(COUNT, (1,))) if float(torch.rand(1)) < share else 0
+        given = targets[rows]
+        return flat[rows] @ along[turn] - offset, torch.cat([given[:, :2] @ tilts[turn], given[:, 2:]], dim=1)
+
+    course = CourseSpec(epochs, noise=0.01, vary=vary)
+    return tune_dots_network(name, lesson, start | {"mean": mean, "sd": sd}, course, kept=kept)
 
 
 def tune_dots_network(
@@ -71,7 +113,7 @@ def tune_dots_network(
     """Train perceptrons on a given projection of displacements, from given weights where there are such."""
     torch = load_torch()
     given = "weight_0" in start
-    mean, sd = (start["mean"], start["sd"]) if given else lesson.scale
+    mean, sd = (start["mean"], start["sd"]) if "mean" in start else lesson.scale
     features = flat_features(lesson.inputs, None) @ start["projection"] - start["offset"]
     inputs = torch.as_tensor(features.astype(np.float32))
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))

@@ -1,0 +1,72 @@
+"""Turned presses: fields, the sense in which tilts turn with them, and what they teach."""
+
+import numpy as np
+import pytest
+
+from drawn_tactip import DrawnSensor, draw_motions, place_heads
+from needs import needs
+from palpate.recording.lesson import Lesson
+from palpate.recording.train_part import train_dots_network, train_turned_network
+from palpate.recording.turns import COUNT, Turns, find_sense, rotation
+
+SENSOR = DrawnSensor(rings=5)
+STILL = np.zeros((4, 2))
+
+
+def drawn(count: int, seed: int, shear: float = 3.0, tilt: float = 18.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Dots at rest (m, 2), displacements (n, m, 2) and poses (n, 3), without an image between."""
+    motions = draw_motions(count, seed, shear, tilt)
+    rest = place_heads(SENSOR, np.zeros(6), STILL)[0]
+    return rest, np.array([place_heads(SENSOR, one, STILL)[0] for one in motions]) - rest, motions[:, :3]
+
+
+@pytest.mark.parametrize("steps", [1, 7, 18, 35])
+@pytest.mark.parametrize("pattern", ["hexagon", "square", "random"])
+def test_a_turned_field_is_the_field_of_the_turned_place(steps, pattern):
+    rest = DrawnSensor(rings=7, pattern=pattern).pins() * 10.0
+    turns = Turns(rest)
+
+    def field(places):
+        x, y = (places - turns.middle).T / 100.0
+        return np.c_[np.sin(1.3 * x + 0.4 * y) + 0.3 * y, x * y - np.cos(0.8 * y)]
+
+    turn = rotation(steps)
+    asked = (rest - turns.middle) @ turn + turns.middle
+    expected = field(asked) @ turn.T
+    found = (turns.operator(steps) @ field(rest).reshape(-1)).reshape(-1, 2)
+    inner = np.linalg.norm(rest - turns.middle, axis=1) < 0.75 * np.linalg.norm(rest - turns.middle, axis=1).max()
+    assert np.abs(found - expected)[inner].max() < 0.03
+    assert np.sqrt(np.mean((found - expected) ** 2)) < 0.1
+
+
+def test_a_whole_turn_changes_nothing():
+    turns = Turns(SENSOR.pins())
+    assert np.array_equal(turns.operator(COUNT), np.eye(2 * len(SENSOR.pins())))
+
+
+def test_the_recording_tells_in_which_sense_tilts_turn():
+    rest, moved, poses = drawn(80, 1)
+    tilt = poses[:, :2]
+    assert find_sense(rest, moved, tilt) == -find_sense(rest, moved, tilt * [1, -1]) != 0
+    assert find_sense(rest, moved[..., ::-1], tilt) == 0 or find_sense(rest[:, ::-1], moved[..., ::-1], tilt) == -1
+    shuffled = np.random.default_rng(0).permutation(tilt)
+    assert find_sense(rest, moved, shuffled) == 0
+
+
+def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_not():
+    needs("torch")
+    rest, moved, poses = drawn(400, 2)
+    rng = np.random.default_rng(3)
+    moved = moved + rng.normal(0.0, 0.3, moved.shape)
+    number = np.arange(400)
+    lesson = Lesson(moved, poses, number < 80, (number >= 80) & (number < 160), 0)
+    sense = find_sense(rest, moved[:80], poses[:80, :2])
+
+    def error(part):
+        return float(np.sqrt(np.mean((part.predict(moved[160:]) - poses[160:])[:, :2] ** 2)))
+
+    plain = error(train_dots_network("plain", lesson))
+    turned = error(train_turned_network("turned", lesson, rest, sense, epochs=200))
+    wrong = error(train_turned_network("turned", lesson, rest, -sense, epochs=200))
+    assert turned < 0.75 * plain
+    assert wrong > 1.3 * turned
