@@ -13,7 +13,7 @@ from palpate.design import DomeSpec
 from palpate.optimise.front import Front, TriedSkin
 from palpate.optimise.proposal import Proposal
 from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
-from palpate.optimise.prove import prove
+from palpate.optimise.prove import foresee_rival, prove
 from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, Tried, search_skins
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
@@ -68,7 +68,8 @@ def optimise_design(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
     tried = search_skins(space, judge.judge, plan, out / JOURNAL)
-    front = Front(spec, tuple(judge.recall(tried)))
+    rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
+    front = Front(spec, tuple(judge.recall(tried)), rival=rival)
     front = replace(front, tried=judge.finish(front)) if spec.finalists else front
     if spec.proof == "none" or front.winner is None:
         return front
@@ -123,7 +124,9 @@ class _Judge:
         for entry in front.entries:
             value = entry.value(first)
             best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
-        chosen = [entry.tried.number for entry in front.best if len(self.spec.objectives) > 1]
+        chosen = [front.winner.tried.number] if front.winner else []
+        chosen += [entry.tried.number for _, entry in front.ends]
+        chosen += [entry.tried.number for entry in front.best if len(self.spec.objectives) > 1]
         chosen += sorted(best, key=lambda number: (best[number], number))
         skins, numbers = set[str](), list[int]()
         for number in dict.fromkeys(chosen):

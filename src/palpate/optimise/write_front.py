@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ _COLUMNS = (
     "camera",
     "distance_mm",
     "markers",
+    "dot_mm",
     "ring_diameters_mm",
     "worst_deg",
     "rmse_deg",
@@ -86,6 +88,7 @@ def describe_entry(entry: Entry) -> dict[str, Any]:
                 option.camera,
                 option.distance,
                 option.markers.count,
+                option.markers.diameter,
                 " ".join(f"{ring:g}" for ring in option.markers.ring_diameters or ()),
                 round(option.figure.worst_deg, 4),
                 round(option.figure.rmse_deg, 4),
@@ -109,6 +112,8 @@ def describe_front(front: Front) -> dict[str, Any]:
         "made_with": provenance(),
         "shortfall": front.shortfall,
         "winner": describe_entry(front.winner) if front.winner else None,
+        "rival": asdict(front.rival) if front.rival else None,
+        "ends": {title: describe_entry(entry) for title, entry in front.ends},
         "proof": front.proof.as_dict() if front.proof else None,
         "front": [describe_entry(entry) for entry in front.best],
         "skins": len(front.tried),
@@ -128,6 +133,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
         f"all frictions, after {spec.known} known presses: `worst_deg` is what 19 of 20 units stay below. They are "
         "no measurement.",
         "",
+        *_end_lines(front),
         *proof_lines(front.proof),
         "## The front",
         "",
@@ -210,6 +216,22 @@ def _winner_lines(winner: Entry) -> list[str]:
         f"units stay below {option.figure.worst_deg:.3f}° (RMSE {option.figure.rmse_deg:.3f}°); at most "
         f"{proposal.force_n:.2f} N. `winner.yaml` is its study.",
     ]
+
+
+def _end_lines(front: Front) -> list[str]:
+    """The ends of a front of several objectives; nothing where there is one."""
+    if not front.ends:
+        return []
+    bar = f"{front.bar_deg:.3f}°, " + ("as is foreseen of the rival" if front.rival else "as is wanted")
+    lines = [f"Of the designs whose error is no greater than {bar}:", ""]
+    for title, entry in front.ends:
+        proposal, option = entry.tried.known, entry.option
+        lines.append(
+            f"* {title}: skin {entry.tried.number}, {proposal.skin.build().name}, {option.markers.count} dots of "
+            f"{option.markers.diameter:g} mm, camera {option.camera} at {option.distance:g} mm, "
+            f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.figure.worst_deg:.3f}°"
+        )
+    return [*lines, ""]
 
 
 def _best_of_each(front: Front) -> Sequence[Entry]:
