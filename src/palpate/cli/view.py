@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from palpate.core import PalpateError
 from palpate.recording import is_recorded_model
 
-_RESULTS = "Result folder of a study, with its grid and store; without one, only a dome can be designed and pressed."
+_RESULTS = "Result folder of a study or of a search; without one, only a dome can be designed and pressed."
 _HOST = "Address to listen at; any but this machine's own asks every visitor for a token."
 _PORT = "Port to listen at; 0 takes any that is free."
 _TOKEN = "What every visitor must bring, 16 letters and digits or more; without one, it is made where it is needed."

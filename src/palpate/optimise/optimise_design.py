@@ -21,7 +21,8 @@ from palpate.study import Observer, Task, find_made, run_tasks, writable
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
-_ASKED = "requirements.json"
+ASKED = "requirements.json"
+"""File of the requirements in it."""
 _HOPELESS_DEG = 3.0
 """Error that a skin counts as having of which none is known."""
 _SEARCHED = ("error", "force", "size")
@@ -168,7 +169,7 @@ class _Judge:
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
+    file, free = writable(out) / ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))

@@ -19,6 +19,8 @@ from palpate.optimise.influence import Influences, find_influences
 from palpate.optimise.proof import proof_lines
 from palpate.optimise.space import SkinSpace
 
+FRONT = "front.json"
+"""File of the front in the folder of a search."""
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
 """Units of the objectives."""
 _COLUMNS = (
@@ -59,7 +61,7 @@ def write_front(folder: Path, front: Front, command: str) -> None:
         _write_rows(folder / "front.csv", map(describe_entry, front.best))
         _write_rows(folder / "tried.csv", map(describe_entry, _best_of_each(front)))
         influences = find_influences(front.tried, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed)
-        (folder / "front.json").write_text(json.dumps(describe_front(front), indent=2) + "\n", "utf-8")
+        (folder / FRONT).write_text(json.dumps(describe_front(front), indent=2) + "\n", "utf-8")
         (folder / "report.md").write_text(report(front, influences, command), "utf-8")
         draw_search(front).savefig(folder / "search.svg")
         draw_front(front).savefig(folder / "front.svg")
