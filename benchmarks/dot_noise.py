@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.bench import DEGRADED, Deviation, set_scene
-from palpate.built import size_noise
+from palpate.built.noise import size_noise
 from palpate.camera import CameraSpec, centre_bias, render, trace_size
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers

@@ -8,7 +8,7 @@ from palpate.built.foresee_budget import foresee_budget
 from palpate.built.identify import Identified, identify
 from palpate.built.mounting import MOUNTING
 from palpate.built.next_press import rank_presses
-from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, size_noise
+from palpate.built.noise import NOISE_PX
 from palpate.built.ring_information import RingInformation, measure_rings
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
@@ -21,7 +21,6 @@ __all__ = [
     "KNOWN_TILTS",
     "KNOWN_TURN_DEG",
     "MOUNTING",
-    "NOISE_DOT_PX",
     "NOISE_PX",
     "UNKNOWN",
     "BuiltFigure",
@@ -46,7 +45,6 @@ __all__ = [
     "foresee",
     "foresee_budget",
     "identify",
-    "layout_noise",
     "learn_rest",
     "learn_scale",
     "measure_rings",
@@ -54,6 +52,5 @@ __all__ = [
     "rank_presses",
     "read_unit",
     "single_deviation",
-    "size_noise",
     "write_unit",
 ]

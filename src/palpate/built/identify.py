@@ -238,14 +238,10 @@ class _Fit:
     """
 
     def __init__(
-        self,
-        model: UnitModel,
-        presses: Sequence[RobotPress],
-        noise_px: float | FloatArray,
-        robot: RobotSpec,
+        self, model: UnitModel, presses: Sequence[RobotPress], noise_px: float | FloatArray, robot: RobotSpec
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
-        noise = np.full(len(model.seen), noise_px, float) if np.ndim(noise_px) == 0 else np.asarray(noise_px, float)
+        noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
         self.noise_px = float(np.median(noise))
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
         self.drift_sd = np.array(model.tolerance.drift_sd)

@@ -37,7 +37,7 @@ def size_noise(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArra
     Examples
     --------
     >>> size_noise(np.array([2.2, 4.4, 8.8])).round(4).tolist()
-    [0.0265, 0.02, 0.0197]
+    [0.0266, 0.02, 0.0197]
     """
     share = diameter_px / NOISE_DOT_PX
     return np.asarray(noise_px * np.sqrt(_GRAIN / share + (1.0 - _GRAIN) * share**2), float)

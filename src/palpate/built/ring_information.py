@@ -17,12 +17,12 @@ from palpate.built.fit_pose import TWIN_SD, touch_sd
 from palpate.built.foresee import ForeseeSpec, dot_noise, draw_places, known_presses
 from palpate.built.identify import PressInformation, press_information, twin_off_sd
 from palpate.built.mounting import Mounting, mounting_sd
-from palpate.built.noise import MODEL_PX
+from palpate.built.noise import MODEL_PX, layout_noise
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import CAMERA, UNKNOWN, UnitBelief, model_unit, prior_sd, rest_slopes
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, generator
-from palpate.design import MarkerLayout
+from palpate.design import MarkerLayout, Skin
 from palpate.twin import Twin
 
 _MARGIN_PX = 5.0
@@ -76,11 +76,24 @@ class RingInformation:
     noise_px: FloatArray
     model_px: float
 
-    def printed(self, noise_px: FloatArray) -> RingInformation:
-        """The same of dots of other sizes, which have these standard deviations (g,) in an image, px.
+    def printed(
+        self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
+    ) -> RingInformation:
+        """The same of dots of another size, whose noise in an image follows from it.
 
         What the image at rest says of print and camera stays: there misprints rule.
+
+        Parameters
+        ----------
+        skin, layout, group
+            A dot at least of each group, of the size that they have now, and the group (m,) of each.
+        camera, noise_px
+            As for `foresee`.
         """
+        return self.with_noise(_by_group(layout_noise(skin, layout, camera, noise_px), group))
+
+    def with_noise(self, noise_px: FloatArray) -> RingInformation:
+        """The same where a dot's coordinate in an image has these standard deviations (g,), px."""
         before, after = (2.0 * noise**2 + self.model_px**2 for noise in (self.noise_px, noise_px))
         reads, crossed, common, known = before / after, before / after, np.ones(len(before)), self.presses
         if known is not None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.built import ForeseeSpec, RingInformation, ToleranceSpec, layout_noise, measure_rings
+from palpate.built import ForeseeSpec, RingInformation, ToleranceSpec, measure_rings
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
 from palpate.design import MarkerLayout, MarkerSpec, Skin, markers_in_rings
@@ -150,15 +150,15 @@ def place_rings(
 def resize_dots(places: RingPlaces, skin: Skin, camera: Camera, dot: float, noise_px: float) -> RingPlaces:
     """The same rings with dots of another diameter (mm), as large as the first or larger.
 
-    Nothing is looked at anew: what dots tell changes by their noise, which is `noise_px` for one of
-    `palpate.built.NOISE_DOT_PX`, and where they may be by their size.
+    Nothing is looked at anew: what dots tell changes by their noise, which is `noise_px` for one of 4.4 px in
+    the image, and where they may be by their size.
     """
     limits = replace(places.limits, dot=dot, least_dot=places.limits.least_dot or places.limits.dot)
-    layout = MarkerLayout(skin.inner_point(np.append(0.0, places.radii), np.zeros(len(places.radii) + 1)), dot)
-    noise = layout_noise(skin, layout, camera, noise_px)
-    by_group = np.append(noise[0], np.tile(noise[1:], limits.rings))
+    radii = np.append(0.0, np.tile(places.radii, limits.rings))
+    layout = MarkerLayout(skin.inner_point(radii, np.zeros(len(radii))), dot)
+    information = places.information.printed(skin, layout, np.arange(len(radii)), camera, noise_px)
     allowed, steps = _allow(skin, camera, limits, places.radii, places.information.inside)
-    return RingPlaces(places.information.printed(by_group), places.radii, allowed, steps, limits)
+    return RingPlaces(information, places.radii, allowed, steps, limits)
 
 
 def _allow(

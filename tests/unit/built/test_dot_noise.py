@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.bench import DEGRADED, Deviation, set_scene
-from palpate.built import NOISE_DOT_PX, NOISE_PX, layout_noise, size_noise
+from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, size_noise
 from palpate.camera import CameraSpec, build_camera, centre_bias, render, trace_size
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers

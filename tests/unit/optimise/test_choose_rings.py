@@ -5,7 +5,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from palpate.built import ForeseeSpec, ToleranceSpec, foresee, layout_noise, measure_rings
+from palpate.built import ForeseeSpec, ToleranceSpec, foresee, measure_rings
 from palpate.camera import CameraSpec, build_camera, dot_edges, trace_size
 from palpate.core import PalpateError
 from palpate.design import MarkerLayout, MarkerSpec, place_markers
@@ -119,10 +119,10 @@ def test_what_larger_dots_tell_is_found_without_looking_again(twin: Twin, known:
     spec = ForeseeSpec(known=known, max_tilt_deg=9.0, poses=12, by_size=True)
     small, large = (place_markers(twin.skin, MarkerSpec(count=37, diameter=diameter)) for diameter in (1.0, 2.2))
     group = np.repeat(np.arange(4), [1, 6, 12, 18])
-    noise = np.array([layout_noise(twin.skin, large, CAMERA)[group == number].mean() for number in range(4)])
     share = np.array([1.0, 1.0, 0.5, 1.0])
     first, again = (measure_rings(twin, each, group, CAMERA, TOLERANCE, spec) for each in (small, large))
-    assert first.printed(noise).variance(share) == pytest.approx(again.variance(share), rel=1e-3)
+    resized = first.printed(twin.skin, large, group, CAMERA, spec.noise_px)
+    assert resized.variance(share) == pytest.approx(again.variance(share), rel=1e-3)
     assert abs(first.variance(share) / again.variance(share) - 1.0) > 5e-3, "another noise makes a difference"
     fewer = small.positions[group != 2]
     drawn = foresee(twin, MarkerLayout(fewer, 2.2), CAMERA, TOLERANCE, spec).rmse_deg
