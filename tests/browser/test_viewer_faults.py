@@ -12,10 +12,11 @@ from walk import DRAWN, colours, open_page
 from conftest import ENTRY, ROOT, viewer
 
 
-def test_a_folder_without_results_says_what_to_do(page, tmp_path):
+def test_a_viewer_without_results_says_what_to_do(page, tmp_path):
+    (tmp_path / "grid.json").write_text("{}")
     with viewer(tmp_path) as link:
         page.goto(link)
-        page.get_by_role("alert").filter(has_text="finished study").wait_for()
+        page.get_by_role("alert").filter(has_text="cannot be read as a grid").wait_for()
         page.get_by_text("Design a dome and press it now").click()
         page.wait_for_function(DRAWN)
         page.goto(link + "live")

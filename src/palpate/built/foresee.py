@@ -24,7 +24,7 @@ import numpy as np
 from palpate.built.fit_pose import TWIN_SD, touch_sd
 from palpate.built.identify import learn_presses
 from palpate.built.mounting import Mounting, mount_unit
-from palpate.built.noise import MODEL_PX, NOISE_PX
+from palpate.built.noise import MODEL_PX, NOISE_PX, layout_noise
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
@@ -47,8 +47,9 @@ class ForeseeSpec:
         Drawn units, and poses of each.
     least_depth, max_tilt_deg
         Working range, mm and degrees.
-    noise_px
-        Standard deviation of a dot's coordinate.
+    noise_px, by_size
+        Standard deviation of a dot's coordinate; with `by_size`, that of a dot of `NOISE_DOT_PX`, of which those of
+        others follow by their size in the image (`size_noise`).
     known
         Known presses of each unit.
     robot
@@ -62,6 +63,7 @@ class ForeseeSpec:
     least_depth: float = 2.4
     max_tilt_deg: float = 12.0
     noise_px: float = NOISE_PX
+    by_size: bool = False
     known: int = 0
     robot: RobotSpec = field(default_factory=RobotSpec)
     seed: int = 0
@@ -123,16 +125,17 @@ def foresee(
     spec = spec or ForeseeSpec()
     rest = camera.project(layout.positions)
     belief = learn_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
+    noise = dot_noise(twin, layout, camera, spec)
     model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
     mounting = mount_unit(belief, tolerance)
     known = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
-    learnt = learn_presses(model, mounting, known, spec.noise_px, spec.robot)
+    learnt = learn_presses(model, mounting, known, noise, spec.robot)
     mounting = replace(mounting, covariance=learnt.covariance)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
-    gains = [pose_gain(model, mounting, spread, *place, spec.noise_px) for place in places]
+    gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
     taken = np.linalg.solve(spread, learnt.by_dot[:, np.repeat(model.seen, 2)])
-    covariance = _over_images(gains, taken, spec.noise_px)
+    covariance = _over_images(gains, taken, np.repeat(noise[model.seen], 2))
     drawn = generator(spec.seed, "foresee", "errors").standard_normal((spec.units, len(covariance)))
     errors = (drawn @ np.linalg.cholesky(covariance).T).reshape(spec.units, -1, 3)
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
@@ -146,7 +149,14 @@ def foresee(
     )
 
 
-def _over_images(gains: list[PoseGain], taken: FloatArray, noise_px: float) -> FloatArray:
+def dot_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: ForeseeSpec) -> FloatArray:
+    """Standard deviations (m,) px of a coordinate of every dot of a layout."""
+    if spec.by_size:
+        return layout_noise(twin.skin, layout, camera, spec.noise_px)
+    return np.full(len(layout), spec.noise_px)
+
+
+def _over_images(gains: list[PoseGain], taken: FloatArray, noise: FloatArray) -> FloatArray:
     """Covariance (3 p, 3 p) of the errors of one unit's images.
 
     Parameters
@@ -155,13 +165,13 @@ def _over_images(gains: list[PoseGain], taken: FloatArray, noise_px: float) -> F
         Of p poses.
     taken
         (15, 2 n) what known presses take an error of a dot at rest for, each over its standard deviation.
-    noise_px
-        Standard deviation of a dot's coordinate in one image.
+    noise
+        (2 n,) standard deviations of the dots' coordinates in one image, px.
     """
     by_unit = np.concatenate([gain.by_unit for gain in gains])
-    by_dot = np.concatenate([gain.by_dot for gain in gains])
-    cancelled = by_unit @ taken @ by_dot.T
-    found = by_unit @ by_unit.T + noise_px**2 * (by_dot @ by_dot.T - cancelled - cancelled.T)
+    by_dot = noise * np.concatenate([gain.by_dot for gain in gains])
+    cancelled = by_unit @ (noise * taken) @ by_dot.T
+    found = by_unit @ by_unit.T + by_dot @ by_dot.T - cancelled - cancelled.T
     for k, gain in enumerate(gains):
         found[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += gain.of_image
     return np.asarray(found, float)
@@ -207,9 +217,12 @@ def known_presses(
 
 
 def pose_gain(
-    model: UnitModel, mounting: Mounting, spread: FloatArray, pose: FloatArray, slip: float, noise_px: float
+    model: UnitModel, mounting: Mounting, spread: FloatArray, pose: FloatArray, slip: float, noise: float | FloatArray
 ) -> PoseGain:
-    """How an image of a pose is read by a fit that does not know all of its unit."""
+    """How an image of a pose is read by a fit that does not know all of its unit.
+
+    `noise` is the standard deviation of a dot's coordinate in px, or (m,) of each.
+    """
     sd, slips = touch_sd(model.tolerance), len(model.dots.twin.slips) > 1
     which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
     looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 4 else None), model.seen
@@ -217,17 +230,19 @@ def pose_gain(
     free = len(which)
     by_pose = looked.by_pose[seen][..., which].reshape(-1, free)
     by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
-    variance = 2.0 * noise_px**2 + MODEL_PX**2
+    own = np.repeat(np.broadcast_to(noise, len(seen))[seen], 2)
+    variance = 2.0 * own**2 + MODEL_PX**2
+    weighted = np.hstack([by_pose, by_unit]) / variance[:, None]
     jacobian = np.hstack([by_pose, by_unit])
     prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
-    gain = np.linalg.solve(jacobian.T @ jacobian / variance + np.diag(prior), jacobian.T / variance)
+    gain = np.linalg.solve(weighted.T @ jacobian + np.diag(prior), weighted.T)
     # a unit's numbers are fitted along, and move what the mounting is taken for
     to_robot = np.hstack([np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]])
     by_noise = to_robot @ gain
-    known = np.linalg.inv(by_pose.T @ by_pose / variance + np.diag(prior[:free]))
+    known = np.linalg.inv(weighted[:, :free].T @ by_pose + np.diag(prior[:free]))
     truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
-    alone = np.sqrt(np.diag(known)[:3] * (2.0 * noise_px**2) / variance)
+    alone = np.sqrt(np.diag(known)[:3] * np.mean(2.0 * own**2 / variance))
     nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
     drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
-    of_image = noise_px**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(TWIN_SD[:3] ** 2)
+    of_image = own**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(TWIN_SD[:3] ** 2)
     return PoseGain(by_noise @ by_unit - truth, by_noise, of_image, alone)

@@ -137,7 +137,7 @@ def learn_presses(
     model: UnitModel,
     mounting: Mounting,
     presses: Sequence[tuple[RobotPress, float]],
-    noise_px: float,
+    noise_px: float | FloatArray,
     robot: RobotSpec,
 ) -> TaughtUnit:
     """What presses of a unit that is as believed would leave unknown of it.
@@ -149,7 +149,7 @@ def learn_presses(
     presses
         Known presses, each with its 1/µ; without any, nothing is learnt.
     noise_px, robot
-        As for `identify`.
+        As for `identify`; noise also (m,) of each dot.
     """
     if not presses:
         return TaughtUnit(mounting.covariance, np.zeros((len(mounting.covariance), 2 * len(model.seen))))
@@ -179,13 +179,13 @@ class PressInformation(NamedTuple):
     own_prior
         (n - 15,) precision beforehand of what is each press's own.
     alike_variance
-        Of such an error, px².
+        (g,) of such an error, px².
     """
 
     normal: FloatArray
     by_dot: FloatArray
     own_prior: FloatArray
-    alike_variance: float
+    alike_variance: FloatArray
 
 
 def press_information(
@@ -193,14 +193,15 @@ def press_information(
     mounting: Mounting,
     presses: Sequence[tuple[RobotPress, float]],
     group: IntArray,
-    noise_px: float,
+    noise_px: FloatArray,
     robot: RobotSpec,
 ) -> PressInformation:
     """Information of known presses of a unit that is as believed, apart for every group (m,) of its dots.
 
-    The other parameters are those of `learn_presses`.
+    The other parameters are those of `learn_presses`, the noise (g,) that of every group.
     """
-    fit, groups = _Fit(model, [press for press, _ in presses], noise_px, robot), int(group.max()) + 1
+    fit, groups = _Fit(model, [press for press, _ in presses], noise_px[group], robot), int(group.max()) + 1
+    variance = fit.variance[:, None, None]
     normal = np.zeros((groups, fit.size, fit.size))
     alike = np.zeros((len(group), 2, fit.size))
     for k, (press, slip) in enumerate(presses):
@@ -209,13 +210,15 @@ def press_information(
         for pose in press.poses:
             _, slopes = fit.look(model, mounting, pose, np.array([slip, *[0.0] * (fit.own - 1)]))
             rows = np.nan_to_num(slopes)
-            squares = np.einsum("mci,mcj->mij", rows, rows, optimize=True) / fit.variance
+            squares = np.einsum("mci,mcj->mij", rows, rows, optimize=True) / variance
             block = np.zeros((groups, len(columns), len(columns)))
             np.add.at(block, group, squares)
             normal[np.ix_(np.arange(groups), columns, columns)] += block
-            alike[..., columns] += rows / fit.variance
+            alike[..., columns] += rows / variance
     prior = np.diag(fit.information(mounting))[fit.shared :]
-    return PressInformation(normal, alike, prior, fit.shared_variance)
+    shared = np.zeros(groups)
+    shared[group] = fit.shared_variance
+    return PressInformation(normal, alike, prior, shared)
 
 
 class _Normal(NamedTuple):
@@ -235,19 +238,16 @@ class _Fit:
     """
 
     def __init__(
-        self,
-        model: UnitModel,
-        presses: Sequence[RobotPress],
-        noise_px: float,
-        robot: RobotSpec,
+        self, model: UnitModel, presses: Sequence[RobotPress], noise_px: float | FloatArray, robot: RobotSpec
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
-        self.noise_px = noise_px
+        noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
+        self.noise_px = float(np.median(noise))
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
         self.drift_sd = np.array(model.tolerance.drift_sd)
         self.drifts = bool(self.drift_sd.any())
-        self.shared_variance = noise_px**2 + MODEL_PX**2 + self.drifts * _DRIFT_PX**2
-        self.variance = noise_px**2 + self.shared_variance
+        self.shared_variance = noise**2 + MODEL_PX**2 + self.drifts * _DRIFT_PX**2
+        self.variance = noise**2 + self.shared_variance
         self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
         self.slip, self.slip_sd = len(self.twin.slips) > 1, model.tolerance.slip[1]
@@ -329,7 +329,7 @@ class _Fit:
         """
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
-        covariance: FloatArray = inverse + self.shared_variance * together @ together.T
+        covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
         off = np.concatenate([twin_off_sd(), np.zeros(self.own * len(self.presses))])
         off[self.slips] = _TWIN_SD["slip"]
         covariance[np.diag_indices(self.size)] += off**2
@@ -368,13 +368,14 @@ class _Fit:
                 pixels, slopes = self.look(model, mounting, pose, values[own : own + self.own])
                 left = (seen - pixels)[there].reshape(-1)
                 jacobian = slopes[there].reshape(len(left), -1)
-                weight = weigh_dots(left, self.variance)
+                variance = self.variance[there]
+                weight = weigh_dots(left, variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian
                 gradient[columns] += weighted.T @ left
                 common[np.ix_(columns, np.flatnonzero(np.repeat(there, 2)))] += weighted.T
-                squares, count = squares + float(left @ left), count + len(left)
-        return _Normal(normal, gradient, common, squares / max(count, 1) / self.variance)
+                squares, count = squares + float(left @ (left / np.repeat(variance, 2))), count + len(left)
+        return _Normal(normal, gradient, common, squares / max(count, 1))
 
 
 def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:

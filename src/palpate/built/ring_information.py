@@ -3,7 +3,8 @@
 With J the derivative of a dot's pixels by all that is unknown, every dot adds JᵀJ to the normal matrix of the fit
 of an image, of the image at rest, and of known presses. So the matrices of all rings that might be printed are made
 once, and the figure of any choice among them is a sum and an inverse. It is the figure of `foresee` with its draws
-replaced by their expectation.
+replaced by their expectation. Dots of a group have one noise, so that those of another size weigh the same matrices
+otherwise (`RingInformation.printed`).
 """
 
 from __future__ import annotations
@@ -13,15 +14,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.built.fit_pose import TWIN_SD, touch_sd
-from palpate.built.foresee import ForeseeSpec, draw_places, known_presses
+from palpate.built.foresee import ForeseeSpec, dot_noise, draw_places, known_presses
 from palpate.built.identify import PressInformation, press_information, twin_off_sd
 from palpate.built.mounting import Mounting, mounting_sd
-from palpate.built.noise import MODEL_PX
+from palpate.built.noise import MODEL_PX, layout_noise
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import CAMERA, UNKNOWN, UnitBelief, model_unit, prior_sd, rest_slopes
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, generator
-from palpate.design import MarkerLayout
+from palpate.design import MarkerLayout, Skin
 from palpate.twin import Twin
 
 _MARGIN_PX = 5.0
@@ -55,8 +56,10 @@ class RingInformation:
         (g,) whether the dots of a group are in the image at all of these poses.
     unit_sd, mounting_sd
         (11,) and (4,) standard deviations of `UNKNOWN` and of the mounting beforehand.
-    noise_px, model_px
-        Standard deviations of a dot's coordinate in an image, and of what a fit takes the twin to be off.
+    noise_px
+        (g,) standard deviation of a dot's coordinate in an image.
+    model_px
+        The same of what a fit takes the twin to be off.
     """
 
     rest: FloatArray
@@ -70,19 +73,57 @@ class RingInformation:
     inside: BoolArray
     unit_sd: FloatArray
     mounting_sd: FloatArray
-    noise_px: float
+    noise_px: FloatArray
     model_px: float
+
+    def printed(
+        self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
+    ) -> RingInformation:
+        """The same of dots of another size, whose noise in an image follows from it.
+
+        What the image at rest says of print and camera stays: there misprints rule.
+
+        Parameters
+        ----------
+        skin, layout, group
+            A dot at least of each group, of the size that they have now, and the group (m,) of each.
+        camera, noise_px
+            As for `foresee`.
+        """
+        return self.with_noise(_by_group(layout_noise(skin, layout, camera, noise_px), group))
+
+    def with_noise(self, noise_px: FloatArray) -> RingInformation:
+        """The same where a dot's coordinate in an image has these standard deviations (g,), px."""
+        before, after = (2.0 * noise**2 + self.model_px**2 for noise in (self.noise_px, noise_px))
+        reads, crossed, common, known = before / after, before / after, np.ones(len(before)), self.presses
+        if known is not None:
+            alike = known.alike_variance + noise_px**2 - self.noise_px**2
+            share = (self.noise_px**2 + known.alike_variance) / (noise_px**2 + alike)
+            known = known._replace(
+                normal=known.normal * share[:, None, None],
+                by_dot=known.by_dot[:0],  # summed up already
+                alike_variance=alike,
+            )
+            crossed, common = crossed * share, share**2
+        return replace(
+            self,
+            reads=self.reads * reads[:, None, None],
+            crossed=self.crossed * crossed[:, None, None],
+            common=self.common * common[:, None, None],
+            presses=known,
+            noise_px=noise_px,
+        )
 
     def at_best(self) -> RingInformation:
         """The same for the best of estimators: its variance is convex, and no greater.
 
         Noise is all that it has to do with, and where presses are known, it knows what is alike in all images.
         """
-        own = self.noise_px**2
+        own = self.noise_px[:, None, None] ** 2
         assumed, presses = 2.0 * own + self.model_px**2, self.presses
         if presses is None:
             return replace(self, reads=self.reads * assumed / (2.0 * own), model_px=0.0)
-        normal = presses.normal * (own + presses.alike_variance) / own
+        normal = presses.normal * (own + presses.alike_variance[:, None, None]) / own
         presses, reads = presses._replace(normal=normal), self.reads * assumed / own
         none = 0.0 * self.common, 0.0 * self.crossed
         return replace(self, presses=presses, reads=reads, model_px=0.0, common=none[0], crossed=none[1])
@@ -98,20 +139,22 @@ class RingInformation:
         carry = np.zeros((touch + _UNIT, len(free) + _SHARED))
         carry[free, np.arange(len(free))] = 1.0
         carry[touch:, len(free) :] = spread[:_UNIT]
-        seen = carry.T @ np.einsum("g,pgij->pij", part, self.reads[:, on], optimize=True) @ carry
+        own = self.noise_px[on] ** 2
+        model = self.model_px**2 / (2.0 * own + self.model_px**2)
+        every = np.einsum("kg,pgij->kpij", np.stack([part, part * model]), self.reads[:, on], optimize=True)
+        seen, off = carry.T @ every @ carry
         normal = seen + np.diag(np.append(self.touch_prior[free], np.ones(_SHARED)))
         to_robot = np.zeros((len(normal), 2, len(free) + _SHARED))
         to_robot[:, [0, 1], [0, 1]] = 1.0
         to_robot[:, :, len(free) :] = self.by_mounting[:, :2] @ spread[_UNIT:]
         gain = to_robot @ np.linalg.inv(normal)
-        model = self.model_px**2 / (2.0 * self.noise_px**2 + self.model_px**2)
-        found = np.einsum("pai,pai->pa", gain, to_robot - model * gain @ seen)
+        found = np.einsum("pai,pai->pa", gain, to_robot - gain @ off)
         if taken is not None:
             # what known presses take an error at rest for, and what an image makes of it again
             by_unit = gain @ seen[:, :, len(free) :] - to_robot[:, :, len(free) :]
-            crossed = np.einsum("g,pgij->pij", part, self.crossed[:, on], optimize=True) @ carry
+            crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
             again = by_unit @ np.linalg.solve(spread, taken) @ crossed
-            found = found - 2.0 * self.noise_px**2 * np.einsum("pai,pai->pa", again, gain)
+            found = found - 2.0 * np.einsum("pai,pai->pa", again, gain)
         return float(found.mean() + np.mean(TWIN_SD[:2] ** 2))
 
     def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray | None]:
@@ -128,8 +171,8 @@ class RingInformation:
         before[:_SHARED, :_SHARED] = np.linalg.inv(covariance + 1e-18 * np.eye(_SHARED))
         before[np.arange(_SHARED, size), np.arange(_SHARED, size)] = known.own_prior
         inverse = np.linalg.inv(before + np.einsum("g,gij->ij", part, known.normal[on]))
-        alike = inverse @ np.einsum("g,gij->ij", part, self.common[on]) @ inverse
-        learnt = (inverse + known.alike_variance * alike)[:_SHARED, :_SHARED]
+        alike = inverse @ np.einsum("g,gij->ij", part * known.alike_variance[on], self.common[on]) @ inverse
+        learnt = (inverse + alike)[:_SHARED, :_SHARED]
         return np.asarray(learnt + np.diag(twin_off_sd() ** 2), float), inverse[:_SHARED]
 
 
@@ -165,9 +208,10 @@ def measure_rings(
     mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_sd(tolerance)]) ** 2))
     inside = np.ones(group.max() + 1, dtype=np.bool_)
     _leave(inside, group, camera, rest_px)
-    variance = 2.0 * spec.noise_px**2 + MODEL_PX**2
+    noise = _by_group(dot_noise(twin, layout, camera, spec), group)
+    variance = (2.0 * noise**2 + MODEL_PX**2)[group, None, None]
     presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
-    known = press_information(model, mounting, presses, group, spec.noise_px, spec.robot) if presses else None
+    known = press_information(model, mounting, presses, group, noise, spec.robot) if presses else None
     alike = known.by_dot if known else np.zeros((len(group), 2, 0))
     reads, crossed = [], []
     for pose, slip in places:
@@ -194,9 +238,14 @@ def measure_rings(
         inside=inside,
         unit_sd=sd,
         mounting_sd=mounting_sd(tolerance),
-        noise_px=spec.noise_px,
+        noise_px=noise,
         model_px=MODEL_PX,
     )
+
+
+def _by_group(noise: FloatArray, group: IntArray) -> FloatArray:
+    """Root mean square (g,) over the dots of each group."""
+    return np.asarray(np.sqrt(np.bincount(group, noise**2) / np.bincount(group)), float)
 
 
 def _add_up(left: FloatArray, right: FloatArray, group: IntArray) -> FloatArray:

@@ -12,7 +12,7 @@ from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
 from palpate.camera.read_image import decode_image, list_images, read_image
-from palpate.camera.render import RenderSpec, centre_bias, dot_edges, render, tangent_pair
+from palpate.camera.render import RenderSpec, centre_bias, dot_edges, render, tangent_pair, trace_size
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
 
@@ -46,6 +46,7 @@ __all__ = [
     "render",
     "stream_events",
     "tangent_pair",
+    "trace_size",
     "write_board",
     "write_calibration",
 ]

@@ -116,6 +116,13 @@ def centre_bias(camera: Camera, centres: FloatArray, edges: FloatArray) -> Float
     return bias
 
 
+def trace_size(camera: Camera, edges: FloatArray) -> FloatArray:
+    """Diameters (m,) px of discs as large as the traces of dots with these edges (m, k, 3) mm."""
+    x, y = np.moveaxis(camera.project(edges), -1, 0)
+    twice: FloatArray = np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
+    return np.sqrt(2.0 * twice / np.pi)
+
+
 def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) -> NDArray[np.uint8]:
     """Render the dots as the camera sees them.
 

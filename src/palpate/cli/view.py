@@ -10,8 +10,8 @@ from cyclopts import Parameter
 from palpate.recording import is_recorded_model
 
 _RESULTS = (
-    "Result folder of a study, with its grid and store, or of a recording that was learnt; without one, only a dome "
-    "can be designed and pressed."
+    "Result folder of a study, a search or a recording that was learnt; without one, only a dome can be designed and "
+    "pressed."
 )
 _HOST = "Address to listen at; any but this machine's own asks every visitor for a token."
 _PORT = "Port to listen at; 0 takes any that is free."

@@ -58,6 +58,11 @@ def write_grid(directory: Path, grid: SpecificationGrid) -> None:
         write_database(directory / DATABASE, grid)
 
 
+def is_grid(directory: Path) -> bool:
+    """Whether a folder holds a grid, readable or not."""
+    return any((directory / name).is_file() for name in (DATABASE, "grid.json"))
+
+
 def read_grid(directory: Path) -> SpecificationGrid:
     """Read the grid of a folder written by `write_grid`, from its ``grid.sqlite`` or, without one, ``grid.json``.
 

@@ -7,6 +7,7 @@ from palpate.optimise.influence import Influence, Influences, find_influences
 from palpate.optimise.optimise_design import optimise_design
 from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
 from palpate.optimise.proposal import Proposal, Variant
+from palpate.optimise.search_folder import FoundDesign, SearchFolder, is_search, read_search
 from palpate.optimise.search_skins import Judged, SearchPlan, Tried, search_skins
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.spec import CameraChoice, RequirementsSpec, RivalSpec, read_requirements
@@ -17,6 +18,7 @@ __all__ = [
     "CameraChoice",
     "ChosenRings",
     "Entry",
+    "FoundDesign",
     "Front",
     "Influence",
     "Influences",
@@ -28,6 +30,7 @@ __all__ = [
     "RequirementsSpec",
     "RingPlaces",
     "RivalSpec",
+    "SearchFolder",
     "SearchPlan",
     "SecondSolver",
     "SkinSpace",
@@ -38,9 +41,11 @@ __all__ = [
     "choose_rings",
     "describe_front",
     "find_influences",
+    "is_search",
     "optimise_design",
     "place_rings",
     "read_requirements",
+    "read_search",
     "search_skins",
     "write_front",
     "write_packs",

@@ -13,7 +13,7 @@ stopped. Known presses add terms that are not convex: the bound is of a unit who
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,8 @@ _CLOSE = 2e-3
 """Share of the expected square within which the bound is left."""
 _MARK_ROOM = 1.4
 """Room for the orientation mark beyond the outermost ring, over the diameter of a dot."""
+_SLACK_MM = 0.01
+"""By how much a ring may be beyond a place that is known to the tenth of a millimetre."""
 _SPREADS = (1.0, 0.7)
 """Shares of the meridian over which the rings are spread where exchanges begin."""
 
@@ -44,9 +46,11 @@ class PrintLimits:
     most
         Markers at most.
     dot, gap
-        Smallest dot, and smallest gap between two, mm.
+        Diameter of a dot, and smallest gap between two, mm.
+    least_dot
+        Diameter of the smallest dots that are tried, mm; empty: `dot`.
     apart_px
-        Least distance of two dots in the image at rest.
+        Least distance of two of the smallest dots in the image at rest; larger ones have as much between their edges.
     steepest_deg
         Slope of the skin up to which it can be printed.
     on_arc
@@ -58,6 +62,7 @@ class PrintLimits:
     most: int = 169
     dot: float = 1.0
     gap: float = 0.3
+    least_dot: float | None = None
     apart_px: float = 8.0
     steepest_deg: float = 65.0
     on_arc: bool = False
@@ -131,7 +136,6 @@ def place_rings(
     """Measure every ring that might be printed on the skin of a twin."""
     skin, count = twin.skin, limits.rings
     radii = _radii(skin, limits)
-    apart = _apart(skin, camera, limits, radii)
     positions, group = [skin.inner_point(np.zeros(1), np.zeros(1))], [np.zeros(1, dtype=int)]
     for k in range(1, count + 1):
         azimuth = 2.0 * np.pi * np.arange(6 * k) / (6 * k)
@@ -140,16 +144,41 @@ def place_rings(
             group.append(np.full(6 * k, 1 + (k - 1) * len(radii) + j))
     layout = MarkerLayout(np.concatenate(positions), limits.dot)
     information = measure_rings(twin, layout, np.concatenate(group), camera, tolerance, spec)
-    inside = information.inside[1:].reshape(count, len(radii))
-    numbers = np.arange(1, count + 1)[:, None]
+    return RingPlaces(information, radii, *_allow(skin, camera, limits, radii, information.inside), limits)
+
+
+def resize_dots(places: RingPlaces, skin: Skin, camera: Camera, dot: float, noise_px: float) -> RingPlaces:
+    """The same rings with dots of another diameter (mm), as large as the first or larger.
+
+    Nothing is looked at anew: what dots tell changes by their noise, which is `noise_px` for one of 4.4 px in
+    the image, and where they may be by their size.
+    """
+    limits = replace(places.limits, dot=dot, least_dot=places.limits.least_dot or places.limits.dot)
+    radii = np.append(0.0, np.tile(places.radii, limits.rings))
+    layout = MarkerLayout(skin.inner_point(radii, np.zeros(len(radii))), dot)
+    information = places.information.printed(skin, layout, np.arange(len(radii)), camera, noise_px)
+    allowed, steps = _allow(skin, camera, limits, places.radii, places.information.inside)
+    return RingPlaces(information, places.radii, allowed, steps, limits)
+
+
+def _allow(
+    skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray, inside: BoolArray
+) -> tuple[BoolArray, BoolArray]:
+    """Where every ring may be by itself (K, J), and neighbouring rings together (J, J)."""
+    apart = _apart(skin, camera, limits, radii)
+    numbers = np.arange(1, limits.rings + 1)[:, None]
     within = 2.0 * radii * np.sin(np.pi / (6 * numbers)) >= apart
-    along = skin.arc_length(skin.inner_point(radii, np.zeros(len(radii))))
-    allowed = inside & within & (along >= apart)
+    points = skin.inner_point(radii, np.zeros(len(radii)))
+    along = skin.arc_length(points)
+    whole = (radii <= _printable(skin, limits).max(initial=0.0) + _SLACK_MM) & (
+        skin.distance_to_rim(points) >= limits.dot - _SLACK_MM
+    )
+    allowed = inside[1:].reshape(len(numbers), len(radii)) & within & (along >= apart) & whole
     on_pad = along if limits.on_arc else radii
     steps = (along[None, :] - along[:, None] >= apart) & (
         on_pad[None, :] - on_pad[:, None] >= limits.dot + limits.gap
     )
-    return RingPlaces(information, radii, allowed, steps, limits)
+    return allowed, steps
 
 
 def choose_rings(places: RingPlaces, markers: int) -> ChosenRings:
@@ -191,7 +220,17 @@ def _counts(limits: PrintLimits) -> str:
 
 
 def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
-    """Distances from the axis, even along the meridian, as far as a pad reaches and the clamp leaves a dot whole.
+    """Distances from the axis, even along the meridian, where a ring may be printed."""
+    rho = _printable(skin, limits)
+    reach = float(skin.arc_length(skin.inner_point(rho, np.zeros(len(rho))))[-1]) if len(rho) else 0.0
+    least = limits.dot + limits.gap
+    if reach <= least:
+        raise PalpateError(f"Only {reach:.2g} mm of the meridian can be printed.", "Take a wider skin.")
+    return skin.at_arc_length(np.linspace(least, reach, limits.places))
+
+
+def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
+    """Distances from the axis, close together, as far as a pad reaches and the clamp leaves a dot whole.
 
     Beyond the outermost ring there is room for the orientation mark.
     """
@@ -201,12 +240,7 @@ def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
     fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
     if not fine.any():
         raise PalpateError("No ring can be printed on this skin.", "Take a flatter or wider skin, or smaller dots.")
-    fine &= rho <= rho[fine].max() - _MARK_ROOM * limits.dot
-    reach = float(skin.arc_length(points[fine])[-1]) if fine.any() else 0.0
-    least = limits.dot + limits.gap
-    if reach <= least:
-        raise PalpateError(f"Only {reach:.2g} mm of the meridian can be printed.", "Take a wider skin.")
-    return skin.at_arc_length(np.linspace(least, reach, limits.places))
+    return np.asarray(rho[fine & (rho <= rho[fine].max() - _MARK_ROOM * limits.dot)], float)
 
 
 def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -> FloatArray:
@@ -215,7 +249,8 @@ def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -
     near = skin.inner_point(radii * 0.99, np.zeros(len(radii)))
     seen = np.linalg.norm(camera.project(points) - camera.project(near), axis=1)
     scale = seen / np.linalg.norm(points - near, axis=1)
-    return np.maximum(limits.dot + limits.gap, limits.apart_px / np.maximum(scale, 1e-6))
+    larger = limits.dot - (limits.least_dot or limits.dot)
+    return np.maximum(limits.dot + limits.gap, limits.apart_px / np.maximum(scale, 1e-6) + larger)
 
 
 def _exchange(places: RingPlaces, start: IntArray) -> tuple[IntArray, float]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from palpate.built import BuiltFigure
 from palpate.optimise.proof import Proof
 from palpate.optimise.proposal import Proposal, Variant
 from palpate.optimise.spec import RequirementsSpec
@@ -17,6 +18,8 @@ WORDS = {
     "made": "it cannot be made",
 }
 """Constraints, and what is said where one is not met."""
+ENDS = {"force": "least force", "markers": "fewest markers", "price": "least price", "size": "smallest"}
+"""Objectives beside the error, and the title of the design that is least in one."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +85,14 @@ class Front:
         Every skin, in the order of the search.
     proof
         What winner and rivals gave on the bench; `None` where they were not played.
+    rival
+        What is foreseen of the rival; `None` where it was not asked.
     """
 
     spec: RequirementsSpec
     tried: tuple[TriedSkin, ...]
     proof: Proof | None = None
+    rival: BuiltFigure | None = None
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
@@ -108,6 +114,22 @@ class Front:
         """Of the front the first that meets the error wanted, or else the one of least error."""
         fine = [entry for entry in self.best if entry.value("error") <= self.spec.error_deg]
         return next(iter(fine), min(self.best, key=lambda entry: entry.value("error"), default=None))
+
+    @property
+    def bar_deg(self) -> float:
+        """Error that the ends of the front may have: what is foreseen of the rival, or what is wanted."""
+        return self.rival.worst_deg if self.rival else self.spec.error_deg
+
+    @property
+    def ends(self) -> tuple[tuple[str, Entry], ...]:
+        """For each objective beside the error the design that is least in it, of those no worse than `bar_deg`."""
+        fine = [entry for entry in self.entries if entry.value("error") <= self.bar_deg]
+        names = [name for name in self.spec.objectives if name in ENDS] if len(self.spec.objectives) > 1 else []
+        return tuple(
+            (ENDS[name], min(fine, key=lambda entry: (entry.value(name), entry.value("error"))))
+            for name in names
+            if fine
+        )
 
     @property
     def shortfall(self) -> str:

@@ -13,7 +13,7 @@ from palpate.design import DomeSpec
 from palpate.optimise.front import Front, TriedSkin
 from palpate.optimise.proposal import Proposal
 from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
-from palpate.optimise.prove import prove
+from palpate.optimise.prove import foresee_rival, prove
 from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, Tried, search_skins
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
@@ -21,7 +21,8 @@ from palpate.study import Observer, Task, find_made, run_tasks, writable
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
-_ASKED = "requirements.json"
+ASKED = "requirements.json"
+"""File of the requirements in it."""
 _HOPELESS_DEG = 3.0
 """Error that a skin counts as having of which none is known."""
 _SEARCHED = ("error", "force", "size")
@@ -68,7 +69,8 @@ def optimise_design(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
     tried = search_skins(space, judge.judge, plan, out / JOURNAL)
-    front = Front(spec, tuple(judge.recall(tried)))
+    rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
+    front = Front(spec, tuple(judge.recall(tried)), rival=rival)
     front = replace(front, tried=judge.finish(front)) if spec.finalists else front
     if spec.proof == "none" or front.winner is None:
         return front
@@ -123,7 +125,9 @@ class _Judge:
         for entry in front.entries:
             value = entry.value(first)
             best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
-        chosen = [entry.tried.number for entry in front.best if len(self.spec.objectives) > 1]
+        chosen = [front.winner.tried.number] if front.winner else []
+        chosen += [entry.tried.number for _, entry in front.ends]
+        chosen += [entry.tried.number for entry in front.best if len(self.spec.objectives) > 1]
         chosen += sorted(best, key=lambda number: (best[number], number))
         skins, numbers = set[str](), list[int]()
         for number in dict.fromkeys(chosen):
@@ -165,7 +169,7 @@ class _Judge:
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    file, free = writable(out) / _ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
+    file, free = writable(out) / ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from palpate.bench import DEGRADED, set_scene
 from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, draw_deviation, foresee
-from palpate.camera import Camera, build_camera
+from palpate.camera import Camera
 from palpate.core import ArtefactStore, PalpateError, Recipe
 from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers
 from palpate.fabricate import check_process
 from palpate.fea import Branch, Press, read_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec
-from palpate.optimise.choose_rings import PrintLimits, RingPlaces, choose_rings, place_rings, spread_rings
+from palpate.optimise.choose_rings import choose_rings, spread_rings
 from palpate.optimise.proposal import Proposal, Variant
-from palpate.optimise.spec import CameraChoice, RequirementsSpec
+from palpate.optimise.setting import Setting, measure_settings, rank_settings
+from palpate.optimise.spec import RequirementsSpec
 from palpate.sensor import Unit, open_sensor
 from palpate.study import (
     BuiltSpec,
@@ -34,7 +35,7 @@ from palpate.study import (
 )
 from palpate.twin import Twin, read_twin
 
-PROPOSE_VERSION = f"3/{FORESEE_VERSION}"
+PROPOSE_VERSION = f"4/{FORESEE_VERSION}"
 """Version of the code that decides what is proposed and foreseen; part of an artefact's key."""
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
@@ -47,6 +48,7 @@ _JUDGED_BY = (
     "max_tilt_deg",
     "markers",
     "dot",
+    "greatest_dot",
     "cameras",
     "tolerance",
     "process",
@@ -54,8 +56,8 @@ _JUDGED_BY = (
 """Requirements that decide what is found of a skin; the others decide what is made of that."""
 _LOOKED_AT = 3
 """Units whose images at rest are drawn and read, before a layout is offered."""
-_DISTANCES, _POSES = 4, 24
-"""Distances of a camera that are tried, and poses by which rings are chosen."""
+_SETTINGS = 3
+"""Settings of camera and dots, the best by even rings, in which rings are exchanged until a layout can be read."""
 
 
 @dataclass(frozen=True)
@@ -136,38 +138,37 @@ def propose(
 
 
 def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Variant]:
-    """The best option of each camera and number of rings; where that cannot be read, rings that are even."""
-    limits = PrintLimits(
-        most=spec.markers,
-        dot=spec.dot,
-        gap=spec.process.smallest_gap,
-        steepest_deg=spec.process.steepest_deg,
-        on_arc=spec.process.mapping == "arc",
-    )
+    """The best option of each camera and number of rings that can be read."""
     problems, found = [], False
     for choice in spec.cameras:
-        placed = _place_camera(twin, spec, choice, limits)
-        if isinstance(placed, PalpateError):
-            problems.append(placed)
-            continue
-        distance, places = placed
-        camera = build_camera(choice.camera.model_copy(update={"distance": distance}))
-        for rings in range(1, limits.rings + 1):
-            try:
-                choices = [choose(places, markers_in_rings(rings)).markers for choose in (choose_rings, spread_rings)]
-            except PalpateError as error:
-                problems.append(error)
-                break
-            for markers in choices:
+        settings = tuple(measure_settings(twin, spec, choice, foresee_spec(spec)))
+        for rings in range(1, settings[0].places.limits.rings + 1):
+            problem = PalpateError(
+                f"{markers_in_rings(rings)} markers cannot be printed on this skin and be seen apart by the camera "
+                f"{choice.name}.",
+                "Allow a greater distance, smaller dots, or a larger skin.",
+            )
+            for camera, markers in _offers(settings, markers_in_rings(rings)):
                 refusal = _refuse(twin, markers, material, camera, spec)
                 if refusal is None:
                     found = True
                     figure = _foresee(twin, markers, camera, spec)
-                    yield Variant(markers, choice.name, distance, choice.price, figure)
+                    yield Variant(markers, choice.name, camera.spec.distance, choice.price, figure)
                     break
-                problems.append(refusal)
+                problem = refusal
+            problems.append(problem)
     if not found:
         raise problems[0]
+
+
+def _offers(settings: Sequence[Setting], markers: int) -> Iterator[tuple[Camera, MarkerSpec]]:
+    """Layouts of so many markers with their camera, best first; rings that are even follow where others are not read.
+
+    Distances and diameters of dots are compared by even rings, and rings exchanged in the best few.
+    """
+    for setting in rank_settings(settings, markers)[:_SETTINGS]:
+        for choose in (choose_rings, spread_rings):
+            yield setting.camera, choose(setting.places, markers).markers
 
 
 def _refuse(
@@ -195,33 +196,16 @@ def second_state(press: Press) -> float | None:
     return float(inverted.min()) if len(inverted) else None
 
 
-def _place_camera(
-    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, limits: PrintLimits
-) -> tuple[float, RingPlaces] | PalpateError:
-    """The distance of a camera at which the most rings that fit read best, and the rings there."""
-    least, most = choice.distances
-    found: list[tuple[int, float, float, RingPlaces]] = []
-    problem = PalpateError(f"The camera {choice.name} sees no ring of the skin.", "Allow a greater distance.")
-    for distance in np.linspace(least, most, _DISTANCES if most > least else 1):
-        camera = build_camera(choice.camera.model_copy(update={"distance": float(distance)}))
-        places = place_rings(twin, camera, spec.tolerance, replace(_foresee_spec(spec), poses=_POSES), limits)
-        for rings in range(limits.rings, 0, -1):
-            try:
-                chosen = choose_rings(places, markers_in_rings(rings))
-            except PalpateError as error:
-                problem = error
-                continue
-            found.append((-rings, chosen.rmse_deg, round(float(distance), 2), places))
-            break
-    if not found:
-        return problem
-    _, _, best, places = min(found, key=lambda row: row[:2])
-    return best, places
-
-
-def _foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
-    return ForeseeSpec(known=spec.known, least_depth=spec.least_depth, max_tilt_deg=spec.max_tilt_deg, seed=spec.seed)
+def foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
+    """What is foreseen under requirements; the noise of dots follows from their size in the image."""
+    return ForeseeSpec(
+        known=spec.known,
+        least_depth=spec.least_depth,
+        max_tilt_deg=spec.max_tilt_deg,
+        by_size=True,
+        seed=spec.seed,
+    )
 
 
 def _foresee(twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec) -> BuiltFigure:
-    return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, _foresee_spec(spec))
+    return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, foresee_spec(spec))

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.bench import BENCH_VERSION, Bench, VirtualBenchSpec, play_unit
-from palpate.built import ForeseeSpec, draw_deviation, foresee
+from palpate.built import BuiltFigure, draw_deviation, foresee
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
@@ -26,7 +26,7 @@ from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
 from palpate.optimise.front import Entry, Front
 from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
-from palpate.optimise.propose import plan_proposal
+from palpate.optimise.propose import foresee_spec, plan_proposal
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study, write_json
 from palpate.twin import read_twin
@@ -36,7 +36,7 @@ UNITS = 20
 _MOST_KNOWN = 5
 """Most known presses that a bench makes."""
 _FINALISTS = 2
-"""Finalists that are played beside the winner."""
+"""Finalists that are played beside the winner where there is one objective."""
 
 
 @dataclass(frozen=True)
@@ -140,9 +140,7 @@ def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, s
     assert front.winner is not None
     spec, store = front.spec, ArtefactStore(out / "store")
     designs = [_Candidate.of(front, title, entry) for title, entry in _finalists(front, front.winner)]
-    if spec.rival is not None:
-        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.rival.distance})
-        designs.append(_Candidate(spec, "rival", spec.rival.skin(), spec.materials[0], spec.rival.markers, camera))
+    designs += [_Candidate.rival(spec)] if spec.rival else []
     winner = designs[0]
     second, problem = winner.second_solver()
     tasks = [task for design in designs for task in (*design.units, *design.trained_units)]
@@ -154,6 +152,20 @@ def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, s
         second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
         second_problem=problem,
     )
+
+
+def foresee_rival(
+    spec: RequirementsSpec, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]
+) -> BuiltFigure | None:
+    """What is foreseen of the rival, from the twin that it is read by where it is played; `None` without one.
+
+    The parameters are those of `prove`.
+    """
+    if spec.rival is None:
+        return None
+    rival, store = _Candidate.rival(spec), ArtefactStore(out / "store")
+    do([rival.twin])
+    return rival.foresee(store) if store.find(rival.twin.recipe) else None
 
 
 @dataclass(frozen=True)
@@ -173,6 +185,13 @@ class _Candidate:
         proposal = entry.tried.known
         camera = camera_of(front.spec, entry)
         return cls(front.spec, title, proposal.skin, proposal.material, entry.option.markers, camera)
+
+    @classmethod
+    def rival(cls, spec: RequirementsSpec) -> _Candidate:
+        """The rival of the requirements, in the first of the cameras and elastomers."""
+        assert spec.rival is not None
+        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.rival.distance})
+        return cls(spec, "rival", spec.rival.skin(), spec.materials[0], spec.rival.markers, camera)
 
     @property
     def built(self) -> Skin:
@@ -223,6 +242,12 @@ class _Candidate:
             return (), str(error.what)
         return (own, CalculixTask(own)), ""
 
+    def foresee(self, store: ArtefactStore) -> BuiltFigure:
+        """What is foreseen of it, from its twin in the store."""
+        twin, layout = read_twin(find_made(store, self.twin)), place_markers(self.built, self.markers)
+        spec = replace(foresee_spec(self.spec), known=self.bench.known)
+        return foresee(twin, layout, build_camera(self.camera), self.spec.tolerance, spec)
+
     def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:
         """What was foreseen and what was played."""
         empty = ProvenDesign(
@@ -230,27 +255,23 @@ class _Candidate:
         )
         if store.find(self.twin.recipe) is None:
             return replace(empty, problem=next((reasons[task.recipe.key] for task in self.units), "it has no twin."))
-        spec = ForeseeSpec(
-            known=self.bench.known,
-            least_depth=self.spec.least_depth,
-            max_tilt_deg=self.spec.max_tilt_deg,
-            seed=self.spec.seed,
-        )
         presses = (read_press(find_made(store, press)) for press in self.twin.presses)
-        twin, layout = read_twin(find_made(store, self.twin)), place_markers(self.built, self.markers)
         played, failures = _gather(store, self.units, reasons)
         return replace(
             empty,
             problem="" if played else failures[0],
             force_n=max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses),
-            foreseen=foresee(twin, layout, build_camera(self.camera), self.spec.tolerance, spec),
+            foreseen=self.foresee(store),
             played=played,
             trained=_gather(store, self.trained_units, reasons)[0],
         )
 
 
 def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
-    """The winner, and the best designs of other finalists."""
+    """The winner, and the ends of a front of several objectives; of one, the best designs of other finalists."""
+    if front.ends:
+        yield from _together([("winner", winner), *front.ends])
+        return
     yield "winner", winner
     others = sorted(
         (
@@ -263,6 +284,16 @@ def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
     )
     for entry in others[:_FINALISTS]:
         yield f"skin {entry.tried.number}", entry
+
+
+def _together(titled: Sequence[tuple[str, Entry]]) -> Iterator[tuple[str, Entry]]:
+    """Every design once, with all of its titles."""
+    entries: list[Entry] = []
+    for _, entry in titled:
+        if entry not in entries:
+            entries.append(entry)
+    for entry in entries:
+        yield ", ".join(title for title, other in titled if other == entry), entry
 
 
 def _gather(

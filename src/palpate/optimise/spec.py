@@ -100,7 +100,10 @@ class RequirementsSpec(Spec):
         (1.0, 1.0), unit="1", meaning="least and greatest thickness at the rim over that at the apex; 1: an even wall"
     )
     markers: int = parameter(169, unit="1", meaning="markers at most", ge=7, le=397)
-    dot: float = parameter(1.0, unit="mm", meaning="diameter of a dot", gt=0, le=5)
+    dot: float = parameter(1.0, unit="mm", meaning="smallest diameter of a dot that is tried", gt=0, le=5)
+    greatest_dot: float | None = parameter(
+        None, unit="mm", meaning="greatest diameter of a dot that is tried; empty: dot alone", gt=0, le=5
+    )
     cameras: tuple[CameraChoice, ...] = (CameraChoice(),)
     materials: tuple[str, ...] = parameter(
         ("zaid_2024_ecoflex_00_30",), unit="", meaning="elastomers that may be cast, as in a study's material"
@@ -166,6 +169,8 @@ class RequirementsSpec(Spec):
             _refuse(f"walls of {self.thicknesses[0]:g} mm do not fit into a radius of {self.base_radii[1]:g} mm.")
         if self.dot < self.process.smallest_dot:
             _refuse(f"dot is {self.dot:g} mm, less than process.smallest_dot, {self.process.smallest_dot:g} mm.")
+        if self.greatest_dot is not None and self.greatest_dot < self.dot:
+            _refuse(f"greatest_dot is {self.greatest_dot:g} mm and dot {self.dot:g} mm; give the greater one there.")
         if "price" in self.objectives and len(self.cameras) == 1:
             _refuse("price is made least, but there is only one camera; give several or leave price out.")
         return self

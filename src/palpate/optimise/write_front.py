@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ from palpate.optimise.influence import Influences, find_influences
 from palpate.optimise.proof import proof_lines
 from palpate.optimise.space import SkinSpace
 
+FRONT = "front.json"
+"""File of the front in the folder of a search."""
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
 """Units of the objectives."""
 _COLUMNS = (
@@ -31,6 +34,7 @@ _COLUMNS = (
     "camera",
     "distance_mm",
     "markers",
+    "dot_mm",
     "ring_diameters_mm",
     "worst_deg",
     "rmse_deg",
@@ -57,7 +61,7 @@ def write_front(folder: Path, front: Front, command: str) -> None:
         _write_rows(folder / "front.csv", map(describe_entry, front.best))
         _write_rows(folder / "tried.csv", map(describe_entry, _best_of_each(front)))
         influences = find_influences(front.tried, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed)
-        (folder / "front.json").write_text(json.dumps(describe_front(front), indent=2) + "\n", "utf-8")
+        (folder / FRONT).write_text(json.dumps(describe_front(front), indent=2) + "\n", "utf-8")
         (folder / "report.md").write_text(report(front, influences, command), "utf-8")
         draw_search(front).savefig(folder / "search.svg")
         draw_front(front).savefig(folder / "front.svg")
@@ -86,6 +90,7 @@ def describe_entry(entry: Entry) -> dict[str, Any]:
                 option.camera,
                 option.distance,
                 option.markers.count,
+                option.markers.diameter,
                 " ".join(f"{ring:g}" for ring in option.markers.ring_diameters or ()),
                 round(option.figure.worst_deg, 4),
                 round(option.figure.rmse_deg, 4),
@@ -109,6 +114,8 @@ def describe_front(front: Front) -> dict[str, Any]:
         "made_with": provenance(),
         "shortfall": front.shortfall,
         "winner": describe_entry(front.winner) if front.winner else None,
+        "rival": asdict(front.rival) if front.rival else None,
+        "ends": {title: describe_entry(entry) for title, entry in front.ends},
         "proof": front.proof.as_dict() if front.proof else None,
         "front": [describe_entry(entry) for entry in front.best],
         "skins": len(front.tried),
@@ -128,6 +135,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
         f"all frictions, after {spec.known} known presses: `worst_deg` is what 19 of 20 units stay below. They are "
         "no measurement.",
         "",
+        *_end_lines(front),
         *proof_lines(front.proof),
         "## The front",
         "",
@@ -210,6 +218,22 @@ def _winner_lines(winner: Entry) -> list[str]:
         f"units stay below {option.figure.worst_deg:.3f}° (RMSE {option.figure.rmse_deg:.3f}°); at most "
         f"{proposal.force_n:.2f} N. `winner.yaml` is its study.",
     ]
+
+
+def _end_lines(front: Front) -> list[str]:
+    """The ends of a front of several objectives; nothing where there is one."""
+    if not front.ends:
+        return []
+    bar = f"{front.bar_deg:.3f}°, " + ("as is foreseen of the rival" if front.rival else "as is wanted")
+    lines = [f"Of the designs whose error is no greater than {bar}:", ""]
+    for title, entry in front.ends:
+        proposal, option = entry.tried.known, entry.option
+        lines.append(
+            f"* {title}: skin {entry.tried.number}, {proposal.skin.build().name}, {option.markers.count} dots of "
+            f"{option.markers.diameter:g} mm, camera {option.camera} at {option.distance:g} mm, "
+            f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.figure.worst_deg:.3f}°"
+        )
+    return [*lines, ""]
 
 
 def _best_of_each(front: Front) -> Sequence[Entry]:

@@ -196,8 +196,8 @@ def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Chosen
     dots = [_scatter_dot(point, grid.designs[point[0]], axes, (chosen, front, ink)) for point in points]
     return {
         "grid": {"left": 48, "right": 12, "top": 12, "bottom": 40},
-        "xAxis": _axis(column_label(axes[0]), ink, 26),
-        "yAxis": _axis(column_label(axes[1]), ink, 34),
+        "xAxis": value_axis(column_label(axes[0]), ink, 26),
+        "yAxis": value_axis(column_label(axes[1]), ink, 34),
         "tooltip": {"appendToBody": True},
         "animation": False,
         "series": [
@@ -268,8 +268,8 @@ def line_chart(
             "textStyle": {"color": ink.text, "fontSize": 10},
         },
         "tooltip": {"trigger": "axis", "appendToBody": True},
-        "xAxis": {**_axis(axes[0], ink, 24), "min": 0},
-        "yAxis": {**_axis(axes[1], ink, 32), "min": 0},
+        "xAxis": {**value_axis(axes[0], ink, 24), "min": 0},
+        "yAxis": {**value_axis(axes[1], ink, 32), "min": 0},
         "animation": False,
         "series": series,
         "aria": {"enabled": True, "label": {"description": f"{axes[1]} over {axes[0]}."}},
@@ -287,7 +287,8 @@ def _line(curve: ChartCurve) -> Chart:
     }
 
 
-def _axis(name: str, ink: Ink, gap: int) -> Chart:
+def value_axis(name: str, ink: Ink, gap: int) -> Chart:
+    """An axis of numbers with its name, so many px from it."""
     return {
         "type": "value",
         "scale": True,

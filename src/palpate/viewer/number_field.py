@@ -59,6 +59,10 @@ class NumberField:
         with self._row:
             ui.label(text).classes("faint field-note")
 
+    def put(self, value: float) -> None:
+        """Give it a value as a visitor does: the change is called."""
+        self._box.value = value
+
     def _place(self, label: str, ends: tuple[float, float, float], value: float, change: Change) -> None:
         self._low, self._high, step = ends
         self._change = change

@@ -8,6 +8,8 @@ from fastapi import FastAPI, Request
 from nicegui import ui
 
 from palpate.core import PalpateError
+from palpate.grid import is_grid
+from palpate.optimise import is_search, read_search
 from palpate.viewer.design_page import DesignPage
 from palpate.viewer.explore_page import ExplorePage
 from palpate.viewer.learnt import is_learnt, read_learnt
@@ -18,6 +20,7 @@ from palpate.viewer.live_page import LivePage
 from palpate.viewer.page_head import Head
 from palpate.viewer.results import read_results
 from palpate.viewer.routes import answer_errors, make_routes
+from palpate.viewer.search_page import SearchPage
 from palpate.viewer.specimen_cache import SpecimenCache
 
 TITLE = "palpate"
@@ -26,7 +29,10 @@ TITLE = "palpate"
 def build_app(folder: Path | None) -> FastAPI:
     """The application for a result folder; without one, or with one that cannot be read, its page says so."""
     shelf, learnt, reason = SpecimenCache(), None, "No result folder was given."
-    if folder is not None:
+    search = folder if folder is not None and is_search(folder) and not is_grid(folder) else None
+    if search is not None:
+        reason = "A search has no trained model to read a sensor with."
+    elif folder is not None:
         try:
             if is_learnt(folder):
                 learnt = read_learnt(folder)
@@ -40,7 +46,9 @@ def build_app(folder: Path | None) -> FastAPI:
 
     @ui.page("/", title=TITLE)
     def explore(request: Request) -> None:
-        if learnt is not None:
+        if search is not None:
+            show_search(request, search, shelf)
+        elif learnt is not None:
             LearntPage(learnt, request).build()
         elif shelf.library is None:
             show_reason(request, "/", reason)
@@ -62,6 +70,14 @@ def build_app(folder: Path | None) -> FastAPI:
 
     ui.run_with(app, title=TITLE, tailwind=False, show_welcome_message=False, language="en-US")
     return app
+
+
+def show_search(request: Request, folder: Path, shelf: SpecimenCache) -> None:
+    """The page of a search as its folder is now; a search that runs has found more when it is loaded again."""
+    try:
+        SearchPage(read_search(folder), shelf, request).build()
+    except PalpateError as error:
+        show_reason(request, "/", str(error))
 
 
 def show_reason(request: Request, here: str, reason: str) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 from palpate.core import PalpateError, load_extra
 from palpate.viewer.guard import LOOPBACK, Door, Guard
 
+_GIVE = "Give the result folder of a study or of a search, or none to design a dome."
 SHORTEST_TOKEN = 16
 """Characters of the shortest token that is taken."""
 
@@ -88,7 +89,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Parameters
     ----------
     folder
-        Result folder of a study; without one, only the pages that need none show something.
+        Result folder of a study or a search; without one, only the pages that need none show something.
     spec
         Where to listen.
     announce
@@ -97,16 +98,21 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     Raises
     ------
     PalpateError
-        If there is no such folder; and as `open_door`.
+        If there is no such folder, or it holds nothing that can be shown; and as `open_door`.
     MissingExtraError
         If NiceGUI is not installed.
     """
     if folder is not None and not folder.is_dir():
-        raise PalpateError(f"{folder} is no folder.", "Give the result folder of a study, or none to design a dome.")
+        raise PalpateError(f"{folder} is no folder.", _GIVE)
     load_extra("nicegui", "web", "NiceGUI")
     uvicorn: Any = load_extra("uvicorn", "web")
+    from palpate.grid import is_grid
+    from palpate.optimise import is_search
+    from palpate.viewer.learnt import is_learnt
     from palpate.viewer.pages import build_app
 
+    if folder is not None and not (is_grid(folder) or is_search(folder) or is_learnt(folder)):
+        raise PalpateError(f"{folder} holds no grid, no search and no model that was learnt.", _GIVE)
     door, listener = open_door(spec)
     try:
         guarded = Guard(build_app(folder), door)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel
+from pydantic import BaseModel, BeforeValidator
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import PalpateError, Spec
@@ -15,8 +15,10 @@ from palpate.design import (
     Finding,
     MarkerSpec,
     Severity,
+    SkinSpec,
     build_skin,
     place_markers,
+    skin_from_data,
 )
 from palpate.fabricate import ProcessSpec, check_process
 from palpate.fea import WallSpec
@@ -31,14 +33,19 @@ REST_CELLS = 16
 """Cells from pole to rim of a dome that is only looked at."""
 
 
-class Sketch(Spec):
-    """Everything that the design page chooses."""
+def _as_skin(given: Any) -> Any:
+    return skin_from_data(given) if isinstance(given, dict) else given
 
-    dome: DomeSpec = DomeSpec()
+
+class Sketch(Spec):
+    """A design with the press that is asked of it, and how it is made."""
+
+    dome: Annotated[SkinSpec, BeforeValidator(_as_skin)] = DomeSpec()
     markers: MarkerSpec = MarkerSpec()
     material: MaterialSpec = MaterialSpec()
     camera: CameraSpec = CameraSpec()
     wall: WallSpec = WallSpec()
+    process: ProcessSpec = ProcessSpec()
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +70,7 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     if not layout.on_dome.all():
         raise PalpateError("Some markers lie outside the dome.", "Use smaller rings, or a wider dome.")
     mesh = mesh_skin(skin, MeshSpec(cells=REST_CELLS))
-    findings = check_process(skin, layout, sketch.material.material(), camera, ProcessSpec())
+    findings = check_process(skin, layout, sketch.material.material(), camera, sketch.process)
     hidden = int((~camera.visible(layout.positions, skin)).sum())
     if hidden:
         remedy = "Move the camera further away, or leave the outer ring out."

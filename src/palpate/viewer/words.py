@@ -27,6 +27,14 @@ _NAMES = {
     "height_mm": "height H",
     "thickness_mm": "thickness T",
     "base_radius_mm": "base radius B",
+    "worst_deg": "error of 19 of 20 units",
+    "coarse_worst_deg": "the same by coarse presses",
+    "size_mm": "outer diameter",
+    "reach_mm": "depth reached",
+    "distance_mm": "camera below the base",
+    "dot_mm": "diameter of a dot",
+    "ring_diameters_mm": "diameters of the rings",
+    "meets": "within the limits",
 }
 
 

@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 from palpate.design import MountSpec, build_skin
-from palpate.fabricate import PackSpec, ProcessSpec, write_pack
+from palpate.fabricate import PackSpec, write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.job import Report
@@ -30,7 +30,7 @@ def pack_sketch(sketch: Sketch, report: Report) -> bytes:
         markers=sketch.markers,
         mount=MountSpec(),
         material=sketch.material.material(),
-        process=ProcessSpec(),
+        process=sketch.process,
         camera=sketch.camera,
     )
     report(0.0)

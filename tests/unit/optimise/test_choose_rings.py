@@ -6,10 +6,20 @@ import numpy as np
 import pytest
 
 from palpate.built import ForeseeSpec, ToleranceSpec, foresee, measure_rings
-from palpate.camera import CameraSpec, build_camera
+from palpate.camera import CameraSpec, build_camera, dot_edges, trace_size
 from palpate.core import PalpateError
 from palpate.design import MarkerLayout, MarkerSpec, place_markers
-from palpate.optimise import PrintLimits, RingPlaces, bound_rings, choose_rings, place_rings
+from palpate.optimise import (
+    CameraChoice,
+    PrintLimits,
+    RequirementsSpec,
+    RingPlaces,
+    bound_rings,
+    choose_rings,
+    place_rings,
+)
+from palpate.optimise.choose_rings import resize_dots, spread_rings
+from palpate.optimise.setting import dot_diameters, measure_settings, rank_settings
 from palpate.twin import Twin, read_twin
 from small_chain import write_small_twin
 
@@ -102,3 +112,57 @@ def test_more_dots_are_never_foreseen_to_be_worse(twin: Twin, known: int, seed: 
     for fewer, more in pairwise(figures):
         assert more.rmse_deg <= 1.01 * fewer.rmse_deg
         assert more.worst_deg <= 1.01 * fewer.worst_deg
+
+
+@pytest.mark.parametrize("known", [0, 4])
+def test_what_larger_dots_tell_is_found_without_looking_again(twin: Twin, known: int) -> None:
+    spec = ForeseeSpec(known=known, max_tilt_deg=9.0, poses=12, by_size=True)
+    small, large = (place_markers(twin.skin, MarkerSpec(count=37, diameter=diameter)) for diameter in (1.0, 2.2))
+    group = np.repeat(np.arange(4), [1, 6, 12, 18])
+    share = np.array([1.0, 1.0, 0.5, 1.0])
+    first, again = (measure_rings(twin, each, group, CAMERA, TOLERANCE, spec) for each in (small, large))
+    resized = first.printed(twin.skin, large, group, CAMERA, spec.noise_px)
+    assert resized.variance(share) == pytest.approx(again.variance(share), rel=1e-3)
+    assert abs(first.variance(share) / again.variance(share) - 1.0) > 5e-3, "another noise makes a difference"
+    fewer = small.positions[group != 2]
+    drawn = foresee(twin, MarkerLayout(fewer, 2.2), CAMERA, TOLERANCE, spec).rmse_deg
+    assert np.sqrt(again.variance(np.array([1.0, 1.0, 0.0, 1.0]))) == pytest.approx(drawn, rel=0.01)
+
+
+@pytest.mark.parametrize("dot", [1.0, 1.5, 2.0])
+def test_larger_dots_keep_the_gap_of_the_smallest_on_skin_and_in_the_image(
+    places: RingPlaces, twin: Twin, dot: float
+) -> None:
+    resized = resize_dots(places, twin.skin, CAMERA, dot, 0.02)
+    layout = place_markers(twin.skin, choose_rings(resized, 37).markers)
+    assert layout.diameter == dot
+    points, pixels = layout.positions, CAMERA.project(layout.positions)
+    size = trace_size(CAMERA, dot_edges(points, twin.skin.normal(points), dot))
+    apart = [np.linalg.norm(each[:, None] - each[None], axis=-1) + 99 * np.eye(37) for each in (points, pixels)]
+    assert apart[0].min() >= dot + LIMITS.gap - 1e-3
+    assert (apart[1] - size).min() >= 0.9 * (LIMITS.apart_px - size.max() / dot)
+    assert twin.skin.distance_to_rim(points).min() >= dot - 0.02
+
+
+def test_every_number_of_rings_gets_the_distance_and_the_dots_that_are_best_for_it(twin: Twin) -> None:
+    choice = CameraChoice(distances=(32.0, 53.0))
+    spec = RequirementsSpec(
+        markers=37, dot=0.5, greatest_dot=2.0, cameras=(choice,), max_tilt_deg=9.0, depth=4.0, known=0
+    )
+    foreseen = ForeseeSpec(max_tilt_deg=9.0, by_size=True)
+    settings = list(measure_settings(twin, spec, choice, foreseen))
+    asked = {(setting.camera.spec.distance, setting.places.limits.dot) for setting in settings}
+    assert asked == {(distance, dot) for distance in (32.0, 39.0, 46.0, 53.0) for dot in (0.5, 0.8, 1.25, 2.0)}
+    for markers in (7, 19, 37):
+        ranked = rank_settings(settings, markers)
+        errors = [spread_rings(setting.places, markers).rmse_deg for setting in ranked]
+        assert errors == sorted(errors)
+        assert ranked[0].places.limits.dot > 0.5, "half a millimetre is too small a dot to be found well"
+        exchanged = [choose_rings(setting.places, markers).rmse_deg for setting in ranked]
+        assert exchanged[0] <= 1.02 * min(exchanged)
+
+
+def test_one_diameter_of_dots_is_tried_where_no_greater_one_is_given() -> None:
+    assert dot_diameters(RequirementsSpec()) == (1.0,)
+    assert dot_diameters(RequirementsSpec(greatest_dot=1.0)) == (1.0,)
+    assert dot_diameters(RequirementsSpec(dot=1.0, greatest_dot=1.1)) == (1.0, 1.05, 1.1)

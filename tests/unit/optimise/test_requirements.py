@@ -17,6 +17,7 @@ from palpate.optimise import (
     read_requirements,
 )
 from palpate.optimise.optimise_design import violations
+from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.write_front import report, winner_study, write_front
 from palpate.study import read_study
@@ -26,6 +27,7 @@ WRONG = {
     "heights: [10, 90]": "no range within 2 to 60 mm",
     "depth: 12\nheights: [5, 11]": "no height up to 11 mm can be pressed by 12 mm",
     "least_depth: 8": "least_depth is 8 mm and depth 8 mm",
+    "greatest_dot: 0.8": "greatest_dot is 0.8 mm and dot 1 mm",
     "dot: 0.2": "less than process.smallest_dot, 0.4 mm",
     "materials: [cheese]": "cheese",
     "cameras: []": "the list is empty",
@@ -92,6 +94,25 @@ def test_a_front_of_two_has_what_nothing_beats() -> None:
     assert [(entry.tried.number, entry.option.markers.count) for entry in front.best] == [(1, 37), (1, 19), (1, 7)]
     forces = Front(SPEC.model_copy(update={"objectives": ("error", "force")}), TRIED)
     assert [entry.tried.number for entry in forces.best] == [1, 0]
+
+
+def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once() -> None:
+    several = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
+    front = Front(several, TRIED, rival=BuiltFigure(5, 0.06, 0.31, 0.01, 0.02))
+    assert [(title, entry.tried.number, entry.option.markers.count) for title, entry in front.ends] == [
+        ("least force", 0, 37),
+        ("fewest markers", 1, 19),
+    ]
+    assert Front(several, TRIED).bar_deg == SPEC.error_deg, "what is wanted counts where there is no rival"
+    assert [entry.tried.number for _, entry in Front(several, TRIED).ends] == [1, 1]
+    assert front.winner is not None
+    assert [title for title, _ in _finalists(front, front.winner)] == ["winner", "least force", "fewest markers"]
+    strict = Front(several, TRIED, rival=BuiltFigure(5, 0.06, 0.16, 0.01, 0.02))
+    assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
+    assert Front(SPEC, TRIED).ends == ()
+    page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
+    assert "no greater than 0.310°, as is foreseen of the rival" in page
+    assert "* fewest markers: skin 1, H18 T2, 19 dots of 1.5 mm" in page
 
 
 def test_what_cannot_be_met_is_told_with_what_stands_in_the_way() -> None:

@@ -1,0 +1,160 @@
+"""The folder of a search as others look at it: what was tried, the front, and each design's parts.
+
+A search that runs has a journal and no front yet; what was tried so far is read from the journal alone, line by line,
+without Optuna, and nothing is written.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from palpate.camera import CameraSpec
+from palpate.core import PalpateError
+from palpate.design import MarkerSpec, SkinSpec, skin_from_data
+from palpate.optimise.front import Entry, Front, TriedSkin
+from palpate.optimise.optimise_design import ASKED, JOURNAL
+from palpate.optimise.proposal import Proposal
+from palpate.optimise.spec import RequirementsSpec
+from palpate.optimise.write_front import FRONT, describe_entry
+
+Row = Mapping[str, Any]
+_COMPLETE = 1
+"""State of a trial in the journal that was told what it gave."""
+_AGAIN = "Run `palpate optimise` again with this folder: it goes on where it was."
+
+
+@dataclass(frozen=True, eq=False)
+class FoundDesign:
+    """One design of a search.
+
+    Attributes
+    ----------
+    row
+        Its figures, by the columns of ``front.csv``.
+    skin, material, markers, camera
+        Its parts.
+    """
+
+    row: Row
+    skin: SkinSpec
+    material: str
+    markers: MarkerSpec
+    camera: CameraSpec
+
+
+@dataclass(frozen=True, eq=False)
+class SearchFolder:
+    """What a search's folder holds.
+
+    Attributes
+    ----------
+    folder, spec
+        Where it is, and what was asked for.
+    rows
+        Figures of designs: the front first, then the best design of every skin that was tried.
+    front
+        How many of them are the front.
+    winner
+        Number of the winner, -1 where there is none.
+    skins
+        Skins that were tried.
+    finished
+        Whether the front is that of a finished search; else it is the best so far, of coarse presses.
+    """
+
+    folder: Path
+    spec: RequirementsSpec
+    rows: tuple[Row, ...]
+    front: int
+    winner: int
+    skins: int
+    finished: bool
+
+    def design(self, number: int) -> FoundDesign:
+        """The parts of one design.
+
+        Raises
+        ------
+        PalpateError
+            If there is no such row, or it is no design.
+        """
+        if not 0 <= number < len(self.rows):
+            raise PalpateError(f"There is no design {number}.", f"There are designs 0 to {len(self.rows) - 1}.")
+        row = self.rows[number]
+        try:
+            return FoundDesign(row, _skin(row), str(row["material"]), _markers(row, self.spec), self._camera(row))
+        except (KeyError, TypeError, ValueError, ValidationError) as error:
+            raise PalpateError(f"Row {number} of the search is no design: {error}.", _AGAIN) from None
+
+    def _camera(self, row: Row) -> CameraSpec:
+        choice = next((one for one in self.spec.cameras if one.name == row["camera"]), None)
+        if choice is None:
+            raise ValueError(f"the requirements have no camera {row['camera']}")
+        return choice.camera.model_copy(update={"distance": float(row["distance_mm"])})
+
+
+def is_search(folder: Path) -> bool:
+    """Whether a folder is that of a search, finished or not."""
+    return (folder / ASKED).is_file() and (folder / JOURNAL).is_file()
+
+
+def read_search(folder: Path) -> SearchFolder:
+    """Read what a search has found so far.
+
+    Raises
+    ------
+    PalpateError
+        If the folder holds no search, or one that cannot be read.
+    """
+    if not is_search(folder):
+        raise PalpateError(f"{folder} holds no search.", "Give the folder of `palpate optimise`.")
+    try:
+        asked = json.loads((folder / ASKED).read_text("utf-8"))
+        spec = RequirementsSpec.model_validate({name: asked[name] for name in asked if name != "sampler"})
+        tried = tuple(_read_journal(folder / JOURNAL))
+        ended = json.loads((folder / FRONT).read_text("utf-8")) if (folder / FRONT).is_file() else {}
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise PalpateError(f"The search in {folder} cannot be read: {error}.", _AGAIN) from error
+    known = Front(spec, tried)
+    others = [describe_entry(Entry(one, best)) for one in tried if (best := one.known.best(spec.markers)) is not None]
+    finished = ended.get("skins") == len(tried)  # a search that goes on has tried more
+    front: Sequence[Row] = ended["front"] if finished else [describe_entry(entry) for entry in known.best]
+    first: Row | None = ended["winner"] if finished else describe_entry(known.winner) if known.winner else None
+    winner = next((number for number, row in enumerate(front) if row == first), -1)
+    return SearchFolder(folder, spec, (*front, *others), len(front), winner, len(tried), finished)
+
+
+def _read_journal(path: Path) -> Iterator[TriedSkin]:
+    """Skins that were judged, by their number; a line that is being written is left for the next time."""
+    notes: dict[int, dict[str, Any]] = {}
+    done = []
+    for line in path.read_text("utf-8").splitlines():
+        try:
+            record = json.loads(line)
+        except ValueError:
+            continue
+        if "user_attr" in record:
+            notes.setdefault(record["trial_id"], {}).update(record["user_attr"])
+        elif record.get("state") == _COMPLETE and record.get("values") and "trial_id" in record:
+            done.append(record["trial_id"])
+    for number in sorted(set(done) & set(notes)):
+        note = notes[number]
+        yield TriedSkin(number, Proposal.from_data(note["note"]["proposal"]), note["violations"])
+
+
+def _skin(row: Row) -> SkinSpec:
+    sizes = {name: float(row[f"{name}_mm"]) for name in ("height", "base_radius", "thickness")}
+    ratios = {name: float(row.get(name, 1.0)) for name in ("aspect", "taper")}
+    shape = {} if set(ratios.values()) == {1.0} else {"kind": "ellipsoid", **ratios}
+    return skin_from_data({**shape, **sizes})
+
+
+def _markers(row: Row, spec: RequirementsSpec) -> MarkerSpec:
+    rings = [float(word) for word in str(row["ring_diameters_mm"]).split()]
+    return MarkerSpec.model_validate({"ring_diameters": rings, "diameter": float(row.get("dot_mm", spec.dot))})

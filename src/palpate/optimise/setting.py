@@ -1,0 +1,86 @@
+"""The setting of a layout: a camera's distance and a diameter of dots, measured once for every number of rings.
+
+Which of them suits a number of rings is decided by rings that are even, a millisecond each; rings are exchanged only
+in the settings that are best by these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.built import ForeseeSpec
+from palpate.camera import Camera, build_camera
+from palpate.core import PalpateError
+from palpate.optimise.choose_rings import PrintLimits, RingPlaces, place_rings, resize_dots, spread_rings
+from palpate.optimise.spec import CameraChoice, RequirementsSpec
+from palpate.twin import Twin
+
+_DISTANCES, _DIAMETERS, _POSES = 4, 4, 24
+"""Distances of a camera and diameters of dots that are tried, and poses by which rings are chosen."""
+_GRAIN_MM = 0.05
+"""Steps of a diameter that a drawing has."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """A distance of a camera with dots of one diameter.
+
+    Attributes
+    ----------
+    camera
+        The camera where it is.
+    places
+        Every ring that might be printed, and what it tells.
+    """
+
+    camera: Camera
+    places: RingPlaces
+
+
+def measure_settings(
+    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, foreseen: ForeseeSpec
+) -> Iterator[Setting]:
+    """Measure all rings that might be printed, at every distance of a camera, with dots of every diameter.
+
+    Raises
+    ------
+    PalpateError
+        If there is no room for a ring of the smallest dots.
+    """
+    smallest, *larger = dot_diameters(spec)
+    limits = PrintLimits(
+        most=spec.markers,
+        dot=smallest,
+        gap=spec.process.smallest_gap,
+        steepest_deg=spec.process.steepest_deg,
+        on_arc=spec.process.mapping == "arc",
+    )
+    least, most = choice.distances
+    for distance in np.linspace(least, most, _DISTANCES if most > least else 1):
+        camera = build_camera(choice.camera.model_copy(update={"distance": round(float(distance), 2)}))
+        places = place_rings(twin, camera, spec.tolerance, replace(foreseen, poses=_POSES), limits)
+        yield Setting(camera, places)
+        for dot in larger:
+            yield Setting(camera, resize_dots(places, twin.skin, camera, dot, foreseen.noise_px))
+
+
+def dot_diameters(spec: RequirementsSpec) -> tuple[float, ...]:
+    """Diameters of dots that are tried, mm, the smallest first."""
+    greatest = spec.greatest_dot or spec.dot
+    between = np.geomspace(spec.dot, greatest, _DIAMETERS)[1:-1]
+    rounded = (round(round(float(step) / _GRAIN_MM) * _GRAIN_MM, 2) for step in between)
+    return tuple(dict.fromkeys((spec.dot, *(step for step in rounded if spec.dot < step < greatest), greatest)))
+
+
+def rank_settings(settings: Sequence[Setting], markers: int) -> list[Setting]:
+    """Settings in which so many markers can be printed and told apart, best first, by rings that are even."""
+    found = []
+    for number, setting in enumerate(settings):
+        try:
+            found.append((spread_rings(setting.places, markers).rmse_deg, number))
+        except PalpateError:
+            continue
+    return [settings[number] for _, number in sorted(found)]

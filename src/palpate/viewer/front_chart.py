@@ -1,0 +1,68 @@
+"""The front of a search as data for ECharts: error over another objective, tried skins grey, the winner marked."""
+
+from __future__ import annotations
+
+from palpate.optimise import SearchFolder
+from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Ink, value_axis
+from palpate.viewer.words import column_label
+
+ERROR = "worst_deg"
+"""Column of the error that is made least."""
+COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
+"""Columns of the other objectives."""
+
+
+def front_chart(search: SearchFolder, across: str, chosen: int, ink: Ink) -> Chart:
+    """All designs of a search by their error over a column; each point's value ends in its number."""
+    numbers = range(len(search.rows))
+    parts = (
+        ("tried", [k for k in numbers if k >= search.front], {"color": ink.faint, "opacity": 0.45}, 7),
+        ("front", [k for k in numbers if k < search.front and k != search.winner], {"color": VIRIDIS[5]}, 10),
+        ("winner", [search.winner] if search.winner >= 0 else [], {"color": SECOND}, 17),
+    )
+    series = [
+        {
+            "type": "scatter",
+            "name": name,
+            "symbol": "diamond" if name == "winner" else "circle",
+            "symbolSize": size,
+            "itemStyle": {**style, "borderColor": ink.ground, "borderWidth": 1},
+            "data": [_dot(search, k, across, k == chosen) for k in members],
+        }
+        for name, members, style, size in parts
+    ]
+    return {
+        "grid": {"left": 52, "right": 14, "top": 30, "bottom": 40},
+        "legend": {
+            "data": [part["name"] for part in series if part["data"]],
+            "top": 0,
+            "itemWidth": 10,
+            "itemHeight": 10,
+            "textStyle": {"color": ink.text, "fontSize": 10},
+        },
+        "xAxis": value_axis(column_label(across), ink, 26),
+        "yAxis": value_axis(column_label(ERROR), ink, 38),
+        "tooltip": {"appendToBody": True},
+        "animation": False,
+        "series": series,
+        "aria": {
+            "enabled": True,
+            "label": {"description": f"{column_label(ERROR)} over {column_label(across)} of all designs."},
+        },
+    }
+
+
+def _dot(search: SearchFolder, number: int, across: str, chosen: bool) -> Chart:
+    row = search.rows[number]
+    x, y = float(row[across]), float(row[ERROR])
+    words = f"{design_words(search, number)}<br>{column_label(across)}: {x:.3g}<br>{column_label(ERROR)}: {y:.3g}"
+    marked = {"itemStyle": {"color": FIRST, "opacity": 1.0}, "symbolSize": 17} if chosen else {}
+    return {"name": f"design {number}", "value": [x, y, number], "tooltip": {"formatter": words}, **marked}
+
+
+def design_words(search: SearchFolder, number: int) -> str:
+    """A design in a few words, e.g. ``"skin 12, 91 markers: winner"``."""
+    row = search.rows[number]
+    role = "winner" if number == search.winner else "front" if number < search.front else ""
+    role = role or ("tried" if row["meets"] else "tried, breaks a limit")
+    return f"skin {row['skin']}, {row['markers']} markers: {role}"

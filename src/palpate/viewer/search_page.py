@@ -1,0 +1,147 @@
+"""The page of a search: the front on the left, the design that was clicked on the workbench."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import Request
+from nicegui import events, ui
+
+from palpate.core import PalpateError
+from palpate.optimise import SearchFolder
+from palpate.viewer.explore_page import set_chart
+from palpate.viewer.front_chart import COLUMNS, design_words, front_chart
+from palpate.viewer.page_head import Head, heading
+from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.words import cell_words, column_label
+from palpate.viewer.workbench import Workbench
+
+_DEEPEST = 20.0
+"""Greatest depth that the page offers, mm."""
+
+
+class SearchPage:
+    """One visitor's search.
+
+    Parameters
+    ----------
+    search
+        What the folder holds.
+    shelf
+        Where drawn designs are put for the browser to ask for.
+    request
+        Of the page; `design` in its query is the number of the design shown.
+    """
+
+    def __init__(self, search: SearchFolder, shelf: SpecimenCache, request: Request) -> None:
+        self._search = search
+        self._head = Head(request, "/", f"{search.spec.name} · {search.skins} skins tried")
+        self._head.watch(self._draw_front)
+        self._bench = Workbench(shelf, self._head)
+        self._wall: dict[str, Any] = {}
+        asked = request.query_params.get("design", "")
+        self._shown = int(asked) if asked.isdecimal() and int(asked) < len(search.rows) else max(search.winner, 0)
+        self._across = next((COLUMNS[name] for name in search.spec.objectives if name in COLUMNS), "markers")
+
+    def build(self) -> None:
+        """Place every element and show the winner."""
+        if not self._search.rows:
+            with ui.element("div").classes("empty"):
+                ui.label("No skin was judged yet. Load the page again in some minutes.").props('role="status"')
+            return
+        with ui.element("div").classes("explorer search"):
+            with ui.element("section").classes("side").props('aria-label="Front"'):
+                self._build_front()
+            with ui.element("section").classes("stage").props('aria-label="Design"'):
+                self._bench.build_stage()
+            with ui.element("section").classes("side").props('aria-label="Camera and force"'):
+                self._bench.build_right()
+        self._wall_fields["depth"].put(min(self._search.spec.depth, _DEEPEST))
+        self._draw_front()
+        self._show()
+
+    def _build_front(self) -> None:
+        with ui.element("div").classes("card"):
+            heading("The front")
+            ui.label(_state(self._search)).classes("faint state")
+            ui.select(
+                {column: column_label(column) for column in COLUMNS.values()},
+                value=self._across,
+                label="Across",
+                on_change=self._choose_axis,
+            ).props("dense outlined options-dense").classes("wide across")
+            self._chart = ui.echart({}, on_point_click=self._click, renderer="svg").classes("front")
+        self._wall_fields = self._bench.build_wall(self._set_wall)
+        with ui.element("div").classes("card"):
+            heading("Figures")
+            self._title = ui.label("").classes("design-title").props('aria-live="polite"')
+            self._figures = ui.element("table").classes("figures")
+
+    def _draw_front(self) -> None:
+        if self._search.rows:
+            set_chart(self._chart, front_chart(self._search, self._across, self._shown, self._head.ink))
+
+    def _show(self) -> None:
+        """Put the chosen design on the workbench."""
+        self._title.text = design_words(self._search, self._shown)
+        self._figures.clear()
+        with self._figures:
+            for column, cell in self._search.rows[self._shown].items():
+                with ui.element("tr"):
+                    with ui.element("th").props('scope="row"'):
+                        ui.label(column_label(column))
+                    with ui.element("td"):
+                        ui.label(_words(cell))
+        self._draw()
+
+    def _draw(self) -> None:
+        try:
+            found = self._search.design(self._shown)
+        except PalpateError as error:
+            self._bench.complain(str(error))
+            return
+        self._bench.show(
+            {
+                "dome": found.skin,
+                "markers": found.markers,
+                "material": {"name": found.material},
+                "camera": found.camera,
+                "process": self._search.spec.process,
+                "wall": self._wall,
+            }
+        )
+
+    def _set_wall(self, name: str, value: Any) -> None:
+        if self._wall.get(name) != value:
+            self._wall[name] = value
+            self._draw()
+
+    def _choose_axis(self, event: events.ValueChangeEventArguments[Any]) -> None:
+        if event.value:
+            self._across = event.value
+            self._draw_front()
+
+    def _click(self, event: events.EChartPointClickEventArguments) -> None:
+        value: Any = event.value
+        if isinstance(value, list) and len(value) > 2 and int(value[2]) != self._shown:
+            self._shown = int(value[2])
+            ui.run_javascript(f"history.replaceState(null, '', '/?design={self._shown}')")
+            self._draw_front()
+            self._show()
+
+
+def _state(search: SearchFolder) -> str:
+    """How far the search is, in a sentence."""
+    if not search.finished:
+        return (
+            f"{search.skins} of {search.spec.skins} skins so far, by coarse presses. The search goes on, or was "
+            "stopped; load the page again to see more."
+        )
+    found = f"{search.front} designs that none of {search.skins} skins beats" if search.front else "No design"
+    return f"{found}; errors are foreseen of built units after {search.spec.known} known presses."
+
+
+def _words(cell: Any) -> str:
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    return cell_words(cell)

@@ -1,0 +1,221 @@
+"""The workbench: a sketch on the stage, pressed by the real solver, and made as a fabrication pack.
+
+The design page shows on it what its fields say, the page of a search the design that was clicked.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from nicegui import ui
+from pydantic import ValidationError
+
+from palpate.core import PalpateError
+from palpate.design import Finding
+from palpate.fea import Press, WallSpec
+from palpate.viewer.charts import FIRST, ChartCurve, line_chart
+from palpate.viewer.curves import force_curves
+from palpate.viewer.elements import CameraView, DomeView, PoseBar
+from palpate.viewer.explore_page import set_chart
+from palpate.viewer.job import Job
+from palpate.viewer.library import Specimen
+from palpate.viewer.number_field import NumberField
+from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.pressed_dome import gather_presses
+from palpate.viewer.shell import build_shell
+from palpate.viewer.sketch import Sketch, draw_sketch
+from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.work import pack_sketch, press_sketch
+
+_LOOK_S = 0.2
+_CONTACTS = ("no-slip", "frictionless")
+_WALL = (("tilt_deg", "Tilt", 0.5), ("azimuth_deg", "Azimuth", 5.0), ("depth", "Depth", 0.5))
+
+
+class Workbench:
+    """One visitor's workbench.
+
+    Parameters
+    ----------
+    shelf
+        Where the drawn design is put for the browser to ask for.
+    head
+        Of the page.
+    """
+
+    def __init__(self, shelf: SpecimenCache, head: Head) -> None:
+        self._shelf, self._head = shelf, head
+        self._sketch = Sketch()
+        self._drawn = draw_sketch(self._sketch)
+        self._ordered = (self._sketch, self._drawn)
+        self._errand: Job | None = None
+        self._finish: Callable[[Any], None] = self._show_press
+        self._curves: list[ChartCurve] = []
+        head.watch(self._draw_force)
+
+    def build_wall(self, change: Callable[[str, Any], None]) -> dict[str, NumberField]:
+        """Place the fields of the press; `change` takes the name and the value of a number of `WallSpec`."""
+        fields = {}
+        with ui.element("div").classes("card"):
+            heading("Press")
+            for name, label, step in _WALL:
+                ends = {"depth": (0.5, 20.0), "azimuth_deg": (0.0, 360.0)}.get(name)
+                fields[name] = NumberField(WallSpec, name, label, step, partial(change, name), ends)
+            ui.select(
+                list(_CONTACTS),
+                value=self._sketch.wall.contact,
+                label="Contact",
+                on_change=lambda event: change("contact", event.value),
+            ).props("dense outlined options-dense").classes("wide contact")
+        return fields
+
+    def build_stage(self) -> None:
+        """Place the dome, its buttons and the bar of its pose."""
+        with ui.element("div").classes("do"):
+            self._press = ui.button("Press", icon="compress", on_click=self._start_press).props(
+                "no-caps unelevated dense"
+            )
+            self._make = ui.button("Make", icon="precision_manufacturing", on_click=self._start_pack)
+            self._make.props("no-caps outline dense")
+            self._cancel = ui.button("Cancel", on_click=self._call_off).props("no-caps flat dense")
+            self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
+            self._status = ui.label("").classes("faint status").props('role="status"')
+        self._fault = complaint()
+        with ui.element("div").classes("domes"):
+            dome = DomeView("a", "The design")
+            with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
+                for side in ("side", "front", "top", "below"):
+                    ui.button(side, on_click=lambda side=side: dome.look(side)).props("flat dense no-caps")
+        self._look_row = ui.element("div").classes("look")
+        self._bar = PoseBar(0.0, 0.0, 0.0)
+        self._build_look(self._bar)
+        self._busy(False)
+        self._timer = ui.timer(_LOOK_S, self._look, active=False)
+        ui.context.client.on_disconnect(self._call_off)
+
+    def _build_look(self, bar: PoseBar) -> None:
+        colours = ["displacement", "stress", "contact"]
+        with self._look_row:
+            ui.toggle(colours, value=colours[0], on_change=lambda event: bar.look(colour=event.value)).props(
+                'no-caps dense unelevated role="group" aria-label="Colour of the dome"'
+            )
+            for name, label in (("cut", "Cut away"), ("dots", "Markers"), ("trails", "Trails"), ("wall", "Wall")):
+                ui.checkbox(
+                    label, value=True, on_change=lambda event, name=name: bar.look(**{name: event.value})
+                ).props("dense")
+
+    def build_right(self) -> None:
+        """Place the camera's view, findings and the force."""
+        with ui.element("div").classes("card"):
+            heading("What the camera sees")
+            CameraView("a", "The design")
+        with ui.element("div").classes("card"):
+            heading("Findings")
+            self._findings = ui.element("ul").classes("findings")
+        with ui.element("div").classes("card"):
+            heading("Force on the wall")
+            self._force = ui.echart({}, renderer="svg").classes("curve")
+            self._force_note = ui.label("Not pressed yet.").classes("faint")
+
+    def show(self, chosen: Mapping[str, Any]) -> None:
+        """Draw the sketch of these parts at rest; what cannot be drawn is reported, and the last one stays."""
+        try:
+            self._sketch = Sketch.model_validate(chosen)
+            self._drawn = draw_sketch(self._sketch)
+        except (PalpateError, ValidationError) as error:
+            self.complain(_say(error))
+            return
+        self.complain("")
+        self._show_findings(self._drawn.findings)
+        self._bar.show(self._shelf.put(self._drawn.design, self._drawn.specimen))
+        self._curves = []
+        self._force_note.text = "Not pressed yet."
+        self._draw_force()
+
+    def complain(self, sentence: str) -> None:
+        """Show a sentence in place, or nothing."""
+        complain(self._fault, sentence)
+
+    def _show_findings(self, findings: tuple[Finding, ...]) -> None:
+        self._findings.clear()
+        with self._findings:
+            for finding in findings:
+                with ui.element("li").classes(str(finding.severity)):
+                    ui.label(f"{finding.message} {finding.remedy}")
+            if not findings:
+                with ui.element("li"):
+                    ui.label("Nothing speaks against this design.")
+
+    def _draw_force(self) -> None:
+        curves = self._curves or [ChartCurve("force", [], FIRST)]
+        set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), self._head.ink))
+
+    def _busy(self, busy: bool, what: str = "") -> None:
+        self._press.set_enabled(not busy)
+        self._make.set_enabled(not busy)
+        for element in (self._cancel, self._progress):
+            element.set_visibility(busy)
+        self._status.text = what
+
+    def _start_press(self) -> None:
+        self._finish = self._show_press
+        self._start(press_sketch, "Pressing …")
+
+    def _start_pack(self) -> None:
+        self._finish = self._hand_out_pack
+        self._start(pack_sketch, "Making the fabrication pack …")
+
+    def _start(self, work: Callable[..., Any], what: str) -> None:
+        if self._errand is not None:
+            return
+        complain(self._fault, "")
+        self._ordered = (self._sketch, self._drawn)
+        self._errand = Job(work, self._sketch)
+        self._busy(True, what)
+        self._timer.activate()
+
+    async def _look(self) -> None:
+        errand = self._errand
+        if errand is None:
+            return
+        done = await asyncio.to_thread(errand.look)
+        self._progress.value = errand.share
+        if not done:
+            return
+        self._errand = None
+        self._timer.deactivate()
+        self._busy(False)
+        if errand.fault:
+            self._status.text = errand.fault if errand.fault == "Cancelled." else ""
+            complain(self._fault, "" if errand.fault == "Cancelled." else errand.fault)
+        else:
+            self._finish(errand.result)
+
+    def _call_off(self) -> None:
+        if self._errand is not None:
+            self._errand.call_off()
+
+    def _show_press(self, press: Press) -> None:
+        sketch, drawn = self._ordered
+        pressed = gather_presses([press])
+        specimen = Specimen(pressed, build_shell(pressed.mesh))
+        motion = pressed.at(sketch.wall.tilt_deg)
+        self._curves, _ = force_curves([(drawn.design, motion)])
+        self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."
+        self._status.text = f"Pressed in {press.cpu_s:.1f} s."
+        self._draw_force()
+        self._bar.show(self._shelf.put(drawn.design, specimen))
+        self._bar.play(sketch.wall.tilt_deg, sketch.wall.azimuth_deg % 360)
+
+    def _hand_out_pack(self, pack: bytes) -> None:
+        self._status.text = f"The pack has {len(pack) / 1e6:.1f} MB."
+        ui.download.content(pack, "pack.zip")
+
+
+def _say(error: PalpateError | ValidationError) -> str:
+    if isinstance(error, PalpateError):
+        return str(error)
+    return " ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}." for item in error.errors())

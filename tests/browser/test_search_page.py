@@ -1,0 +1,111 @@
+"""The page of a search: the front, a design that is clicked, pressed and made."""
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from viewer_process import ENTRY, ROOT, viewer
+from walk import DRAWN, dots, open_page, wait_for_dots
+
+from needs import needs
+from palpate.optimise import read_search
+from small_search import write_search
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    needs("optuna")
+    place = tmp_path_factory.mktemp("search")
+    write_search(place, finished=True)
+    return place
+
+
+@pytest.fixture(scope="module")
+def search(folder):
+    with viewer(folder) as address:
+        yield address
+
+
+def click_point(page, number):
+    """Click a design's point in the chart, as a person does, where the chart has drawn it."""
+    box = page.locator(".front").bounding_box()
+    place = page.evaluate(
+        """number => { const e = getElement(Number(document.querySelector('.front').id.slice(1)));
+        const chart = e.chart; const series = chart.getOption().series;
+        for (let i = 0; i < series.length; i++) for (const d of series[i].data)
+          if (d.value[2] === number) return chart.convertToPixel({seriesIndex: i}, d.value.slice(0, 2)); }""",
+        number,
+    )
+    page.mouse.click(box["x"] + place[0], box["y"] + place[1])
+
+
+def test_a_click_on_the_front_shows_the_design_with_its_numbers_and_its_skin(page, search, folder):
+    found = read_search(folder)
+    open_page(page, search)
+    page.get_by_text(f"skin {found.rows[found.winner]['skin']}, 37 markers: winner").wait_for()
+    wait_for_dots(page, 37)
+    few = next(k for k in range(found.front) if found.rows[k]["markers"] == 7)
+    click_point(page, few)
+    page.get_by_text(f"skin {found.rows[few]['skin']}, 7 markers: front").wait_for()
+    wait_for_dots(page, 7)
+    assert page.locator(".figures tr").filter(has_text="height H").inner_text().split()[-1] == (
+        f"{found.rows[few]['height_mm']:.3g}"
+    )
+    page.get_by_label("Across").click()
+    page.get_by_role("option").filter(has_text="markers").click()
+    page.wait_for_function("document.querySelector('.front').textContent.includes('markers')")
+    before = dots(page)
+    page.reload()
+    page.wait_for_function(DRAWN)
+    wait_for_dots(page, 7)
+    assert dots(page) == before, "the link keeps the design"
+
+
+def test_a_running_search_shows_what_was_tried(page, folder, tmp_path):
+    running = tmp_path / "running"
+    running.mkdir()
+    for name in ("requirements.json", "search.journal"):
+        shutil.copy(folder / name, running / name)
+    with viewer(running) as link:
+        open_page(page, link)
+        page.get_by_text("8 of 8 skins so far, by coarse presses").wait_for()
+        page.goto(link + "live")
+        page.get_by_role("alert").filter(has_text="no trained model").wait_for()
+        page.goto("about:blank")
+
+
+def test_a_folder_of_neither_grid_nor_search_ends_with_one_sentence(tmp_path):
+    words = [sys.executable, "-c", ENTRY, "view", str(tmp_path), "--port", "0"]
+    done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2
+    assert "holds neither a grid nor a search" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+@pytest.mark.parametrize("size", [(1280, 800), (390, 844)], ids=["1280x800", "390x844"])
+def test_the_page_fits_the_screen(page, search, pictures, size, dark):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.context.add_cookies([{"name": "palpate_dark", "value": str(int(dark)), "url": search}])
+    open_page(page, search)
+    page.wait_for_timeout(400)
+    page.screenshot(path=pictures / f"search_{size[0]}_{'dark' if dark else 'light'}.png", full_page=True)
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+
+
+@pytest.mark.slow
+def test_a_design_of_the_front_is_pressed_and_its_pack_is_made(page, search):
+    needs("build123d")
+    open_page(page, search)
+    page.locator("input[aria-label='Depth (mm)']").fill("1")
+    page.get_by_role("button", name="Press", exact=True).click()
+    page.get_by_text("Pressed in").wait_for(timeout=420_000)
+    page.get_by_text("Ended: depth reached at 1.00 mm.").wait_for()
+    with page.expect_download(timeout=240_000) as download:
+        page.get_by_role("button", name="Make").click()
+    with zipfile.ZipFile(Path(download.value.path())) as pack:
+        assert {"pack/instructions.pdf", "pack/manifest.json", "pack/mold.step"} <= set(pack.namelist())
+        assert pack.testzip() is None

@@ -1,0 +1,67 @@
+"""A search for tests: real journal and front of skins whose figures are made up."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from palpate.built import BuiltFigure
+from palpate.design import MarkerSpec
+from palpate.optimise import (
+    Front,
+    Judged,
+    Proposal,
+    RequirementsSpec,
+    SearchPlan,
+    SkinSpace,
+    TriedSkin,
+    Variant,
+    search_skins,
+    write_front,
+)
+from palpate.optimise.optimise_design import JOURNAL, _keep, violations
+from palpate.optimise.space import Place
+
+SPEC = RequirementsSpec(
+    name="small_search", objectives=("error", "force", "markers"), force_n=0.9, skins=8, depth=6.0, markers=37
+)
+RINGS = {7: (20.0,), 19: (10.0, 20.0), 37: (10.0, 20.0, 27.0)}
+MATERIAL = "zaid_2024_ecoflex_00_30"
+
+
+def propose(place: Place) -> Proposal:
+    """Thick skins are stiff, and more dots read better."""
+    skin = SkinSpace.of(SPEC).skin(place)
+    options = tuple(
+        Variant(
+            MarkerSpec(ring_diameters=rings, diameter=1.2),
+            "davis346",
+            44.0,
+            0.0,
+            BuiltFigure(5, 0.6 / count, 2.0 / count + 0.01 * skin.height / 20.0, 0.01, 0.3 / count),
+        )
+        for count, rings in RINGS.items()
+    )
+    return Proposal(skin, MATERIAL, 6.0, 0.3 * skin.thickness, None, options)
+
+
+def judge(places: Sequence[Place]) -> list[Judged]:
+    found = [propose(place) for place in places]
+    return [
+        Judged((one.options[-1].figure.worst_deg,), violations(SPEC, one), {"proposal": one.to_data()})
+        for one in found
+    ]
+
+
+def write_search(folder: Path, *, finished: bool) -> Front:
+    """Write a search of eight skins, chosen by chance, into a folder; one that is not finished has no front."""
+    _keep(SPEC, "random", folder)
+    tried = search_skins(SkinSpace.of(SPEC), judge, SearchPlan(SPEC.skins, 3, "random"), folder / JOURNAL)
+    front = Front(
+        SPEC,
+        tuple(
+            TriedSkin(one.number, Proposal.from_data(one.judged.note["proposal"]), one.judged.violations)
+            for one in tried
+        ),
+    )
+    if finished:
+        write_front(folder, front, "palpate optimise small.yaml")
+    return front
