@@ -81,7 +81,7 @@ def test_a_folder_of_neither_grid_nor_search_ends_with_one_sentence(tmp_path):
     words = [sys.executable, "-c", ENTRY, "view", str(tmp_path), "--port", "0"]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
-    assert "holds neither a grid nor a search" in done.stderr
+    assert "holds no grid, no search and no model" in done.stderr
     assert "Traceback" not in done.stderr
 
 

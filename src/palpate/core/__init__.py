@@ -1,6 +1,6 @@
 """What every stage stands on: parameters, errors, seeds, the artefact store, provenance. No physics."""
 
-from palpate.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, TextArray
+from palpate.core.arrays import BoolArray, FloatArray, IntArray, TextArray
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
 from palpate.core.files import new_folder, writing, written_into, written_whole
@@ -11,6 +11,7 @@ from palpate.core.paper import PAPER
 from palpate.core.parameter import Spec, flag_of, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
+from palpate.core.renamed import renamed
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
 from palpate.core.store_care import Stored, check_store, clean_store, list_store
@@ -20,7 +21,6 @@ __all__ = [
     "PAPER",
     "ArtefactStore",
     "BoolArray",
-    "ComplexArray",
     "FloatArray",
     "IntArray",
     "MissingExtraError",
@@ -47,6 +47,7 @@ __all__ = [
     "parameters",
     "provenance",
     "refuse_outside_links",
+    "renamed",
     "spec_of_kind",
     "words_of_kind",
     "writing",

@@ -8,5 +8,4 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-ComplexArray = NDArray[np.complex128]
 TextArray = NDArray[np.str_]

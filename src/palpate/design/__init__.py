@@ -1,5 +1,6 @@
 """Design: from height, base radius, thickness and markers to the geometry of a dome and its limits."""
 
+from palpate.core import renamed
 from palpate.design.build_skin import SKINS, build_skin, read_skin, skin_from_data
 from palpate.design.check_design import check_design, refuse_errors
 from palpate.design.cone import ConeSpec
@@ -58,3 +59,5 @@ __all__ = [
     "turn_about_axis",
     "wall_normal",
 ]
+
+__getattr__ = renamed(__name__, {"build_dome": ("build_skin", "0.3.0")})

@@ -1,5 +1,6 @@
 """Mesh: from a dome to quadratic hexahedra with named sets, and from any surface point to its cell."""
 
+from palpate.core import renamed
 from palpate.mesh.hexahedron import gauss_points, shape_hexahedron, shape_quadrilateral
 from palpate.mesh.locate import SurfacePoints, locate_inner, locate_nodes
 from palpate.mesh.mesh import Mesh
@@ -26,3 +27,5 @@ __all__ = [
     "shape_hexahedron",
     "shape_quadrilateral",
 ]
+
+__getattr__ = renamed(__name__, {"mesh_dome": ("mesh_skin", "0.3.0")})

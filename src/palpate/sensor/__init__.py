@@ -8,7 +8,6 @@ from palpate.sensor.inspect_unit import Inspection, InspectSpec, inspect_unit
 from palpate.sensor.known_press import KnownPress
 from palpate.sensor.reader import check_model, open_model
 from palpate.sensor.reading import Flag, Reading
-from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.report import made_by, table_lines, write_report
@@ -30,7 +29,6 @@ __all__ = [
     "Inspection",
     "KnownPress",
     "Reading",
-    "RecordedSensor",
     "Registration",
     "RigSpec",
     "Score",

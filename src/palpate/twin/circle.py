@@ -18,9 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import ComplexArray, FloatArray
+from palpate.core import FloatArray
 from palpate.fea import Press
 
+ComplexArray = NDArray[np.complex128]
+"""Coefficients of Fourier series."""
 SAMPLES = 96
 """Points on a circle."""
 ORDERS = 40

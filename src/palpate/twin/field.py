@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.core import ComplexArray, FloatArray, PalpateError, TextArray
+from palpate.core import FloatArray, PalpateError, TextArray
 from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Symmetry
 from palpate.fea import Press
-from palpate.twin.circle import ORDERS, QUARTER_TURN, MarkerCircles, expand_press, sort_onto_circles
+from palpate.twin.circle import ORDERS, QUARTER_TURN, ComplexArray, MarkerCircles, expand_press, sort_onto_circles
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 
 SLOPE = "tilt_deg"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import chain
 from typing import Any
@@ -18,7 +18,7 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
 from palpate.learn import Predictor
 from palpate.recording import RecordedModel
-from palpate.sensor import Reading, RecordedSensor, Sensor, Unit, check_model, describe_reading, open_sensor
+from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor
 from palpate.twin import Twin
 from palpate.viewer.results import Design
 
@@ -64,7 +64,7 @@ class Live:
     Parameters
     ----------
     sensor
-        What reads: a `Sensor`, or a `RecordedSensor`.
+        What reads: a unit of a design, or a model that was learnt from a recording.
     source, images
         Where images come from, and those that are yet to be read.
     size_px
@@ -75,7 +75,7 @@ class Live:
 
     def __init__(
         self,
-        sensor: Sensor | RecordedSensor,
+        sensor: Sensor | RecordedModel,
         source: Source,
         images: Iterator[NDArray[Any] | PalpateError],
         size_px: tuple[int, int],
@@ -84,6 +84,7 @@ class Live:
         self.sensor, self.size_px, self.rest_px = sensor, size_px, rest_px
         self._source, self._images = source, images
         self._lock = threading.Lock()
+        self._count = 0
         self.record: list[dict[str, Any]] | None = None
 
     def step(self) -> Step | None:
@@ -93,13 +94,19 @@ class Live:
             truth = self._source.truth
         if item is None:
             return None
-        reading = self.sensor.read(item)
+        reading = self._read(item)
         if self.record is not None and len(self.record) < LONGEST:
             self.record.append(describe_reading(reading))
         seen, image = reading.sighting, None if isinstance(item, PalpateError) else to_grey(item)
         if seen is None:
             return Step(image, reading, self.rest_px, np.zeros(len(self.rest_px), bool), truth)
         return Step(image, reading, seen.positions_px, seen.found, truth)
+
+    def _read(self, item: NDArray[Any] | PalpateError) -> Reading:
+        if isinstance(self.sensor, Sensor):
+            return self.sensor.read(item)
+        self._count += 1
+        return replace(next(iter(run_sensor(self.sensor, [item]))), image=self._count)
 
     def close(self) -> None:
         """Give the camera or file back."""
@@ -143,10 +150,9 @@ def open_recorded_live(model: RecordedModel, source: Source) -> Live:
     """
     images = source.images()
     first = _first_of(images, "Give a folder of images, a video or a camera.")
-    sensor = RecordedSensor(model)
     model.eye.look(first)
     rest = np.zeros((0, 2)) if model.layout is None else model.layout.rest_px
-    return Live(sensor, source, chain([first], images), first.shape[:2], rest)
+    return Live(model, source, chain([first], images), first.shape[:2], rest)
 
 
 def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDArray[Any]:
