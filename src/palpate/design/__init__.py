@@ -6,14 +6,13 @@ from palpate.design.cone import ConeSpec
 from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
-from palpate.design.line_pose import find_line, line_error
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import Module, build_module, build_solid
 from palpate.design.orientation_mark import place_orientation_mark
 from palpate.design.place_markers import place_markers
 from palpate.design.points_file import read_points
 from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
-from palpate.design.pose_space import LINE_DEPTH, OFFSET_DEPTH, TILT_DEPTH, PoseSpace
+from palpate.design.pose_space import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
 from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
 from palpate.design.skin import Rim, Skin, Symmetry
@@ -21,7 +20,6 @@ from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 from palpate.design.spline import SplineSpec
 
 __all__ = [
-    "LINE_DEPTH",
     "OFFSET_DEPTH",
     "PRINT_TOLERANCE",
     "SKINS",
@@ -48,8 +46,6 @@ __all__ = [
     "build_skin",
     "build_solid",
     "check_design",
-    "find_line",
-    "line_error",
     "markers_in_rings",
     "place_markers",
     "place_orientation_mark",

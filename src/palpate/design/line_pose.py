@@ -38,7 +38,7 @@ def find_line(poses: ArrayLike) -> FloatArray:
     Parameters
     ----------
     poses
-        (..., 5) by `palpate.design.LINE_DEPTH`.
+        (..., 5) by `palpate.design.PoseSpace.of_lines`.
 
     Returns
     -------

@@ -3,7 +3,6 @@
 from palpate.fea.ball import Ball, BallSpec
 from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
-from palpate.fea.edge import Edge, EdgeSpec
 from palpate.fea.export import check_export, export_press
 from palpate.fea.first_touch import touch_first
 from palpate.fea.io import read_press, write_press
@@ -30,8 +29,6 @@ __all__ = [
     "Branch",
     "Cylinder",
     "CylinderSpec",
-    "Edge",
-    "EdgeSpec",
     "Ended",
     "MeshResult",
     "ObstacleSpec",

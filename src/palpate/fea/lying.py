@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from palpate.core import FloatArray, parameter
-from palpate.design import LINE_DEPTH, PoseSpace, turn_about_axis
+from palpate.design import PoseSpace, turn_about_axis
 from palpate.fea.first_touch import touch_first
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Obstacle
@@ -33,7 +33,7 @@ class LyingSpec(ObstacleSpec, ABC):
 
     @property
     def pose_space(self) -> PoseSpace:
-        return LINE_DEPTH
+        return PoseSpace.of_lines()
 
     @property
     def radial(self) -> float:

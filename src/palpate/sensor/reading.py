@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from palpate.built import Force, PoseFit
-from palpate.design import TILT_DEPTH, PoseSpace, find_line
+from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Sighting
 from palpate.sensor.rest_drift import RestMotion
 
@@ -84,7 +84,7 @@ class Reading:
     @property
     def line(self) -> tuple[float, float]:
         """Offset (mm) and angle (degrees) of an obstacle that lies level; NaN of one that does not."""
-        offset, angle = find_line(self.pose).tolist() if self.space.lies else (math.nan, math.nan)
+        offset, angle = self.space.line(self.pose).tolist() if self.space.lies else (math.nan, math.nan)
         return offset, angle
 
     @property

@@ -2,11 +2,14 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.design import LINE_DEPTH, OFFSET_DEPTH, TILT_DEPTH, PoseSpace, find_line, line_error
-from palpate.fea import BallSpec, CylinderSpec, EdgeSpec, WallSpec
+from palpate.design import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
+from palpate.fea import BallSpec, CylinderSpec, WallSpec
+from palpate.fea.edge import EdgeSpec
+
+LINES = PoseSpace.of_lines()
 
 
-@pytest.mark.parametrize("space", [TILT_DEPTH, OFFSET_DEPTH, LINE_DEPTH])
+@pytest.mark.parametrize("space", [TILT_DEPTH, OFFSET_DEPTH, LINES])
 def test_a_space_is_found_by_the_names_of_its_components(space):
     assert PoseSpace.named(list(space.names)) is space
 
@@ -46,7 +49,7 @@ def test_a_line_has_one_pose_from_either_side(kind, offset, azimuth_deg):
     there, back = kind(offset=offset, azimuth_deg=azimuth_deg), kind(offset=-offset, azimuth_deg=azimuth_deg + 180)
     poses = [line.pose_space.pose(line.radial, line.turn_deg, 1.0) for line in (there, back)]
     assert poses[0] == pytest.approx(poses[1], abs=1e-12)
-    found, angle = find_line(poses[0])
+    found, angle = LINES.line(poses[0])
     half_turns = round((angle - azimuth_deg) / 180)
     assert angle == pytest.approx(azimuth_deg + 180 * half_turns)
     assert found == pytest.approx(offset * (-1) ** half_turns)
@@ -55,14 +58,19 @@ def test_a_line_has_one_pose_from_either_side(kind, offset, azimuth_deg):
 
 
 def test_poses_of_drawn_lines_are_those_of_their_obstacles():
-    pose = LINE_DEPTH.pose(2.0, 30.0, 1.5)
-    assert LINE_DEPTH.poses(pose[None, :2], np.array([1.5]))[0] == pytest.approx(pose)
+    pose = LINES.pose(2.0, 30.0, 1.5)
+    assert LINES.poses(pose[None, :2], np.array([1.5]))[0] == pytest.approx(pose)
     assert TILT_DEPTH.poses(np.array([[1.0, 2.0]]), np.array([3.0])).tolist() == [[1.0, 2.0, 3.0]]
 
 
 def test_a_line_read_beyond_a_quarter_turn_is_as_far_off_as_it_lies():
-    true, found = LINE_DEPTH.pose(2.0, 89.0, 1.0), LINE_DEPTH.pose(-2.1, -88.0, 1.2)
-    assert line_error(found, true) == pytest.approx([0.1, 3.0])
-    assert line_error(true, true) == pytest.approx([0.0, 0.0])
-    near = LINE_DEPTH.pose(2.0, 89.5, 1.0)
+    true, found = LINES.pose(2.0, 89.0, 1.0), LINES.pose(-2.1, -88.0, 1.2)
+    assert LINES.line_error(found, true) == pytest.approx([0.1, 3.0])
+    assert LINES.line_error(true, true) == pytest.approx([0.0, 0.0])
+    near = LINES.pose(2.0, 89.5, 1.0)
     assert np.linalg.norm((near - true)[3:]) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_a_wall_has_no_line():
+    with pytest.raises(PalpateError, match="rx_deg, ry_deg, depth_mm are not the pose of a line"):
+        TILT_DEPTH.line([0.0, 0.0, 1.0])
