@@ -19,8 +19,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from pydantic import ValidationError
 
-from palpate.core import FloatArray, Spec, parameter
+from palpate.core import FloatArray, PalpateError, Spec, parameter
 
 _ITERATIONS = 60
 _TOLERANCE = 1e-14
@@ -42,6 +43,33 @@ class WindowSpec(Spec):
         ge=1,
         le=2.5,
     )
+
+
+def read_window(text: str) -> WindowSpec:
+    """Read a window from words, ``THICKNESS``, ``THICKNESS,INDEX`` or ``THICKNESS,INDEX,GEL_INDEX``.
+
+    Raises
+    ------
+    PalpateError
+        If it is not written so, or a number is out of bounds.
+
+    Examples
+    --------
+    >>> read_window("3,1.52").index
+    1.52
+    """
+    names, values = list(WindowSpec.model_fields), text.split(",")
+    why = f"it has {len(values)} numbers" if len(values) > len(names) else ""
+    try:
+        window = WindowSpec.model_validate(dict(zip(names, values, strict=False)))
+    except ValidationError as error:
+        why = "; ".join(f"{item['loc'][0]}: {item['msg']}" for item in error.errors())
+    if why:
+        raise PalpateError(
+            f"'{text}' is no window: {why}.",
+            "Write THICKNESS,INDEX,GEL_INDEX such as 2,1.49,1.41: mm, and the refractive indices of window and gel.",
+        )
+    return window
 
 
 @dataclass(frozen=True)

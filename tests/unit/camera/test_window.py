@@ -6,7 +6,9 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from palpate.built.shifted_cameras import ShiftedCameras
-from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera, centre_bias, dot_edges
+from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera, centre_bias, dot_edges, read_window
+from palpate.cli.unit import UnitFlags
+from palpate.core import PalpateError
 from palpate.design import ConeSpec, Dome, MarkerSpec, place_markers
 from palpate.markers import Naming
 from palpate.sensor.register import register_dome
@@ -146,6 +148,14 @@ def test_a_camera_without_a_window_is_written_as_before_there_was_one() -> None:
     assert "window" not in CameraSpec().model_dump()
     assert CameraSpec.model_validate_json(PAD.model_dump_json()) == PAD
     assert build_camera(CameraSpec()).window is None
+
+
+def test_a_unit_at_the_command_line_has_its_window() -> None:
+    assert UnitFlags(window="3,1.52").unit().lens == CameraSpec(window=WindowSpec(thickness=3.0, index=1.52))
+    assert UnitFlags().unit().lens is None
+    for text in ("thick", "2,1.49,1.41,1", "2,0.5", ""):
+        with pytest.raises(PalpateError, match="is no window"):
+            read_window(text)
 
 
 def test_a_window_that_reaches_the_camera_is_refused() -> None:
