@@ -24,7 +24,7 @@ from palpate.mesh import MeshSpec, centre_mesh, mesh_skin
 
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 RUBBER = get_material("neo-hooke:0.1")
-HOLLOW, FLAT, FILLED = MeshSpec(), MeshSpec(cells=32, core=4), MeshSpec(cells=14, core=4, filled=True)
+HOLLOW, FLAT, FILLED = MeshSpec(core=2), MeshSpec(cells=32, core=4), MeshSpec(cells=14, core=4, filled=True)
 CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
     "cone": (ConeSpec(height=22, base_radius=18, edge_radius=8), SILICONE, HOLLOW, 6.0),
     "cone with a flat": (ConeSpec(height=18, base_radius=18, flat_radius=5, edge_radius=8), SILICONE, FLAT, 6.0),
