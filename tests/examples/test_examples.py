@@ -25,6 +25,7 @@ EXPECTED = {
     "ex14_mujoco": pytest.approx(2.99, abs=0.02),
     "ex15_gel_filled": pytest.approx(12.4, rel=0.02),
     "ex16_slide": pytest.approx(0.6, rel=0.02),
+    "ex17_edge_sensor": pytest.approx((0.091, 1.17), rel=0.3),
 }
 NEEDS = {
     "ex05_mold": ["build123d"],
@@ -33,6 +34,7 @@ NEEDS = {
     "ex12_ellipsoid": ["torch"],
     "ex13_ball_sensor": ["torch"],
     "ex14_mujoco": ["mujoco", "trimesh"],
+    "ex17_edge_sensor": ["torch"],
 }
 
 

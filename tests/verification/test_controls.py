@@ -9,6 +9,7 @@ from palpate.verify.blocks import bonded_disc
 from palpate.verify.caps import loaded_cap
 from palpate.verify.case import Row
 from palpate.verify.everted import bistable_cap
+from palpate.verify.filled import filled_hemisphere
 from palpate.verify.pads import pressed_pad
 from palpate.verify.roofs import hinged_roof
 from palpate.verify.spheres import sphere_buckling, sphere_point
@@ -27,6 +28,7 @@ SLOW = [pytest.mark.slow]
         pytest.param(partial(bonded_disc, bonded=False), 2, id="slippery discs"),
         pytest.param(partial(pressed_pad, "ball", 1.05), 1, id="pad under a ball 5 % thicker"),
         pytest.param(partial(pressed_pad, "bar", 1.05), 1, id="pad under a bar 5 % thicker"),
+        pytest.param(partial(filled_hemisphere, bonded=False), 2, id="half ball sliding on its base", marks=SLOW),
         pytest.param(partial(pulled_cylinder, 1.03), 3, id="cylinder 3 % thicker", marks=SLOW),
         pytest.param(partial(bistable_cap, 1.05), 2, id="bistable caps 5 % thicker", marks=SLOW),
         pytest.param(partial(sphere_buckling, 1.05), 2, id="sphere under pressure 5 % thicker", marks=SLOW),

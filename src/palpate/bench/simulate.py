@@ -42,38 +42,39 @@ class SimulatedSource(Source):
         self._touches = touches
         camera = unit.lens or unit.nominal or CameraSpec()
         self._scene = set_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
-        self._truth = (0.0, 0.0, 0.0)
+        self._truth: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
     def name(self) -> str:
         return "simulated sensor"
 
     @property
-    def truth(self) -> tuple[float, float, float]:
-        """Pose in the image handed on last: rx, ry (degrees) or x, y (mm), and depth (mm), all 0 at rest."""
+    def truth(self) -> tuple[float, ...]:
+        """Pose in the image handed on last by its obstacle's space, rx, ry (degrees) and depth (mm); 0 at rest."""
         return self._truth
 
     def images(self) -> Iterator[NDArray[np.uint8]]:
         scene = self._scene
-        for number, (rx, ry, depth, edges) in enumerate(self._poses()):
-            self._truth = (rx, ry, depth)
+        for number, (pose, edges) in enumerate(self._poses()):
+            self._truth = pose
             noise = child_seed(scene.render.seed, "noise", number)
             yield render(scene.camera, edges, scene.render.model_copy(update={"noise_seed": noise}))
 
-    def _poses(self) -> Iterator[tuple[float, float, float, FloatArray]]:
-        """Pose of the wall and edges (m, k, 3) of the dots in every image."""
+    def _poses(self) -> Iterator[tuple[tuple[float, ...], FloatArray]]:
+        """Pose of the obstacle and edges (m, k, 3) of the dots in every image."""
         rest = self._scene.edges
         for _ in range(_REST_IMAGES):
-            yield 0.0, 0.0, 0.0, rest
+            yield (0.0, 0.0, 0.0), rest
         for press in self._touches:
             edges = press.positions(rest.reshape(-1, 3))
-            rx, ry = press.wall.pose_space.part(press.wall.radial, press.wall.turn_deg).tolist()
+            wall = press.wall
             down = np.arange(0.0, press.depth[-1], _STEP)
             for depth in np.append(down, down[::-1]):
                 after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))
                 share = (depth - press.depth[after - 1]) / (press.depth[after] - press.depth[after - 1])
                 points = (1.0 - share) * edges[after - 1] + share * edges[after]
-                yield rx, ry, float(depth), points.reshape(rest.shape)
+                pose = wall.pose_space.pose(wall.radial, wall.turn_deg, float(depth))
+                yield tuple(pose.tolist()), points.reshape(rest.shape)
 
 
 def simulate_sensor(

@@ -27,7 +27,8 @@ def show(camera: Camera, points: FloatArray, step: float = 1e-4) -> Shown:
 class ShiftedCameras:
     """Cameras a little beside one, in pairs, for derivatives by the numbers of `palpate.built.unit_model.CAMERA`.
 
-    A camera that moves a little is dots that move the other way, so that only another lens is looked through.
+    A camera that moves a little is dots that move the other way, so that only another lens is looked through, and a
+    window, which stays with the dots.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ class ShiftedCameras:
         self._lenses: list[tuple[int, Camera, Camera, float]] = []
         for k, (high, low) in enumerate(pairs):
             twice = 2.0 * float(steps[k])
-            if not high.lens == low.lens == camera.lens:
+            if camera.window is not None or not high.lens == low.lens == camera.lens:
                 self._lenses.append((k, high, low, twice))
                 continue
             back = camera.camera_from_dome / twice

@@ -327,5 +327,5 @@ def _places(camera: Camera, twin: Twin, pixels: FloatArray, bias: FloatArray) ->
     """Where the rays of dots (m, 2) px leave the undeformed inner surface, (m, 3) mm; NaN where there is none."""
     known = np.isfinite(pixels).all(axis=1)
     places = np.full((len(pixels), 3), np.nan)
-    places[known] = twin.skin.hit(camera.origin, camera.back_project(pixels[known] - bias[known]))
+    places[known] = twin.skin.hit(*camera.sight(pixels[known] - bias[known]))
     return places

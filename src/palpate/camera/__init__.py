@@ -15,6 +15,7 @@ from palpate.camera.read_image import decode_image, list_images, read_image
 from palpate.camera.render import RenderSpec, centre_bias, dot_edges, render, tangent_pair, trace_size
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
+from palpate.camera.window import Window, WindowSpec, read_window
 
 __all__ = [
     "IMAGE_SUFFIXES",
@@ -30,6 +31,8 @@ __all__ = [
     "Lens",
     "RenderSpec",
     "Source",
+    "Window",
+    "WindowSpec",
     "build_camera",
     "calibrate_camera",
     "centre_bias",
@@ -42,6 +45,7 @@ __all__ = [
     "read_board",
     "read_calibration",
     "read_image",
+    "read_window",
     "recording_suffixes",
     "render",
     "stream_events",

@@ -7,6 +7,7 @@ import numpy as np
 from palpate.camera.camera import Camera
 from palpate.camera.lens import make_lens
 from palpate.camera.spec import CameraSpec
+from palpate.camera.window import Window
 from palpate.core import FloatArray
 
 
@@ -30,6 +31,7 @@ def build_camera(spec: CameraSpec | None = None) -> Camera:
         lens=make_lens(spec.lens, spec.distortion),
         camera_from_dome=dome_from_camera.T,
         origin=np.array([spec.offset_x, spec.offset_y, -spec.distance]),
+        window=Window(**spec.window.model_dump()) if spec.window is not None else None,
     )
 
 

@@ -3,7 +3,8 @@
     points_camera = camera_from_dome · (points_dome - origin)
     (u, v) = (cx + fx x_d, cy + fy y_d),   (x_d, y_d) = lens(x/z, y/z)
 
-Nominally the camera's axes are the dome's: columns run along x, rows along y, and it looks up the axis.
+Behind a window (`palpate.camera.window`) a point is seen where its line of sight, which bends at two planes, leaves
+the pinhole. Nominally the camera's axes are the dome's: columns run along x, rows along y, and it looks up the axis.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from palpate.camera.lens import Lens
 from palpate.camera.spec import CameraSpec
+from palpate.camera.window import Window
 from palpate.core import BoolArray, FloatArray
 from palpate.design import Skin
 
@@ -33,12 +35,15 @@ class Camera:
         (3, 3) rotation from the dome's frame to the camera's.
     origin
         (3,) the pinhole in the dome's frame, mm.
+    window
+        The window that it looks through; `None`: air all the way.
     """
 
     spec: CameraSpec
     lens: Lens
     camera_from_dome: FloatArray
     origin: FloatArray
+    window: Window | None = None
 
     @property
     def width_px(self) -> int:
@@ -98,7 +103,7 @@ class Camera:
         return np.asarray(seen)
 
     def back_project(self, pixels: ArrayLike) -> FloatArray:
-        """Directions in which pixels look.
+        """Directions in which pixels look, in air; `sight` follows them behind a window.
 
         Parameters
         ----------
@@ -121,17 +126,49 @@ class Camera:
         directions = rays @ self.camera_from_dome
         return np.asarray(directions / np.linalg.norm(directions, axis=-1, keepdims=True))
 
+    def sight(self, pixels: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Lines of sight of pixels in what lies between camera and markers.
+
+        Parameters
+        ----------
+        pixels
+            (..., 2) column and row, px.
+
+        Returns
+        -------
+        starts
+            (..., 3) mm: the pinhole, or where the lines leave the window.
+        rays
+            (..., 3) unit vectors in the dome's frame.
+
+        Raises
+        ------
+        PalpateError
+            If the lens distortion folds before it reaches a pixel.
+        """
+        rays = self.back_project(pixels)
+        if self.window is None:
+            return np.broadcast_to(self.origin, rays.shape), rays
+        return self.window.enter(self.origin, rays)
+
     def _intrinsics(self) -> tuple[FloatArray, FloatArray]:
         spec = self.spec
         return np.array([spec.fx_px, spec.fy_px]), np.array([spec.cx_px, spec.cy_px])
 
     def _on_unit_plane(self, points: ArrayLike) -> FloatArray:
-        camera = (np.asarray(points, float) - self.origin) @ self.camera_from_dome.T
+        camera = self._arm(np.asarray(points, float)) @ self.camera_from_dome.T
         depth = camera[..., 2:]
         plane: FloatArray = camera[..., :2] / np.where(depth > 0.0, depth, np.nan)
         return plane
 
+    def _arm(self, points: FloatArray) -> FloatArray:
+        """Ways (..., 3) mm in which points are seen from the pinhole."""
+        return points - self.origin if self.window is None else self.window.aim(self.origin, points)
+
     def _passes_opening(self, points: FloatArray, radius: float) -> BoolArray:
+        if self.window is not None:
+            through, _ = self.window.enter(self.origin, self._arm(points))
+            return np.asarray(np.linalg.norm(through[..., :2], axis=-1) <= radius)
         ray = points - self.origin
         rise = np.where(ray[..., 2] > 0.0, ray[..., 2], np.nan)
         crossing = self.origin[:2] - (self.origin[2] / rise)[..., None] * ray[..., :2]

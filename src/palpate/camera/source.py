@@ -48,7 +48,7 @@ class Source(ABC):
         """What a person reads."""
 
     @property
-    def truth(self) -> tuple[float, float, float] | None:
+    def truth(self) -> tuple[float, ...] | None:
         """Pose of the wall in the image handed on last: rx, ry (degrees), depth (mm); `None` where nobody knows."""
         return None
 

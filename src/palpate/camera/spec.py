@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any, Self
 
 from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic_core import PydanticCustomError
 
 from palpate.camera.lens import LENSES, make_lens
+from palpate.camera.window import WindowSpec
 from palpate.core import PAPER, Spec, parameter
 
 CALIBRATION = f"calibration published with {PAPER}"
@@ -46,6 +48,11 @@ class CameraSpec(Spec):
     tilt_x_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about the dome's x", ge=-45, le=45)
     tilt_y_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about the dome's y", ge=-45, le=45)
     roll_deg: float = parameter(0.0, unit="deg", meaning="turn of the camera about its optical axis", ge=-180, le=180)
+    window: WindowSpec | None = parameter(
+        None,
+        unit="",
+        meaning="flat window in the base plane, and the gel behind it; empty: air all the way to the markers",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -60,10 +67,23 @@ class CameraSpec(Spec):
         make_lens(self.lens, self.distortion)
         return self
 
+    @model_validator(mode="after")
+    def _window_before_the_pinhole(self) -> Self:
+        if self.window is not None and self.window.thickness >= self.distance:
+            raise PydanticCustomError(
+                "window_beyond_the_camera",
+                "a window of {thickness} mm ends behind the camera, {distance} mm below the base; move the camera "
+                "away or take a thinner window",
+                {"thickness": f"{self.window.thickness:g}", "distance": f"{self.distance:g}"},
+            )
+        return self
+
     @model_serializer(mode="wrap")
     def _leave_out_brown(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Brown's lens is written as before there was another, so that old artefacts keep their keys."""
+        """Brown's lens in air is written as before there was another, so that old artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
         if self.lens == BROWN:
             content.pop("lens", None)
+        if self.window is None:
+            content.pop("window", None)
         return content

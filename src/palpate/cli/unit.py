@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 
+_WINDOW = "Window and gel that the camera looks through, as THICKNESS,INDEX,GEL_INDEX; without it, air."
 _UNIT = "What `palpate identify` wrote about this unit; a twin then reads on its robot's scale."
 _SKIN = "Shape of the skin as KIND:NAME=VALUE, for instance ellipsoid:aspect=0.8."
 SkinFlag = Annotated[str, Parameter(help=_SKIN, group="Dome")]
@@ -61,16 +62,21 @@ class UnitFlags(DesignFlags):
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
     unit_file: Annotated[Path | None, Parameter(name="--unit", help=_UNIT)] = None
     mark: Annotated[bool, Parameter(help="Whether the orientation mark is printed.")] = True
+    window: Annotated[str, Parameter(help=_WINDOW)] = ""
 
     def unit(self) -> Unit:
         """The unit of these flags."""
         from palpate.built import read_unit
-        from palpate.camera import read_calibration
+        from palpate.camera import CameraSpec, read_calibration, read_window
         from palpate.sensor import Unit
 
         skin = build_skin(self.skin_spec())
         layout = place_markers(skin, self.markers)
         lens = read_calibration(self.lens).camera_spec() if self.lens else None
+        if self.window:
+            lens = CameraSpec.model_validate(
+                (lens or CameraSpec()).model_dump() | {"window": read_window(self.window)}
+            )
         known = read_unit(self.unit_file) if self.unit_file else None
         return Unit(skin, layout, marked=self.mark, lens=lens, known=known)
 

@@ -79,7 +79,8 @@ def generate_dataset(
     ((50, 7, 2), 50, 10)
     """
     field = vary_field(presses, markers, relatives, spec)
-    base, rotations = field.base, sample_poses(spec, field.base.offset)
+    base = field.base
+    rotations = sample_poses(spec, base.offset, lies=base.space.lies)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)
@@ -101,7 +102,7 @@ def generate_dataset(
     return Dataset(
         spec=spec,
         images_px=joined["images_px"],
-        poses=np.column_stack([rotations[joined["row"]], joined["depth"]]),
+        poses=base.space.poses(rotations[joined["row"]], joined["depth"]),
         press=press,
         validation=hold_out(press, spec.validation_fraction, spec.seed),
         branch=joined["branch"],

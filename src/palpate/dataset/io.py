@@ -42,7 +42,8 @@ def write_dataset(path: Path, dataset: Dataset) -> None:
         for name, (dimensions, unit, meaning) in _COLUMNS.items():
             column = file.create_dataset(name, data=_storable(getattr(dataset, name)), track_times=False)
             if name == "poses" and not dataset.space.tilts:
-                unit, meaning = "mm, mm, mm", "place of the obstacle and depth"
+                unit = ", ".join(item.unit for item in dataset.space.components)
+                meaning = "place of the obstacle and depth" + (", direction" if dataset.space.lies else "")
             column.attrs["units"] = unit
             column.attrs["long_name"] = meaning
             for axis, dimension in enumerate(dimensions):

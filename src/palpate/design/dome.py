@@ -162,8 +162,8 @@ class Dome(Skin):
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
         """The farther crossing of ``|o + s d - c| = r``."""
         start = origin - self.centre
-        along, square = rays @ start, (rays**2).sum(axis=1)
-        root = along**2 - square * (start @ start - self.radius**2)
+        along, square = (rays * start).sum(axis=1), (rays**2).sum(axis=1)
+        root = along**2 - square * ((start**2).sum(axis=-1) - self.radius**2)
         far = (-along + np.sqrt(np.where(root >= 0, root, np.nan))) / square
         return np.asarray(origin + far[:, None] * rays)
 

@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from palpate.core import FloatArray, PalpateError
+from palpate.design.line_pose import LONGEST_DEG, direction_vector, find_line, line_error
 from palpate.design.pose import rotation_vector
 
 
@@ -58,11 +60,14 @@ class PoseSpace:
         Name of the length of the first two, e.g. ``angle``.
     turn_deg
         Turn of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
+    lies
+        Whether the obstacle is a line: the last two components then tell its direction (`palpate.design.line_pose`).
     """
 
     components: tuple[PoseComponent, ...]
     polar: str
     turn_deg: float
+    lies: bool = False
 
     @staticmethod
     def named(names: Sequence[str]) -> PoseSpace:
@@ -73,13 +78,18 @@ class PoseSpace:
         PalpateError
             If there are fewer than three, or a name is not an axis and a unit.
         """
-        for space in (TILT_DEPTH, OFFSET_DEPTH):
+        for space in (TILT_DEPTH, OFFSET_DEPTH, _LINE_DEPTH):
             if space.names == tuple(names):
                 return space
         parts = [name.rpartition("_") for name in names]
         if len(parts) < 3 or not all(axis and unit for axis, _, unit in parts):
             raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
         return PoseSpace.free([(axis, unit) for axis, _, unit in parts])
+
+    @staticmethod
+    def of_lines() -> PoseSpace:
+        """The space of obstacles that lie level, bars and edges: place, depth, and the direction doubled."""
+        return _LINE_DEPTH
 
     @staticmethod
     def free(parts: Sequence[tuple[str, str]]) -> PoseSpace:
@@ -119,6 +129,47 @@ class PoseSpace:
         """First two components (2,) of an obstacle from its `radial` and its `turn_deg`."""
         return rotation_vector(radial, np.radians(turn_deg - self.turn_deg))
 
+    def poses(self, parts: FloatArray, depths: FloatArray) -> FloatArray:
+        """Poses (n, k) of first two components (n, 2) and depths (n,) mm; a line lies across the way to it."""
+        poses = np.column_stack([parts, depths])
+        if not self.lies:
+            return poses
+        azimuth = np.degrees(np.arctan2(parts[:, 1], parts[:, 0]))
+        return np.column_stack([poses, direction_vector(azimuth + self.turn_deg)])
+
+    def pose(self, radial: float, turn_deg: float, depth: float) -> FloatArray:
+        """Pose (k,) of an obstacle from its `radial`, its `turn_deg` and its depth in mm."""
+        pose = np.append(self.part(radial, turn_deg), depth)
+        return np.append(pose, direction_vector(np.array(turn_deg))) if self.lies else pose
+
+    def line(self, poses: ArrayLike) -> FloatArray:
+        """Offset (mm) and angle (degrees) (..., 2) of poses (..., 5) of lines (`palpate.design.line_pose`).
+
+        Raises
+        ------
+        PalpateError
+            If the space is not that of lines.
+        """
+        self._refuse_no_line()
+        return find_line(poses)
+
+    def line_error(self, estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
+        """Errors (..., 2) of lines in offset (mm) and angle (degrees), of estimates and poses (..., 5).
+
+        Raises
+        ------
+        PalpateError
+            If the space is not that of lines.
+        """
+        self._refuse_no_line()
+        return line_error(estimates, poses)
+
+    def _refuse_no_line(self) -> None:
+        if not self.lies:
+            raise PalpateError(
+                f"{', '.join(self.names)} are not the pose of a line.", "Take presses of a bar or an edge."
+            )
+
     def error(self, estimates: FloatArray, poses: FloatArray) -> FloatArray:
         """Length (n,) of the error in the first two components, of poses (n, k): degrees of an angle, or mm."""
         return np.asarray(np.hypot(*(np.asarray(estimates) - poses)[:, :2].T))
@@ -141,3 +192,14 @@ OFFSET_DEPTH = PoseSpace(
     turn_deg=-90.0,
 )
 """An obstacle beside the axis: where it stands, and how far it came."""
+_LINE_DEPTH = PoseSpace(
+    (
+        *OFFSET_DEPTH.components,
+        PoseComponent("cos2", "deg", "cos2", (-LONGEST_DEG, LONGEST_DEG)),
+        PoseComponent("sin2", "deg", "sin2", (-LONGEST_DEG, LONGEST_DEG)),
+    ),
+    "offset",
+    turn_deg=-90.0,
+    lies=True,
+)
+"""An obstacle that lies level, a bar or an edge: its point nearest to the axis, how far it came, its direction."""

@@ -207,7 +207,7 @@ class RevolvedSkin(Skin):
         The distance is as steep along a ray as the normal leans to it; where that does not end, by marching alone.
         """
         unit = rays / np.linalg.norm(rays, axis=1)[:, None]
-        points = np.tile(np.asarray(origin, float), (len(rays), 1))
+        points = np.broadcast_to(np.asarray(origin, float), rays.shape).copy()
         enter = np.where(points[:, 2] < 0, -points[:, 2] / np.where(unit[:, 2] > 0, unit[:, 2], np.nan), 0.0)
         points = points + enter[:, None] * unit
         inside = np.hypot(points[:, 0], points[:, 1]) <= self.base_radius

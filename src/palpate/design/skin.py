@@ -164,7 +164,10 @@ class Skin(ABC):
 
     @abstractmethod
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
-        """Points (n, 3) mm where rays (n, 3) from an origin (3,) mm leave the inner surface; NaN if they miss."""
+        """Points (n, 3) mm where rays (n, 3) leave the inner surface; NaN if they miss.
+
+        They come from one origin (3,) mm, or each from its own (n, 3).
+        """
 
     @abstractmethod
     def touch(self, normal: FloatArray) -> FloatArray:

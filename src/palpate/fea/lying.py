@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from palpate.core import FloatArray, parameter
-from palpate.design import turn_about_axis
+from palpate.design import PoseSpace, turn_about_axis
 from palpate.fea.first_touch import touch_first
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Obstacle
@@ -30,6 +30,10 @@ class LyingSpec(ObstacleSpec, ABC):
     @abstractmethod
     def half_height(self) -> float:
         """Height of its axis over its lowest line, mm."""
+
+    @property
+    def pose_space(self) -> PoseSpace:
+        return PoseSpace.of_lines()
 
     @property
     def radial(self) -> float:

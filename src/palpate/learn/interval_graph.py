@@ -65,7 +65,7 @@ def interval_nodes(interval: Interval) -> tuple[list[NodeProto], Arrays]:
     """Nodes after those of the pose, in order, and the arrays that they read."""
     width, width_arrays = _width_nodes(interval)
     score, score_arrays = _score_nodes(interval.trained)
-    return width + score + _pose_nodes(), width_arrays | score_arrays
+    return width + score + _pose_nodes(len(interval.factor)), width_arrays | score_arrays
 
 
 def _width_nodes(interval: Interval) -> tuple[list[NodeProto], Arrays]:
@@ -125,14 +125,15 @@ def _score_nodes(trained: TrainedRange) -> tuple[list[NodeProto], Arrays]:
     return nodes, arrays
 
 
-def _pose_nodes() -> list[NodeProto]:
-    """The estimated pose against the trained ones, and the verdict over all parts of the score."""
+def _pose_nodes(count: int) -> list[NodeProto]:
+    """The estimated pose (of so many components) against the trained ones, and the verdict over all of the score."""
     from onnx import helper
 
     node = helper.make_node
+    names = ["rx", "ry", "z", *(f"further_{k}" for k in range(3, count))]
     return [
-        node("Split", [POSE], ["rx", "ry", "z"], axis=1),
-        node("Split", ["scale_squared"], ["rx_scale", "ry_scale", "z_scale"], axis=1),
+        node("Split", [POSE], names, axis=1),
+        node("Split", ["scale_squared"], [f"{name}_scale" for name in names], axis=1),
         node("Mul", ["rx", "rx"], ["rx_squared"]),
         node("Mul", ["ry", "ry"], ["ry_squared"]),
         node("Add", ["rx_squared", "ry_squared"], ["tilt_squared"]),

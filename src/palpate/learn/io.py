@@ -58,16 +58,16 @@ def write_estimator(path: Path, estimator: Estimator) -> None:
         from onnx import TensorProto, helper
     except ImportError as error:
         raise MissingExtraError("onnx", "predict") from error
-    markers = len(estimator.rest_px)
+    markers, count = len(estimator.rest_px), len(estimator.space.components)
     nodes, constants = graph_of(estimator)
     outputs = [
-        helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", 3]),
-        helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", 3]),
+        helper.make_tensor_value_info(POSE, TensorProto.FLOAT, ["image", count]),
+        helper.make_tensor_value_info(MEMBERS, TensorProto.FLOAT, [estimator.members, "image", count]),
     ]
     if estimator.interval is not None:
         more, values = interval_nodes(estimator.interval)
         nodes, constants = nodes + more, constants | values
-        outputs.append(helper.make_tensor_value_info(HALF_WIDTH, TensorProto.FLOAT, ["image", 3]))
+        outputs.append(helper.make_tensor_value_info(HALF_WIDTH, TensorProto.FLOAT, ["image", count]))
         outputs.append(helper.make_tensor_value_info(OUTSIDE, TensorProto.BOOL, ["image"]))
     graph = helper.make_graph(
         nodes,

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.camera import Camera
-from palpate.core import FloatArray, generator
+from palpate.core import FloatArray, PalpateError, generator
 from palpate.dataset import DatasetSpec, sample_poses
 from palpate.learn.posterior import BURN_IN, walk_polytopes
 from palpate.twin import MarkerField, image_jacobian
@@ -92,7 +92,17 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
     tuple[DepthLimit, ...]
         By rising depth; a depth at which no pose could be judged is left out, as where one or two markers cannot
         tell three unknowns apart.
+
+    Raises
+    ------
+    PalpateError
+        If the obstacle is one that lies level.
     """
+    if field.space.lies:
+        raise PalpateError(
+            "The limit of an obstacle that lies level is not known: near the axis its place does not tell its pose.",
+            "Measure errors on held-out images (palpate.learn.evaluate).",
+        )
     limits: list[DepthLimit] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()

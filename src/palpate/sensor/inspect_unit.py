@@ -119,7 +119,7 @@ def inspect_unit(
 
 def _on_dome(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
     """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
-    return skin.hit(camera.origin, camera.back_project(pixels))
+    return skin.hit(*camera.sight(pixels))
 
 
 def _scale(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:

@@ -100,16 +100,16 @@ class NetworkReader(Reader):
         self._camera = registration.camera
         self._nominal = build_camera(unit.nominal)
         self._rest_model = self._nominal.project(unit.layout.positions)
-        self._rest = self._carry(self._camera.back_project(naming.positions_px))
+        self._rest = self._carry(self._camera.sight(naming.positions_px))
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
     def read(self, sighting: Sighting) -> Estimate:
-        rays = self._camera.back_project(sighting.positions_px)
-        moved = self._carry(rays) - self._rest
+        sight = self._camera.sight(sighting.positions_px)
+        moved = self._carry(sight) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
         if not self._same and self.space.tilts:
             # now that the wall is about known, so is how far the markers sank
-            moved = self._carry(rays, prediction.poses[0]) - self._rest
+            moved = self._carry(sight, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
         moved_px = float(np.sqrt(np.mean(moved**2)))
@@ -122,14 +122,15 @@ class NetworkReader(Reader):
         turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
         return expect_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
-    def _carry(self, rays: FloatArray, pose: FloatArray | None = None) -> FloatArray:
-        """Dots on rays of the real camera as the nominal camera would show them, for a wall of about this pose."""
-        reach = (self.unit.layout.positions[:, 2] - self._camera.origin[2]) / rays[:, 2]
+    def _carry(self, sight: tuple[FloatArray, FloatArray], pose: FloatArray | None = None) -> FloatArray:
+        """Dots on sights of the real camera as the nominal camera would show them, for a wall of about this pose."""
+        starts, rays = sight
+        reach = (self.unit.layout.positions[:, 2] - starts[:, 2]) / rays[:, 2]
         if pose is not None:
             normal, limit = _wall(self.unit.skin, pose)
-            to_wall = (limit - self._camera.origin @ normal) / np.maximum(rays @ normal, 1e-3)
+            to_wall = (limit - starts @ normal) / np.maximum(rays @ normal, 1e-3)
             reach = np.minimum(reach, to_wall)
-        return self._nominal.project(self._camera.origin + rays * reach[:, None])
+        return self._nominal.project(starts + rays * reach[:, None])
 
 
 def _as_printed(layout: MarkerLayout, law: PrintLaw | None) -> MarkerLayout:

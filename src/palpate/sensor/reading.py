@@ -79,7 +79,13 @@ class Reading:
     @property
     def depth_mm(self) -> float:
         """Depth since first touch."""
-        return self.pose[-1]
+        return self.pose[2] if self.space.lies else self.pose[-1]
+
+    @property
+    def line(self) -> tuple[float, float]:
+        """Offset (mm) and angle (degrees) of an obstacle that lies level; NaN of one that does not."""
+        offset, angle = self.space.line(self.pose).tolist() if self.space.lies else (math.nan, math.nan)
+        return offset, angle
 
     @property
     def radial(self) -> float:

@@ -206,7 +206,8 @@ def _fit(
         return np.concatenate([left, held])
 
     any_value = np.full(len(refined), np.inf)
-    low = np.array([-50.0, -50.0, 1.0, -44.0, -44.0, -np.inf, 0.5, -np.inf, -np.inf, *-any_value])[:free]
+    nearest = 1.0 + (nominal.window.thickness if nominal.window is not None else 0.0)
+    low = np.array([-50.0, -50.0, nearest, -44.0, -44.0, -np.inf, 0.5, -np.inf, -np.inf, *-any_value])[:free]
     high = np.array([50.0, 50.0, 999.0, 44.0, 44.0, np.inf, 2.0, np.inf, np.inf, *any_value])[:free]
     scale = [1.0, 1.0, 1.0, 1.0, 1.0, 5.0, 0.01, 5.0, 5.0, *refined][:free]
     fit = least_squares(miss, start[:free], bounds=(low, high), loss="soft_l1", f_scale=_FORGIVEN_PX, x_scale=scale)

@@ -82,6 +82,9 @@ class SkinSuite:
         origin = np.array([0.05, -0.02, -2.0]) * skin.base_radius
         assert skin.hit(origin, points - origin) == pytest.approx(points, abs=1e-6)
         assert np.isnan(skin.hit(origin, np.array([[1.0, 0.0, 0.0]]))).all()
+        rays = points - origin
+        own = origin - (origin[2] / rays[:, 2:]) * rays
+        assert skin.hit(own, rays) == pytest.approx(points, abs=1e-6)
 
     def test_no_point_of_the_outer_surface_is_beyond_the_wall_at_first_touch(
         self, skin: Skin, disc: FloatArray

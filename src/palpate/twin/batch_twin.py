@@ -11,13 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from palpate.camera import Camera
+from palpate.camera import Camera, Window
 from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.twin.tensor_spline import BEYOND, DEGREE
 from palpate.twin.twin import STRAIGHT_DEG, PrintedTwin
 
 Tensor = Any
 """A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
+_NEWTON = 8
+"""Iterations from the paraxial slope, of which four to five are needed."""
 _PIECE = 4096
 """Poses at a time, which bounds the memory."""
 
@@ -149,10 +151,34 @@ class BatchTwin:
         return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)
 
     def _project(self, points: Tensor) -> Tensor:
-        seen = (points - self._origin) @ self._turn
+        window = self._camera.window
+        arm = points - self._origin if window is None else _aim(self._torch, window, self._origin, points)
+        seen = arm @ self._turn
         lens = self._camera.lens
         plane = _LENSES[lens.name](self._torch, seen[..., :2] / seen[..., 2:], lens.coefficients)
         return plane * self._scale + self._middle + self._bias
+
+
+def _aim(torch: Any, window: Window, origin: Tensor, points: Tensor) -> Tensor:
+    """`palpate.camera.Window.aim` in torch; a last step of Newton's iteration carries its derivative."""
+    rise = (points[..., 2] - origin[2]).clamp(min=1e-6)
+    across = points[..., :2] - origin[:2]
+    reach = across.norm(dim=-1).clamp(min=1e-9)
+    air = torch.minimum(rise, -window.thickness - origin[2])
+    behind = (points[..., 2] + window.thickness).clamp(0.0, window.thickness), points[..., 2].clamp(min=0.0)
+    layers = [(air, 1.0), *zip(behind, (window.index**2, window.gel_index**2), strict=True)]
+
+    def step(slope: Tensor) -> Tensor:
+        bends = [(height, square, (square + (square - 1.0) * slope**2).rsqrt()) for height, square in layers]
+        miss = reach - slope * sum(height * bend for height, _, bend in bends)
+        return slope + miss / sum(height * square * bend**3 for height, square, bend in bends).detach()
+
+    with torch.no_grad():
+        slope = reach / sum(height / square**0.5 for height, square in layers)
+        for _ in range(_NEWTON):
+            slope = step(slope)
+    slope = step(slope)
+    return torch.cat([across * (slope / reach * rise)[..., None], rise[..., None]], dim=-1)
 
 
 def _brown(torch: Any, points: Tensor, coefficients: tuple[float, ...]) -> Tensor:

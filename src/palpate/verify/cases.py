@@ -11,6 +11,7 @@ import palpate.verify.caps as caps
 import palpate.verify.cook as cook
 import palpate.verify.domes as domes
 import palpate.verify.everted as everted
+import palpate.verify.filled as filled
 import palpate.verify.fits as fits
 import palpate.verify.inflation as inflation
 import palpate.verify.laws as laws
@@ -63,6 +64,7 @@ CASES: tuple[Case, ...] = (
     Case("sphere_buckling", "Zoelly 1915, Ubamanyu et al. 2024", spheres.sphere_buckling, slow=True),
     Case("sphere_point", "Reissner 1946", spheres.sphere_point),
     Case("bonded_disc", "Gent & Lindley 1959, Kelly 1997", blocks.bonded_disc),
+    Case("filled_hemisphere", "axisymmetric triangles", filled.filled_hemisphere, slow=True),
     *(
         Case(f"pressed_pad_{name}", "exact, Lebedev & Ufliand 1958", partial(pads.pressed_pad, name))
         for name in ("ball", "bar")

@@ -21,7 +21,7 @@ def draw_dial(
     reading: Reading | None,
     tolerance_deg: float,
     verdict: LiveVerdict,
-    truth: tuple[float, float, float] | None = None,
+    truth: tuple[float, ...] | None = None,
     reach_deg: float = 12.0,
 ) -> str:
     """Draw the dial.

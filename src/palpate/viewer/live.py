@@ -55,7 +55,7 @@ class Step:
     reading: Reading
     positions_px: FloatArray
     found: BoolArray
-    truth: tuple[float, float, float] | None
+    truth: tuple[float, ...] | None
 
 
 class Live:

@@ -191,9 +191,7 @@ class LivePage:
         ui.download.content(write_table(self._kept), "readings.csv")
 
 
-def list_figures(
-    reading: Reading, truth: tuple[float, float, float] | None
-) -> list[tuple[str, float, float, str, str]]:
+def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tuple[str, float, float, str, str]]:
     """Rows of the table beside the dial: name, value, half-width, unit, and what is to be known of it."""
     least, most = tilt_interval(reading)
     rows = [

@@ -29,7 +29,7 @@ from palpate.built import (
     write_unit,
 )
 from palpate.built.mounting import Mounting
-from palpate.camera import CameraSpec, build_camera
+from palpate.camera import CameraSpec, WindowSpec, build_camera
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
@@ -135,6 +135,20 @@ def test_an_image_is_read_without_any_known_press(twin: Twin, units: list[Built]
     assert rms[2] < 0.03
     assert rms[3] < 0.15
     assert np.sqrt(np.mean(np.square(told))) < 2
+
+
+def test_a_unit_behind_a_window_is_read_by_a_camera_that_knows_it(twin: Twin, seen: list[Press]) -> None:
+    """A reader that knows no window lays the camera nearer and reads another angle from the same dots."""
+    behind = NOMINAL.model_copy(update={"window": WindowSpec(thickness=3.0)})
+    camera = build_camera(behind.model_copy(update={"offset_x": 0.2, "tilt_y_deg": 0.3, "distance": 48.2}))
+    worst = []
+    for nominal in (behind, NOMINAL):
+        belief = learn_rest(twin, LAYOUT, nominal, camera.project(LAYOUT.positions), TOLERANCE, NOISE)
+        fitter = PoseFitter(model_unit(twin, LAYOUT, belief, TOLERANCE), NOISE)
+        fits = [fitter.fit(camera.project(seen[1].positions(LAYOUT.positions)[k])) for k in (5, 8)]
+        worst.append(max(np.abs(fit.pose[:2] - [10.0, 0.0]).max() for fit in fits))
+    assert worst[0] < 0.1
+    assert worst[1] > 3 * worst[0]
 
 
 def test_known_presses_tell_the_unit_and_its_mounting(twin: Twin, units: list[Built], seen: list[Press]) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from needs import needs
 from palpate.built import ToleranceSpec, learn_rest, model_unit
-from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera
 from palpate.camera.lens import Lens
 from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers
@@ -62,6 +62,7 @@ def one_by_one(dots: PrintedTwin, camera: Camera, poses: np.ndarray, slips: np.n
         CameraSpec(**LEANING),
         CameraSpec(distortion=(-0.2, 0.05, 1e-3, -2e-3, 0.01), **LEANING),
         CameraSpec(lens="kannala-brandt", distortion=(0.05, -0.01, 2e-3, 1e-4), **LEANING),
+        CameraSpec(window=WindowSpec(thickness=3.0), **LEANING),
     ],
 )
 def test_pixels_are_those_of_the_kernels(dots: PrintedTwin, spec: CameraSpec) -> None:
@@ -112,6 +113,15 @@ def test_torch_differentiates_through_the_twin(dots: PrintedTwin) -> None:
     moved = dots.move(pose[0].numpy(), 0.8)
     assert by_pose[0, :, :, 0].numpy() == pytest.approx(moved.by[..., :3], abs=1e-9)
     assert by_slip[0, :, :, 0].numpy() == pytest.approx(moved.by[..., 3], abs=1e-9)
+
+
+def test_torch_differentiates_through_the_window(dots: PrintedTwin) -> None:
+    batch = BatchTwin(dots, build_camera(CameraSpec(window=WindowSpec(thickness=3.0), **LEANING)))
+    pose, slip = torch.tensor([[3.0, -2.0, 1.7]], dtype=torch.float64), torch.tensor([0.8], dtype=torch.float64)
+    by_depth = torch.autograd.functional.jacobian(lambda pose: batch.pixels(pose, slip), pose)[0, :, :, 0, 2]
+    step = torch.tensor([0.0, 0.0, 1e-4], dtype=torch.float64)
+    differences = (batch.pixels(pose + step, slip) - batch.pixels(pose - step, slip))[0] / 2e-4
+    assert by_depth.numpy() == pytest.approx(differences.numpy(), abs=1e-5)
 
 
 def test_single_precision_is_good_to_a_thousandth_of_a_pixel(dots: PrintedTwin) -> None:

@@ -1,0 +1,177 @@
+"""The flat window between camera and skin, and the gel behind it: lines of sight that bend at two planes.
+
+The window fills ``-t <= z <= 0`` of the skin's frame, air is below it, and what lies between window and markers
+above. By Snell's law ``n_i sin θ_i`` is the same in all three, so a line of sight of slope ``p = tan θ`` in air has,
+in a layer of index n_i, the slope
+
+    g_i(p) = p / √(n_i² + (n_i² - 1) p²)
+
+and a point at the distance ρ from the pinhole's vertical is seen at the p with
+
+    Σ h_i g_i(p) = ρ,    h_i the height of the way in air, window and gel.
+
+No index is less than that of air, so the sum grows with p and is concave: Newton's iteration from below, from the
+paraxial ``ρ / Σ h_i / n_i``, ends at the one root. Max Born & Emil Wolf, *Principles of Optics*, 7th ed. 1999, 3.2.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import ValidationError
+
+from palpate.core import FloatArray, PalpateError, Spec, parameter
+
+_ITERATIONS = 60
+_TOLERANCE = 1e-14
+"""Relative change of the slope at which the iteration ends."""
+
+
+class WindowSpec(Spec):
+    """A flat window in the base plane, and what fills the skin behind it."""
+
+    thickness: float = parameter(2.0, unit="mm", meaning="thickness of the window", ge=0, le=50)
+    index: float = parameter(
+        1.49, unit="1", meaning="refractive index of the window", source="acrylic; glass: 1.52", ge=1, le=2.5
+    )
+    gel_index: float = parameter(
+        1.41,
+        unit="1",
+        meaning="refractive index of what lies between window and markers; 1 where that is air",
+        source="clear silicone",
+        ge=1,
+        le=2.5,
+    )
+
+
+def read_window(text: str) -> WindowSpec:
+    """Read a window from words, ``THICKNESS``, ``THICKNESS,INDEX`` or ``THICKNESS,INDEX,GEL_INDEX``.
+
+    Raises
+    ------
+    PalpateError
+        If it is not written so, or a number is out of bounds.
+
+    Examples
+    --------
+    >>> read_window("3,1.52").index
+    1.52
+    """
+    names, values = list(WindowSpec.model_fields), text.split(",")
+    why = f"it has {len(values)} numbers" if len(values) > len(names) else ""
+    try:
+        window = WindowSpec.model_validate(dict(zip(names, values, strict=False)))
+    except ValidationError as error:
+        why = "; ".join(f"{item['loc'][0]}: {item['msg']}" for item in error.errors())
+    if why:
+        raise PalpateError(
+            f"'{text}' is no window: {why}.",
+            "Write THICKNESS,INDEX,GEL_INDEX such as 2,1.49,1.41: mm, and the refractive indices of window and gel.",
+        )
+    return window
+
+
+@dataclass(frozen=True)
+class Window:
+    """How lines of sight pass a window.
+
+    Attributes
+    ----------
+    thickness
+        Of the window, mm.
+    index, gel_index
+        Refractive indices of the window and of what is behind it.
+    """
+
+    thickness: float
+    index: float
+    gel_index: float
+
+    def aim(self, origin: FloatArray, points: FloatArray) -> FloatArray:
+        """Where a pinhole must look to see points behind the window.
+
+        Parameters
+        ----------
+        origin
+            (3,) mm the pinhole, in air below the window.
+        points
+            (..., 3) mm.
+
+        Returns
+        -------
+        ndarray
+            (..., 3) mm, the way to each point as it would be if the line of sight went on straight from the pinhole,
+            for one of a height over it; a point that is not above the pinhole is where it is.
+        """
+        arm = points - origin
+        rise = np.where(arm[..., 2] > 0.0, arm[..., 2], np.nan)
+        reach = np.hypot(arm[..., 0], arm[..., 1])
+        heights = self.heights(float(origin[2]), points[..., 2])
+        indices = 1.0, self.index, self.gel_index
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope, paraxial = _solve(heights, indices, reach), 1.0 / _apparent(heights, indices)
+        # the slope over the distance has a limit on the axis, where neither says a direction
+        steep = np.where(reach > 0.0, slope / np.where(reach > 0.0, reach, 1.0), paraxial)
+        seen = np.concatenate([arm[..., :2] * (steep * rise)[..., None], rise[..., None]], axis=-1)
+        return np.where(np.isfinite(rise)[..., None], seen, arm)
+
+    def enter(self, origin: FloatArray, rays: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lines of sight behind the window.
+
+        Parameters
+        ----------
+        origin
+            (3,) mm the pinhole, in air below the window.
+        rays
+            (..., 3) directions in air; those that do not rise to the window have no line behind it.
+
+        Returns
+        -------
+        starts
+            (..., 3) mm, where they leave the window, in the base plane.
+        rays
+            (..., 3) unit vectors.
+        """
+        up = np.where(rays[..., 2] > 0.0, rays[..., 2], np.nan)
+        across = rays[..., :2] / up[..., None]
+        slope = np.linalg.norm(across, axis=-1)
+        air, window, _ = self.heights(float(origin[2]), np.zeros_like(slope))
+        carried = air + window * _bend(slope, self.index)
+        starts = np.zeros(rays.shape)
+        starts[..., :2] = origin[:2] + across * carried[..., None]
+        starts[..., 2] = np.where(np.isnan(up), np.nan, 0.0)
+        behind = np.ones(rays.shape)
+        behind[..., :2] = across * _bend(slope, self.gel_index)[..., None]
+        return starts, behind / np.linalg.norm(behind, axis=-1, keepdims=True)
+
+    def heights(self, origin_z: float, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Heights (...) mm of the ways in air, window and gel from a pinhole to points of heights z (...) mm."""
+        air = np.clip(z - origin_z, 0.0, -self.thickness - origin_z)
+        return air, np.clip(z + self.thickness, 0.0, self.thickness), np.maximum(z, 0.0)
+
+
+Layers = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def _bend(slope: FloatArray, index: float) -> FloatArray:
+    """Slope in a layer over that in air."""
+    return np.asarray(1.0 / np.sqrt(index**2 + (index**2 - 1.0) * slope**2))
+
+
+def _apparent(heights: Layers, indices: tuple[float, float, float]) -> FloatArray:
+    """Height at which a point near the axis seems to be."""
+    return np.asarray(sum(height / index for height, index in zip(heights, indices, strict=True)))
+
+
+def _solve(heights: Layers, indices: tuple[float, float, float], reach: FloatArray) -> FloatArray:
+    """Slopes in air of the lines of sight that reach so far (...) mm from the axis; NaN where none rises."""
+    slope = reach / _apparent(heights, indices)
+    for _ in range(_ITERATIONS):
+        ways = [(h, index**2, _bend(slope, index)) for h, index in zip(heights, indices, strict=True)]
+        miss = reach - slope * sum(h * bend for h, _, bend in ways)
+        step = miss / sum(h * square * bend**3 for h, square, bend in ways)
+        slope = slope + step
+        if not np.any(np.abs(step) > _TOLERANCE * (1.0 + slope)):
+            break
+    return np.asarray(slope)

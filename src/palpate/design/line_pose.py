@@ -1,0 +1,68 @@
+"""How a line lies that crosses a skin, as numbers without a jump: a bar or an edge of offset o and angle φ.
+
+The line (o, φ) is the line (-o, φ + 180°), so neither number alone can be learnt. What is the same for both and
+changes evenly is
+
+    (x, y) = o (-sin φ, cos φ),    (c, s) = (90/π)° (cos 2φ, sin 2φ) :
+
+the line's point nearest to the axis, and its direction, doubled. The second is needed where the line passes near the
+axis; a turn of the line by a small angle moves (c, s) by as many degrees.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from palpate.core import FloatArray
+
+LONGEST_DEG = 90.0 / np.pi
+"""Length of the direction's vector."""
+
+
+def direction_vector(angle_deg: FloatArray) -> FloatArray:
+    """Doubled directions (..., 2) in degrees of lines at angles (...) from x.
+
+    Examples
+    --------
+    >>> direction_vector(np.array([0.0, 90.0, 180.0])).round(2).tolist()
+    [[28.65, 0.0], [-28.65, 0.0], [28.65, -0.0]]
+    """
+    twice = 2.0 * np.radians(angle_deg)
+    return LONGEST_DEG * np.stack([np.cos(twice), np.sin(twice)], axis=-1)
+
+
+def find_line(poses: ArrayLike) -> FloatArray:
+    """Offset and angle of lines.
+
+    Parameters
+    ----------
+    poses
+        (..., 5) by `palpate.design.PoseSpace.of_lines`.
+
+    Returns
+    -------
+    ndarray
+        (..., 2): offset in mm to the left of the direction, and the direction's angle from x, from -90° to 90°.
+
+    Examples
+    --------
+    >>> find_line([0.0, 2.0, 4.0, *direction_vector(np.array(0.0))]).round(9).tolist()
+    [2.0, 0.0]
+    """
+    poses = np.asarray(poses, float)
+    angle = 0.5 * np.arctan2(poses[..., 4], poses[..., 3])
+    offset = poses[..., 1] * np.cos(angle) - poses[..., 0] * np.sin(angle)
+    return np.stack([offset, np.degrees(angle)], axis=-1)
+
+
+def line_error(estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
+    """Errors (..., 2) of lines, offset in mm and angle in degrees; poses and estimates (..., 5).
+
+    A line read as 89° that lies at -89° is 2° off, and its offset counts from the same side.
+    """
+    found, true = find_line(estimates), find_line(poses)
+    turned = found[..., 1] - true[..., 1]
+    half_turns = np.round(turned / 180.0)
+    offset = np.where(half_turns % 2 == 0, found[..., 0], -found[..., 0])
+    return np.stack([offset - true[..., 0], turned - 180.0 * half_turns], axis=-1)
