@@ -122,8 +122,8 @@ class Course:
             self.torch.set_num_threads(threads)
         return self.state
 
-    def _batch(self, rows: Any) -> Any:
-        inputs, grey = self.inputs[rows], self.spec.grey
+    def _normal(self, inputs: Any) -> Any:
+        grey = self.spec.grey
         if grey is None:
             return inputs
         return ((inputs.float() / 255.0 - grey[0]) / grey[1]).contiguous(memory_format=self.torch.channels_last)
@@ -145,9 +145,9 @@ class Course:
         return padded[..., down : down + height, right : right + width]
 
     def _draw(self, rows: Any, over: float) -> tuple[Any, Any]:
-        if self.spec.vary is not None:
-            return self.spec.vary(rows, over)
-        return self._shifted(self._batch(rows)), self.targets[rows]
+        vary = self.spec.vary
+        inputs, targets = (self.inputs[rows], self.targets[rows]) if vary is None else vary(rows, over)
+        return self._shifted(self._normal(inputs)), targets
 
     def _train(self) -> None:
         self.net.train()
@@ -173,7 +173,8 @@ class Course:
         self.net.eval()
         with self.torch.no_grad():
             squares = [
-                ((self.net(self._batch(rows)) - self.targets[rows]) ** 2).mean(dim=1) for rows in self.judge.split(64)
+                ((self.net(self._normal(self.inputs[rows])) - self.targets[rows]) ** 2).mean(dim=1)
+                for rows in self.judge.split(64)
             ]
         return float(self.torch.cat(squares).mean().sqrt())
 

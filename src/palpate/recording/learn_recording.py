@@ -18,7 +18,7 @@ from palpate.recording.columns import PoseColumn
 from palpate.recording.conclude import WHOLE, PartScore, conclude, estimate_all
 from palpate.recording.course import CourseSpec
 from palpate.recording.curve import CurvePoint, draw_learning_curve
-from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.lesson import Lesson, Turning, fit_ridge_part
 from palpate.recording.model import RecordedModel
 from palpate.recording.part import PARTS, ModelPart
 from palpate.recording.read_recording import Recording
@@ -26,12 +26,12 @@ from palpate.recording.see_recording import Say, Seen, see_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import find_shift
 from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
-from palpate.recording.turns import MOST_DOTS, find_sense
+from palpate.recording.turns import MOST_DOTS, find_sense, pattern_order
 
 PART_VERSION = "5"
 """Version of the code that decides what a part predicts; part of an artefact's key."""
-TURNED = "dots-network-turned"
-"""Network on dots that is taught by turned presses as well."""
+TURNED = "-turned"
+"""End of the names of networks that are taught by turned presses as well."""
 _ALIKE = ("rx", "ry"), ("depth", "rz", "force")
 """Axes that turn with the sensor, and those that stay what they are."""
 _LEAST_TURNED = 20
@@ -129,36 +129,43 @@ def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
     names = [] if spec.estimators == "dots" else ["picture-ridge"]
     if seen.assigned is not None:
         names += ["dots-ridge"] if spec.estimators == "ridge" else ["dots-ridge", "dots-network"]
-        names += [TURNED] if spec.estimators != "ridge" and _sense(seen) else []
+        names += [f"dots-network{TURNED}"] if spec.estimators != "ridge" and _turning(seen) else []
     if spec.estimators in ("all", "picture"):
         names += ["picture-network"]
+        turning = _turning(seen)
+        if turning is not None and pattern_order(turning.rest_px) > 1:
+            names += [f"picture-network{TURNED}"]
         if seen.recording.others:
             names += ["picture-network-all"]
     return names or ["picture-ridge"]
 
 
-def _sense(seen: Seen) -> int:
-    """Whether (rx, ry) turn along with the dots, see `find_sense`; 0 where something else is learnt as well."""
+def _turning(seen: Seen) -> Turning | None:
+    """How (rx, ry) turn with the images; `None` where they cannot, or something else is learnt that might."""
     axes, good = tuple(one.axis for one in seen.recording.poses), seen.good & seen.split.teach
     layout = seen.assigned.layout if seen.assigned is not None else None
     if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
-        return 0
+        return None
     if layout is None or len(layout) > MOST_DOTS or good.sum() < _LEAST_TURNED:
-        return 0
-    return find_sense(layout.rest_px, seen.moved[good], seen.targets[good, :2])
+        return None
+    sense = find_sense(layout.rest_px, seen.moved[good], seen.targets[good, :2])
+    return Turning(layout.rest_px, sense) if sense else None
 
 
 def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
     """What a part learns from: dots only where they are believed, and all motions where its name says so."""
+    turning = _turning(seen) if name.endswith(TURNED) else None
     if name.startswith("dots"):
-        return Lesson(
-            seen.moved, seen.targets, seen.split.teach & seen.good, seen.split.choose & seen.good, spec.seed
-        )
+        teach, judge = seen.split.teach & seen.good, seen.split.choose & seen.good
+        return Lesson(seen.moved, seen.targets, teach, judge, spec.seed, turning)
     targets = seen.targets
     if name.endswith("-all"):
         others = np.stack([one.values for one in seen.recording.others], axis=1)[seen.rows]
         targets = np.hstack([targets, others])
-    return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed)
+    if turning is not None:  # in px of the small pictures
+        scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
+        turning = turning._replace(rest_px=(turning.rest_px + 0.5) * scale - 0.5)
+    return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed, turning)
 
 
 def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say: Say) -> ModelPart:
@@ -177,9 +184,8 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
             part: ModelPart = fit_ridge_part(name, lesson, name.startswith("picture"))
         elif name == "dots-network":
             part = train_dots_network(name, lesson, kept=kept)
-        elif name == TURNED:
-            assert seen.assigned is not None
-            part = train_turned_network(name, lesson, seen.assigned.layout.rest_px, _sense(seen), kept)
+        elif name.startswith("dots"):
+            part = train_turned_network(name, lesson, kept)
         else:
             part = train_picture_network(name, lesson, seen.targets.shape[1], course, kept, say)
         path = store.write(recipe, lambda file: write_arrays(file, part.arrays))

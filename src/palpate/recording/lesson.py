@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,21 @@ PENALTIES = tuple(10.0**k for k in range(-4, 4))
 """Ridge penalties that are tried, over the mean square of a feature and the number of images."""
 SIDES = (16, 24, 32)
 """Sizes to which pictures are shrunk for ridge, px."""
+
+
+class Turning(NamedTuple):
+    """How poses turn with images about the middle of the dots (`palpate.recording.turns`).
+
+    Attributes
+    ----------
+    rest_px
+        (m, 2) dots at rest, px of the images or pictures that teach.
+    sense
+        Whether the first two targets, rx and ry, turn with the image (1) or against it (-1).
+    """
+
+    rest_px: FloatArray
+    sense: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +47,8 @@ class Lesson:
         (n,) images to learn from, and to choose by.
     seed
         Seed of weights and batches.
+    turning
+        How turned images teach as well; `None` where they do not.
     """
 
     inputs: NDArray[Any]
@@ -39,12 +56,15 @@ class Lesson:
     teach: BoolArray
     judge: BoolArray
     seed: int = 0
+    turning: Turning | None = None
 
     @property
     def scale(self) -> tuple[FloatArray, FloatArray]:
-        """Mean and standard deviation (k,) of the targets that teach."""
-        sd = self.targets[self.teach].std(axis=0)
-        return self.targets[self.teach].mean(axis=0), np.where(sd > 1e-9, sd, 1.0)
+        """Mean and standard deviation (k,) of the targets that teach; of two that turn, none and one of both."""
+        mean, sd = self.targets[self.teach].mean(axis=0), self.targets[self.teach].std(axis=0)
+        if self.turning is not None:
+            mean[:2], sd[:2] = 0.0, sd[:2].mean()
+        return mean, np.where(sd > 1e-9, sd, 1.0)
 
     def error(self, estimates: FloatArray) -> float:
         """Root mean square error of the images that judge, over the targets' standard deviations."""

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import FloatArray, child_seed
+from palpate.core import FloatArray, child_seed, load_opencv
 from palpate.recording.course import Course, CourseSpec, load_torch
 from palpate.recording.lesson import Lesson
 from palpate.recording.part import DotsNetwork, PictureNetwork, flat_features
-from palpate.recording.turns import COUNT, Turns, rotation
+from palpate.recording.turns import COUNT, Turns, pattern_order, rotation
 
 COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
 """Network on dots: principal components read, units and number of hidden layers, members, epochs."""
@@ -67,38 +68,39 @@ def _components(centre: FloatArray, covariance: FloatArray, taught: int) -> dict
 
 
 def train_turned_network(
-    name: str, lesson: Lesson, rest_px: FloatArray, sense: int, kept: Path | None = None, epochs: int = DOTS_EPOCHS
+    name: str, lesson: Lesson, kept: Path | None = None, epochs: int = DOTS_EPOCHS
 ) -> DotsNetwork:
-    """Perceptrons as `train_dots_network`, taught by turned presses as well (`palpate.recording.turns`).
-
-    Parameters
-    ----------
-    name, lesson
-        Name of the part, and what it learns from; rx and ry are the first two targets.
-    rest_px, sense
-        (m, 2) dots at rest, and whether (rx, ry) turn with the image (1) or against it (-1).
-    kept, epochs
-        As for `train_dots_network`.
-    """
+    """Perceptrons as `train_dots_network`, taught by turned presses as well; the lesson says how they turn."""
+    assert lesson.turning is not None
     torch = load_torch()
-    turns, fields = Turns(rest_px), flat_features(lesson.inputs, None)
+    turns, fields = Turns(lesson.turning.rest_px), flat_features(lesson.inputs, None)
     centre, covariance = turns.spread(fields[lesson.teach].astype(float))
     start = _components(centre, covariance, int(lesson.teach.sum()))
-    mean, sd = (values.copy() for values in lesson.scale)
-    mean[:2], sd[:2] = 0.0, sd[:2].mean()
     along = [torch.as_tensor((turns.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)]
-    tilts = [torch.as_tensor(rotation(sense * k).T.astype(np.float32)) for k in range(COUNT)]
     flat, offset = torch.as_tensor(fields), torch.as_tensor(start["offset"].astype(np.float32))
+
+    def turned(rows: Any, number: int) -> Any:
+        return flat[rows] @ along[number] - offset
+
+    course = CourseSpec(epochs, noise=0.01, vary=_vary(torch, lesson, turned, COUNT))
+    return tune_dots_network(name, lesson, start, course, kept=kept)
+
+
+def _vary(torch: Any, lesson: Lesson, turned: Callable[[Any, int], Any], count: int) -> Any:
+    """Draws batches, most of them turned by one of `count` steps around; `turned` gives inputs of rows so turned."""
+    assert lesson.turning is not None
+    mean, sd = lesson.scale
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
+    steps = [lesson.turning.sense * number * (COUNT // count) for number in range(count)]
+    tilts = [torch.as_tensor(rotation(step).T.astype(np.float32)) for step in steps]
 
     def vary(rows: Any, over: float) -> tuple[Any, Any]:
         share = _TURNED * min(1.0, max(0.0, (_UNTIL - over) / (_UNTIL - _FROM)))
-        turn = int(torch.randint(COUNT, (1,))) if float(torch.rand(1)) < share else 0
+        number = int(torch.randint(count, (1,))) if float(torch.rand(1)) < share else 0
         given = targets[rows]
-        return flat[rows] @ along[turn] - offset, torch.cat([given[:, :2] @ tilts[turn], given[:, 2:]], dim=1)
+        return turned(rows, number), torch.cat([given[:, :2] @ tilts[number], given[:, 2:]], dim=1)
 
-    course = CourseSpec(epochs, noise=0.01, vary=vary)
-    return tune_dots_network(name, lesson, start | {"mean": mean, "sd": sd}, course, kept=kept)
+    return vary
 
 
 def tune_dots_network(
@@ -113,7 +115,7 @@ def tune_dots_network(
     """Train perceptrons on a given projection of displacements, from given weights where there are such."""
     torch = load_torch()
     given = "weight_0" in start
-    mean, sd = (start["mean"], start["sd"]) if "mean" in start else lesson.scale
+    mean, sd = (start["mean"], start["sd"]) if given else lesson.scale
     features = flat_features(lesson.inputs, None) @ start["projection"] - start["offset"]
     inputs = torch.as_tensor(features.astype(np.float32))
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
@@ -181,9 +183,24 @@ def train_picture_network(
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
     shift = round(SHIFT * max(lesson.inputs.shape[1:]))
     spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, rise=RISE)
+    if lesson.turning is not None:
+        order = pattern_order(lesson.turning.rest_px)
+        turned = partial(_turn_pictures, torch, lesson.inputs, Turns(lesson.turning.rest_px).middle, order)
+        spec = replace(spec, vary=_vary(torch, lesson, turned, order))
     state = Course(net, lesson, pictures, targets, spec).run(kept, lambda text: say(f"{name}: {text}"))
     arrays = _folded(state, level, spread)
     return PictureNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
+
+
+def _turn_pictures(torch: Any, pictures: NDArray[Any], middle: FloatArray, order: int, rows: Any, number: int) -> Any:
+    """Pictures (b, 1, h, w) of rows, turned about a point (2,) px by so many of `order` steps around."""
+    asked = pictures[rows.numpy()]
+    if number:
+        size, turn = pictures.shape[1:], np.column_stack([rotation(number * (COUNT // order)), np.zeros(2)])
+        turn[:, 2] = middle - turn[:, :2] @ middle
+        cv2 = load_opencv()
+        asked = np.stack([cv2.warpAffine(one, turn, size[::-1], borderMode=cv2.BORDER_REPLICATE) for one in asked])
+    return torch.as_tensor(asked)[:, None]
 
 
 def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:

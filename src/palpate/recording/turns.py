@@ -25,6 +25,9 @@ MOST_DOTS = 800
 _NEAR, _FAR = 12, 0.75
 """Dots by which a field is read between them; outside the layout the nearest dot speaks, from this distance over the
 spacing on."""
+_ORDERS = (6, 4, 3, 2)
+_MOST_ALIKE, _ALIKE = 0.9, 0.3
+"""Share of the dots that must come to lie on others when a pattern is turned, and how near, over their spacing."""
 _RINGS, _CLEAR = 5, 0.8
 """Rings over which fields are pooled to tell the sense, and residual over the other sense's that makes it clear."""
 
@@ -80,6 +83,18 @@ def rotation(number: int) -> FloatArray:
     """(2, 2) of a turn by `number` steps, from column towards row of the image."""
     angle = 2.0 * np.pi * number / COUNT
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def pattern_order(rest_px: FloatArray) -> int:
+    """Into how many alike parts a layout (m, 2) is cut by turns: 6 of a hexagon, 4 of a square, 1 of most others."""
+    about = rest_px - Turns(rest_px).middle
+    tree = cKDTree(about)
+    spacing = float(np.median(tree.query(about, 2)[0][:, 1]))
+    for order in _ORDERS:
+        off = tree.query(about @ rotation(COUNT // order).T)[0]
+        if np.quantile(off, _MOST_ALIKE) < _ALIKE * spacing:
+            return order
+    return 1
 
 
 def find_sense(rest_px: FloatArray, moved_px: FloatArray, tilt: FloatArray) -> int:

@@ -1,13 +1,15 @@
 """Turned presses: fields, the sense in which tilts turn with them, and what they teach."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drawn_tactip import DrawnSensor, draw_motions, place_heads
 from needs import needs
-from palpate.recording.lesson import Lesson
+from palpate.recording.lesson import Lesson, Turning
 from palpate.recording.train_part import train_dots_network, train_turned_network
-from palpate.recording.turns import COUNT, Turns, find_sense, rotation
+from palpate.recording.turns import COUNT, Turns, find_sense, pattern_order, rotation
 
 SENSOR = DrawnSensor(rings=5)
 STILL = np.zeros((4, 2))
@@ -66,7 +68,32 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
         return float(np.sqrt(np.mean((part.predict(moved[160:]) - poses[160:])[:, :2] ** 2)))
 
     plain = error(train_dots_network("plain", lesson))
-    turned = error(train_turned_network("turned", lesson, rest, sense, epochs=200))
-    wrong = error(train_turned_network("turned", lesson, rest, -sense, epochs=200))
+    turned, wrong = (
+        error(train_turned_network("turned", replace(lesson, turning=Turning(rest, one)), epochs=200))
+        for one in (sense, -sense)
+    )
     assert turned < 0.75 * plain
     assert wrong > 1.3 * turned
+
+
+@pytest.mark.parametrize(("pattern", "order"), [("hexagon", 6), ("square", 4), ("random", 1)])
+def test_a_pattern_tells_its_own_symmetry(pattern, order):
+    rest = DrawnSensor(rings=7, pattern=pattern).pins() * 10.0
+    assert pattern_order(rest) == order
+
+
+def test_pictures_turn_as_their_dots_do():
+    torch = needs("torch")
+    cv2 = needs("cv2")
+    from palpate.recording.train_part import _turn_pictures
+
+    picture, middle = np.zeros((64, 64), np.uint8), np.array([30.0, 33.0])
+    cv2.circle(picture, (44, 33), 2, 255, -1)
+    for number in range(6):
+        turned = (
+            _turn_pictures(torch, picture[None], middle, 6, torch.tensor([0]), number)[0, 0].numpy().astype(float)
+        )
+        rows, columns = np.mgrid[:64, :64]
+        found = np.array([(columns * turned).sum(), (rows * turned).sum()]) / turned.sum()
+        expected = middle + rotation(6 * number) @ [14.0, 0.0]
+        assert np.abs(found - expected).max() < 0.3
