@@ -15,6 +15,8 @@ COLOURS = {
 }
 """Safe for people who do not see all colours; the verdict is written beside it as well."""
 _SIZE = 100.0
+_WIDE_DEG = 15.0
+"""Reach beyond which circles stand for every 10° instead of 3°."""
 
 
 def draw_dial(
@@ -40,9 +42,10 @@ def draw_dial(
         Tilt at the dial's edge.
     """
     scale = _SIZE / max(reach_deg, tolerance_deg, 1.0)
+    step = 3 if reach_deg <= _WIDE_DEG else 10
     rings = "".join(
         f'<circle r="{scale * tilt:.2f}" class="ring"/><text x="2" y="{-scale * tilt + 7:.1f}">{tilt}°</text>'
-        for tilt in range(3, math.ceil(reach_deg), 3)
+        for tilt in range(step, math.ceil(reach_deg), step)
     )
     parts = [
         '<svg viewBox="-108 -108 216 216" class="dial" role="img" aria-label="Pose of the wall">',
