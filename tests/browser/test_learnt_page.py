@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from pathlib import Path
+from collections.abc import Iterator
 
 import pytest
 from viewer_process import ENTRY, ROOT, viewer
@@ -11,23 +11,23 @@ from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 
 
 @pytest.fixture(scope="module")
-def learnt(tmp_path_factory) -> Path:
-    """A folder of palpate learn, with the recording below it."""
+def learnt_link(tmp_path_factory) -> Iterator[str]:
+    """The viewer on a folder of palpate learn, with the recording below it."""
     folder = tmp_path_factory.mktemp("learnt")
     draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
     words = ["learn", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"]
     subprocess.run([sys.executable, "-c", ENTRY, *words], cwd=ROOT / "src", check=True, capture_output=True)
-    return folder
+    with viewer(folder) as address:
+        yield address
 
 
-def test_the_report_is_shown_and_images_are_read(page, learnt):
-    with viewer(learnt) as link:
-        page.goto(link)
-        assert page.locator("table.errors tr").count() >= 3
-        page.locator("figure img").first.wait_for()
-        page.goto(link + "live")
-        page.get_by_role("button", name="Start").click()
-        page.get_by_text("61 markers found").first.wait_for()
-        page.wait_for_function("document.querySelectorAll('.figures td').length >= 12")
-        page.set_viewport_size({"width": 390, "height": 800})
-        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+def test_the_report_is_shown_and_images_are_read(page, learnt_link):
+    page.goto(learnt_link)
+    assert page.locator("table.errors tr").count() >= 3
+    page.locator("figure img").first.wait_for()
+    page.goto(learnt_link + "live")
+    page.get_by_role("button", name="Start").click()
+    page.get_by_text("61 markers found").first.wait_for()
+    page.wait_for_function("document.querySelectorAll('.figures td').length >= 12")
+    page.set_viewport_size({"width": 390, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
