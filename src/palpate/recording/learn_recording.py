@@ -133,7 +133,7 @@ def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
     if spec.estimators in ("all", "picture"):
         names += ["picture-network"]
         turning = _turning(seen)
-        if turning is not None and pattern_order(turning.rest_px) > 1:
+        if turning is not None and pattern_order(turning.places_px) > 1:
             names += [f"picture-network{TURNED}"]
         if seen.recording.others:
             names += ["picture-network-all"]
@@ -141,15 +141,21 @@ def _plan(seen: Seen, spec: RecordingSpec) -> list[str]:
 
 
 def _turning(seen: Seen) -> Turning | None:
-    """How (rx, ry) turn with the images; `None` where they cannot, or something else is learnt that might."""
+    """How (rx, ry) turn with the images; `None` where they cannot, or something else is learnt that might.
+
+    Without an image at rest the layout is that of some press, which leans: dots are then told from where they are in
+    the mean of all.
+    """
     axes, good = tuple(one.axis for one in seen.recording.poses), seen.good & seen.split.teach
     layout = seen.assigned.layout if seen.assigned is not None else None
     if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
         return None
     if layout is None or len(layout) > MOST_DOTS or good.sum() < _LEAST_TURNED:
         return None
-    sense = find_sense(layout.rest_px, seen.moved[good], seen.targets[good, :2])
-    return Turning(layout.rest_px, sense) if sense else None
+    at_rest = seen.assigned is not None and seen.assigned.reference >= len(seen.recording)
+    base = np.zeros_like(layout.rest_px) if at_rest else seen.moved[good].mean(axis=0)
+    sense = find_sense(layout.rest_px + base, seen.moved[good] - base, seen.targets[good, :2])
+    return Turning(layout.rest_px + base, base, sense) if sense else None
 
 
 def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
@@ -164,7 +170,7 @@ def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
         targets = np.hstack([targets, others])
     if turning is not None:  # in px of the small pictures
         scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
-        turning = turning._replace(rest_px=(turning.rest_px + 0.5) * scale - 0.5)
+        turning = turning._replace(places_px=(turning.places_px + 0.5) * scale - 0.5)
     return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed, turning)
 
 

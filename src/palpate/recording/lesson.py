@@ -23,13 +23,16 @@ class Turning(NamedTuple):
 
     Attributes
     ----------
-    rest_px
-        (m, 2) dots at rest, px of the images or pictures that teach.
+    places_px
+        (m, 2) dots as they stand when nothing favours a side, px of the images or pictures that teach.
+    base_px
+        (m, 2) displacement by which a lesson on dots tells of these places; 0 where they are those at rest.
     sense
         Whether the first two targets, rx and ry, turn with the image (1) or against it (-1).
     """
 
-    rest_px: FloatArray
+    places_px: FloatArray
+    base_px: FloatArray
     sense: int
 
 

@@ -73,11 +73,14 @@ def train_turned_network(
     """Perceptrons as `train_dots_network`, taught by turned presses as well; the lesson says how they turn."""
     assert lesson.turning is not None
     torch = load_torch()
-    turns, fields = Turns(lesson.turning.rest_px), flat_features(lesson.inputs, None)
+    base = lesson.turning.base_px
+    turns, fields = Turns(lesson.turning.places_px), flat_features(lesson.inputs - base, None)
     centre, covariance = turns.spread(fields[lesson.teach].astype(float))
     start = _components(centre, covariance, int(lesson.teach.sum()))
     along = [torch.as_tensor((turns.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)]
     flat, offset = torch.as_tensor(fields), torch.as_tensor(start["offset"].astype(np.float32))
+
+    start["offset"] = start["offset"] + base.reshape(-1) @ start["projection"]
 
     def turned(rows: Any, number: int) -> Any:
         return flat[rows] @ along[number] - offset
@@ -184,8 +187,8 @@ def train_picture_network(
     shift = round(SHIFT * max(lesson.inputs.shape[1:]))
     spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, rise=RISE)
     if lesson.turning is not None:
-        order = pattern_order(lesson.turning.rest_px)
-        turned = partial(_turn_pictures, torch, lesson.inputs, Turns(lesson.turning.rest_px).middle, order)
+        order = pattern_order(lesson.turning.places_px)
+        turned = partial(_turn_pictures, torch, lesson.inputs, Turns(lesson.turning.places_px).middle, order)
         spec = replace(spec, vary=_vary(torch, lesson, turned, order))
     state = Course(net, lesson, pictures, targets, spec).run(kept, lambda text: say(f"{name}: {text}"))
     arrays = _folded(state, level, spread)

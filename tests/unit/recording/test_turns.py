@@ -69,7 +69,7 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
 
     plain = error(train_dots_network("plain", lesson))
     turned, wrong = (
-        error(train_turned_network("turned", replace(lesson, turning=Turning(rest, one)), epochs=200))
+        error(train_turned_network("turned", replace(lesson, turning=Turning(rest, 0.0 * rest, one)), epochs=200))
         for one in (sense, -sense)
     )
     assert turned < 0.75 * plain
@@ -97,3 +97,22 @@ def test_pictures_turn_as_their_dots_do():
         found = np.array([(columns * turned).sum(), (rows * turned).sum()]) / turned.sum()
         expected = middle + rotation(6 * number) @ [14.0, 0.0]
         assert np.abs(found - expected).max() < 0.3
+
+
+def test_a_layout_that_leans_is_told_from_the_mean():
+    """The layout of a pressed image, which no turn leaves as it is, and displacements from it."""
+    needs("torch")
+    rest, moved, poses = drawn(300, 4)
+    lean = moved[np.argmax(np.hypot(*poses[:, :2].T))]
+    base, number = (moved - lean).mean(axis=0), np.arange(300)
+    lesson = Lesson(moved - lean, poses, number < 80, (number >= 80) & (number < 140), 0)
+    places = rest + lean + base
+    assert pattern_order(places) == 6 > pattern_order(rest + lean)
+    turning = Turning(places, base, find_sense(places, moved[:80] - lean - base, poses[:80, :2]))
+    part = train_turned_network("turned", replace(lesson, turning=turning), epochs=200)
+    plain = train_dots_network("plain", lesson)
+
+    def error(one):
+        return float(np.sqrt(np.mean((one.predict(lesson.inputs[140:]) - poses[140:])[:, :2] ** 2)))
+
+    assert error(part) < 0.75 * error(plain)
