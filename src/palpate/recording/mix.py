@@ -10,7 +10,8 @@ from scipy.optimize import nnls
 
 from palpate.core import BoolArray, FloatArray, IntArray
 
-MIXTURE = "mixture"
+MIXTURE, PICTURES = "mixture", "mixture of pictures"
+"""Mixtures of all estimators, and of those that read pictures."""
 _LEAST = 0.03
 """Weight below which an estimator is left out of a mixture."""
 _GAIN = 0.97
@@ -80,17 +81,24 @@ def choose_parts(
 
     ranked = [Option(name, (name,), ones, error(found)) for name, found in estimates.items()]
     ranked.sort(key=lambda option: option.error)
-    mixed = _mix(estimates, targets, whole)
-    if mixed is not None:
+
+    def best_of(names: list[str], rows: BoolArray, title: str) -> Option | None:
+        """The best of some alone, or their mixture where it is clearly better; the mixture is ranked too."""
+        alone = next((option for option in ranked if option.name in names), None)
+        mixed = _mix(title, {name: estimates[name] for name in names}, targets, rows)
+        if alone is None or mixed is None:
+            return alone
         mixed.error = error(mixed.combine(estimates))
         ranked.append(mixed)
-    alone = ranked[0]
-    best = mixed if mixed is not None and mixed.error < _GAIN * alone.error else alone
-    pictures = [option for option in ranked if not dots & set(option.parts)]
-    return Options(tuple(sorted(ranked, key=lambda option: option.error)), best, pictures[0] if pictures else None)
+        return mixed if mixed.error < _GAIN * alone.error else alone
+
+    pictures = [name for name in estimates if name not in dots]
+    best = best_of(list(estimates), whole, MIXTURE)
+    without = best_of(pictures, choose, PICTURES) if len(pictures) < len(estimates) else best
+    return Options(tuple(sorted(ranked, key=lambda option: option.error)), best, without)
 
 
-def _mix(estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Option | None:
+def _mix(title: str, estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArray) -> Option | None:
     """Weights of each component, none negative, that sum to one and make the squares least; `None` for one part."""
     names = list(estimates)
     if len(names) < 2 or rows.sum() < 10:
@@ -106,7 +114,7 @@ def _mix(estimates: Mapping[str, FloatArray], targets: FloatArray, rows: BoolArr
     used = np.asarray(weights.any(axis=1))
     if used.sum() < 2:
         return None
-    return Option(MIXTURE, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf)
+    return Option(title, tuple(name for name, kept in zip(names, used, strict=True) if kept), weights[used], np.inf)
 
 
 def press_quantile_of(errors: FloatArray, press: IntArray, level: float) -> FloatArray:
