@@ -8,7 +8,7 @@ from palpate.core import FloatArray
 from palpate.markers.laid import Laid
 from palpate.markers.name_rings import RingFinder, mark_turns
 from palpate.markers.pattern import MarkerPattern
-from palpate.markers.ring_law import TWIST, RingsFit, continue_rings, learn_law
+from palpate.markers.ring_law import TWIST, RingFit, RingsFit, continue_rings, learn_law
 from palpate.markers.rings import Rings, waves
 
 _CHANCE = -7.5
@@ -19,8 +19,12 @@ _RIVAL = 2.0
 """Powers of ten by which a print about another middle must be likelier by chance."""
 _STRANGE, _STRANGE_SHARE = 12, 0.1
 """Dots within the print that are of no ring: so many, and so many more for each that is."""
-_MARK_PX, _MARK_SD = 0.2, 0.8
-"""Standard deviation of the mark about its place: at least, and over the distance of the dots from their ring."""
+_MARK_PX = 0.2
+"""Standard deviation of the mark about its place, at least."""
+_DOT_MM, _DOT_BELIEF = 0.06, 6
+"""Standard deviation of each coordinate of a printed dot, told beforehand, and dots that it weighs as much as."""
+_ASIDE_MM = 0.1
+"""Standard deviation of a whole print's place beside the axis, in each direction."""
 _MARK_STRETCH, _MARK_BENT = 0.02, 0.06
 """The same outwards over the mark's distance from the outermost ring, for an even print and more for a bent one."""
 _BENT = 0.08
@@ -94,8 +98,21 @@ def _marks(fit: RingsFit, pattern: MarkerPattern, finder: RingFinder) -> tuple[F
     factor = law.rho / finder.rings.rho[1:]
     bent = min(float(np.abs(factor - 1.0).max()) / _BENT, 1.0) if len(factor) > 1 else 1.0
     outside = float(length.mean()) - outer.radius_px
-    along = np.hypot(max(_MARK_PX, _MARK_SD * outer.residual_px), aside)
+    scale = law.zoom * float(finder.profile.scale(np.hypot(*pattern.mark[:2])))
+    along = np.hypot(max(_MARK_PX, _scatter(outer, scale * _DOT_MM)), aside)
     stretch = (_MARK_STRETCH + bent * _MARK_BENT) * outside
-    far = float(np.sqrt(along**2 + stretch**2 + (bent * doubt) ** 2))
+    shift = _ASIDE_MM * law.steeper(outer.radius_px, float(length.mean()))
+    far = float(np.sqrt(along**2 + stretch**2 + (bent * doubt) ** 2 + shift**2))
     axes = np.stack([far * out, along * np.stack([-out[:, 1], out[:, 0]], axis=-1)], axis=1)
     return places, axes
+
+
+def _scatter(ring: RingFit, expected_px: float) -> float:
+    """Standard deviation in px of each coordinate of one more dot about a ring that was fitted to its dots.
+
+    Of few dots more than unknowns, what is told beforehand counts besides.
+    """
+    unknowns = len(ring.weights)
+    left = ring.count * ring.residual_px**2 / 2.0 + _DOT_BELIEF * expected_px**2
+    square = left / (max(ring.count - unknowns, 0) + _DOT_BELIEF)
+    return float(np.sqrt(square * (1.0 + unknowns / ring.count)))

@@ -30,6 +30,8 @@ _LEAST_OFF_PX, _OFF, _BENT = 0.1, 3.0, 0.08
 """Standard deviation of the centres of rings about their line: at least, and in mm over how far the radii are off."""
 _RIM = 0.98
 """Share of the meridian's greatest radius beyond which nothing is printed."""
+_STEP = 0.05
+"""Half the difference of radii over which the profile's slope is taken, mm."""
 _ZOOM_SHARE = 0.2
 """Share of a common growth of all rings that is the camera's, as far as a camera's distance is better known than a
 print's size: 4 % against 8 %."""
@@ -184,6 +186,11 @@ class Profile:
         model = self._factors[0] + self._factors[1] * self._heights(rho)
         return np.asarray(np.interp(rho, self._known, self._beside) / model)
 
+    def slope(self, rho: float) -> float:
+        """Pixels of a millimetre outwards at this radius, mm."""
+        ends = np.array([rho - _STEP, rho + _STEP])
+        return float(np.diff(ends * self.scale(ends))[0] / (2.0 * _STEP))
+
     def rho(self, radius_px: FloatArray | float) -> FloatArray:
         """Radius in mm of a ring in the nominal image, px."""
         return np.asarray(np.interp(radius_px, self._px, self._rho))
@@ -230,6 +237,11 @@ class RingLaw:
         zoom = self.zoom * share
         rho = np.minimum(self.profile.rho(of_px / zoom) * growth, self.profile.widest)
         return float(zoom * rho * self.profile.scale(rho))
+
+    def steeper(self, of_px: float, to_px: float) -> float:
+        """How many px farther outwards a print a millimetre aside moves dots at one radius (px) than at another."""
+        slopes = [self.profile.slope(float(self.profile.rho(px / self.zoom))) for px in (of_px, to_px)]
+        return self.zoom * abs(slopes[1] - slopes[0])
 
     def centre(self, rho: float) -> FloatArray:
         """(2,) centre of a ring of this radius, mm."""

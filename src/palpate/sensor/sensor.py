@@ -36,8 +36,9 @@ from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 
-_FOUND = (0.8, 1.5)
-"""Least and greatest number of dots, over the design's, with which a size that the design gives is believed."""
+_FOUND, _DIRT = (0.8, 1.5), 10
+"""Least and greatest number of dots, over the design's, with which a size that the design gives is believed; and how
+many more there may be of what is no dot."""
 
 
 @dataclass
@@ -208,7 +209,7 @@ def _find_and_name(
             with suppress(PalpateError):
                 detector = prepare_detector(image, spec, doubt=False)
                 found = detector.find(image).positions_px
-                if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout):
+                if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout) + _DIRT:
                     return detector, name_markers(found, pattern)
         raise
 

@@ -1,0 +1,37 @@
+"""The orientation mark of built units: prints aside, dots off their places, cameras near and aside."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from palpate.bench import DEGRADED, set_scene
+from palpate.built import ToleranceSpec, draw_deviation
+from palpate.camera import CameraSpec
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.sensor import Unit
+from palpate.sensor.sensor import read_rest
+
+
+@pytest.mark.parametrize("rings", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("distance", [30.0, 38.0])
+def test_numbers_are_told_of_every_unit(rings, distance):
+    """Where a print stands aside, its mark lies a pixel from where round rings would have it."""
+    skin, tolerance = build_skin(DomeSpec()), ToleranceSpec()
+    reach = float(skin.arc_length(np.array([[skin.base_radius, 0.0, 0.0]]))[0])
+    diameters = 2.0 * skin.at_arc_length(np.linspace(0.0, 0.75 * reach, rings + 1)[1:])
+    layout = place_markers(skin, MarkerSpec(ring_diameters=tuple(map(float, diameters)), diameter=1.0))
+    camera = CameraSpec(distance=distance)
+    unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
+    for number in range(1, 6):
+        deviation = draw_deviation(tolerance, 0, number)
+        scene = set_scene(skin, layout, deviation, camera, DEGRADED)
+        naming = read_rest([scene.at_rest()], unit, None, None, True).naming
+        assert not naming.ambiguous
+        there = np.flatnonzero(scene.printed)
+        centres = scene.camera.project(scene.edges[:-1].mean(axis=1))
+        found = naming.found[there]
+        assert found.mean() > 0.75  # the camera that stands aside cuts off some of the outermost
+        off = np.linalg.norm(naming.positions_px[there] - centres, axis=1)[found]
+        assert np.quantile(off, 0.95) < 0.5
+        assert off.max() < 4.0  # a few touch; another's place is 6 px away
