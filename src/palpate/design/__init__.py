@@ -7,6 +7,7 @@ from palpate.design.cone import ConeSpec
 from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
+from palpate.design.flat_pad import FlatPad, FlatPadSpec
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import Module, build_module, build_solid
 from palpate.design.orientation_mark import place_orientation_mark
@@ -31,6 +32,8 @@ __all__ = [
     "Ellipsoid",
     "EllipsoidSpec",
     "Finding",
+    "FlatPad",
+    "FlatPadSpec",
     "MarkerLayout",
     "MarkerSpec",
     "Module",

@@ -35,6 +35,8 @@ class Symmetry(StrEnum):
 
     REVOLVED = "revolved"
     """Any turn: one press serves every azimuth."""
+    MIRRORED = "mirrored"
+    """None but the half turn, for the mirrors x → -x and y → -y leave it as it is: azimuths up to 90° serve all."""
     NONE = "none"
     """No turn: every azimuth is pressed for itself."""
 
@@ -90,6 +92,10 @@ class Skin(ABC):
     def rim_thickness(self) -> float:
         """Thickness of the wall at the rim, along the normal, mm; that at the apex unless a skin says otherwise."""
         return self.thickness
+
+    def reach(self, azimuth: ArrayLike) -> FloatArray:
+        """Greatest distance (...) mm of the inner surface from the axis at azimuths (...) in rad."""
+        return np.full(np.shape(azimuth), self.widest[0])
 
     @abstractmethod
     def scaled(self, factor: float) -> Self:
