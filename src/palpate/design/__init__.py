@@ -17,7 +17,7 @@ from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
 from palpate.design.pose_space import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
 from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
-from palpate.design.skin import Rim, Skin, Symmetry
+from palpate.design.skin import Rim, Skin, Symmetry, require_revolution
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 from palpate.design.spline import SplineSpec
 
@@ -56,6 +56,7 @@ __all__ = [
     "read_points",
     "read_skin",
     "refuse_errors",
+    "require_revolution",
     "ring_diameters",
     "rotation_vector",
     "skin_from_data",

@@ -269,9 +269,15 @@ class FlatPad(Skin):
         return np.asarray(total)
 
     def touch(self, normal: FloatArray) -> FloatArray:
-        way = np.array([self.plan.support(normal[:2]), 0.0, normal[2]])
+        way = np.array([float(self.plan.support(normal[:2])), 0.0, normal[2]])
         place = self.cone.touch(way)
         return np.array([*(place[0] * self.plan.support_point(normal[:2])), place[2]])
+
+    def touch_height(self, normals: FloatArray) -> FloatArray:
+        """See `Skin`: on the edge, ``f s + H - e + (e + T) √(1 + s²)`` with the slope s of the wall over its plan."""
+        slope = self.plan.support(normals[:, :2]) / normals[:, 2]
+        edge = self.edge_radius + self.thickness
+        return np.asarray(self.flat_radius * slope + self.height - self.edge_radius + edge * np.hypot(1.0, slope))
 
     @property
     def inner_slope(self) -> float:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.cad import CadSolid, Outline, revolve
-from palpate.design.skin import Skin
+from palpate.design.skin import Skin, require_revolution
 from palpate.design.spec import MountSpec
 
 
@@ -89,6 +89,11 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     scale
         Factor on every length, for a mold whose part shrinks.
 
+    Raises
+    ------
+    PalpateError
+        If the skin is no body of revolution: flange and mold are turned.
+
     Examples
     --------
     >>> from palpate.design import DomeSpec, build_skin
@@ -96,6 +101,11 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
+    require_revolution(
+        skin,
+        "its flange and the parts of its mold would be turned",
+        "Make the pack of a round pad, a cone with a flat; cast this one on its window in a frame of your own.",
+    )
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width

@@ -87,9 +87,9 @@ class Plan:
         curved = -2.0 * along * turned + (along**2 - bend[:, None] - 1.0) * ray
         return scale * ray, scale * (turned - along * ray), scale * curved
 
-    def support(self, way: FloatArray) -> float:
-        """h of a way (2,)."""
-        return float(_norm(np.asarray(way, float) * self._axes, self._dual))
+    def support(self, ways: FloatArray) -> FloatArray:
+        """h (...) of ways (..., 2)."""
+        return _norm(np.asarray(ways, float) * self._axes, self._dual)
 
     def support_point(self, way: FloatArray) -> FloatArray:
         """The point (2,) of the plan that lies farthest along a way (2,); the middle where that has no length."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from palpate.cad import Outline
-from palpate.core import FloatArray
+from palpate.core import FloatArray, PalpateError
 
 PAPER_BASE = 20.0
 """Base radius of the paper's domes in mm; a name does not repeat it."""
@@ -179,6 +179,10 @@ class Skin(ABC):
     def touch(self, normal: FloatArray) -> FloatArray:
         """First point (3,) mm of the outer surface that a wall with this outward normal (3,) touches."""
 
+    def touch_height(self, normals: FloatArray) -> FloatArray:
+        """Heights (n,) mm at which walls with these outward normals (n, 3) cross the axis when they first touch."""
+        return np.array([self.touch(normal) @ normal / normal[2] for normal in normals])
+
     @property
     @abstractmethod
     def inner_slope(self) -> float:
@@ -220,3 +224,15 @@ class Skin(ABC):
     def outer_height(self) -> float:
         """Height of the outer surface's apex over the base, mm."""
         return self.height + self.thickness
+
+
+def require_revolution(skin: Skin, why: str, remedy: str) -> None:
+    """Refuse a skin that is no body of revolution where one is needed.
+
+    Raises
+    ------
+    PalpateError
+        With the reason `why`, a part of a sentence, and the remedy.
+    """
+    if skin.symmetry is not Symmetry.REVOLVED:
+        raise PalpateError(f"{skin.name} is no body of revolution: {why}.", remedy)

@@ -13,7 +13,7 @@ from typing import Any
 from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, Recipe, written_whole
-from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
+from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers, require_revolution
 from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
@@ -122,7 +122,18 @@ def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
 
 
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
-    """The twin of one skin of a study."""
+    """The twin of one skin of a study.
+
+    Raises
+    ------
+    PalpateError
+        If the skin is no body of revolution.
+    """
+    require_revolution(
+        skin.build(),
+        "a twin has one press a tilt for all azimuths",
+        "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
+    )
     asked = study.built or BuiltSpec()
     inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
     return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
+from palpate.design import require_revolution
 from palpate.fea import Press
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 
@@ -55,6 +56,10 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
     """
     if not all(press.wall.pose_space.tilts for press in presses):
         raise PalpateError("Forces are interpolated under walls.", "Read those of single presses instead.")
+    for press in presses:
+        require_revolution(
+            press.mesh.skin, "its forces are not interpolated", "Read those of single presses; leave `forces` out."
+        )
     depths = shared_depths(presses)
     presses = sorted(presses, key=lambda press: press.wall.radial)
     parts = np.full((len(depths), len(presses), 3), np.nan)

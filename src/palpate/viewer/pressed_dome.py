@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError, TextArray
-from palpate.design import MarkerLayout, rotation_vector
+from palpate.design import MarkerLayout, require_revolution, rotation_vector
 from palpate.fea import Press, nodal_von_mises
 from palpate.mesh import Mesh, mesh_skin
 from palpate.twin import MarkerField, TiltRuns, build_field, cut_into_runs, label_presses, match_depths, shared_depths
@@ -228,6 +228,11 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         raise PalpateError("There is no press to show.", "Run the study first.")
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
+    require_revolution(
+        mesh.skin,
+        "its presses are not drawn",
+        "Write single presses for ParaView: `palpate press --export press.vtu`.",
+    )
     mesh = mesh_skin(mesh.skin, mesh.spec)  # each press has its pole elsewhere
     if any(press.mesh.spec != mesh.spec or press.mesh.skin != mesh.skin for press in presses):
         raise PalpateError("The presses are not of one dome and mesh.", "Give presses that differ by the tilt alone.")

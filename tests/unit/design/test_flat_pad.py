@@ -82,6 +82,7 @@ def test_walls_of_every_azimuth_first_touch_the_outer_surface_where_nothing_is_a
     for azimuth in np.radians([0, 1, 30, 45, 90, 200]):
         normal = wall_normal(*rotation_vector(np.radians(3), azimuth))
         assert ((outer - PAD.touch(normal)) @ normal).max() < 1e-9
+        assert PAD.touch_height(normal[None])[0] == pytest.approx(PAD.touch(normal) @ normal / normal[2], abs=1e-9)
 
 
 def test_a_pad_that_hangs_over_its_window_is_refused() -> None:
