@@ -7,7 +7,6 @@ from palpate.design.cone import ConeSpec
 from palpate.design.dome import Dome, DomeSpec
 from palpate.design.ellipsoid import Ellipsoid, EllipsoidSpec
 from palpate.design.finding import Finding, Severity
-from palpate.design.flat_pad import FlatPad, FlatPadSpec
 from palpate.design.markers import PRINT_TOLERANCE, MarkerLayout
 from palpate.design.module import Module, build_module, build_solid
 from palpate.design.orientation_mark import place_orientation_mark
@@ -17,7 +16,7 @@ from palpate.design.pose import rotation_vector, turn_about_axis, wall_normal
 from palpate.design.pose_space import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
 from palpate.design.revolved import RevolvedSkin
 from palpate.design.rings import markers_in_rings, ring_diameters
-from palpate.design.skin import Rim, Skin, Symmetry, require_revolution
+from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import MarkerSpec, MountSpec, SkinSpec
 from palpate.design.spline import SplineSpec
 
@@ -32,8 +31,6 @@ __all__ = [
     "Ellipsoid",
     "EllipsoidSpec",
     "Finding",
-    "FlatPad",
-    "FlatPadSpec",
     "MarkerLayout",
     "MarkerSpec",
     "Module",
@@ -56,7 +53,6 @@ __all__ = [
     "read_points",
     "read_skin",
     "refuse_errors",
-    "require_revolution",
     "ring_diameters",
     "rotation_vector",
     "skin_from_data",

@@ -5,13 +5,13 @@
        /                \\       flanks over a rounded edge
       /__________________\\      z = 0: the rim is a superellipse of half width B along x and k B along y
 
-It is a cone with a flat whose distance from the axis is measured by the pseudo-radius of its plan
-(`palpate.design.plan`): with the meridian (ρ, z)(t) of the cone and the edge w(φ) of the plan, its surfaces are
+It is a cone with a flat whose distance from the axis is measured by the pseudo-radius of its plan, a
+`palpate.design.superellipse`: with the meridian (ρ, z)(t) of the cone and the edge w(φ) of the plan, its surfaces are
 
     x(t, φ) = (ρ(t) w(φ), z(t))
 
 flat, at the height of the design, where the cone is. Across its flanks and edges the wall is thicker than there, for
-it is stretched with the plan: by up to `Plan.farthest`, at the corners.
+it is stretched with the plan: by up to `Superellipse.farthest`, at the corners.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from numpy.typing import ArrayLike
 from palpate.cad import Outline
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design.cone import Cone, ConeSpec
-from palpate.design.plan import Plan
 from palpate.design.ray import trace_rays
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
+from palpate.design.superellipse import Superellipse
 
 _NEWTON = 20
 """Steps to the nearest point."""
@@ -104,9 +104,9 @@ class FlatPad(Skin):
         return Cone(self.height, self.base_radius, self.thickness, self.flat_radius, self.edge_radius)
 
     @cached_property
-    def plan(self) -> Plan:
+    def plan(self) -> Superellipse:
         """The plan, for a half width of 1."""
-        return Plan(self.stretch, self.squareness)
+        return Superellipse(self.stretch, self.squareness)
 
     @property
     def name(self) -> str:

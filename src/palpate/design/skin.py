@@ -225,14 +225,13 @@ class Skin(ABC):
         """Height of the outer surface's apex over the base, mm."""
         return self.height + self.thickness
 
+    def require_revolution(self, why: str, remedy: str) -> None:
+        """Refuse to go on where a body of revolution is needed and this is none.
 
-def require_revolution(skin: Skin, why: str, remedy: str) -> None:
-    """Refuse a skin that is no body of revolution where one is needed.
-
-    Raises
-    ------
-    PalpateError
-        With the reason `why`, a part of a sentence, and the remedy.
-    """
-    if skin.symmetry is not Symmetry.REVOLVED:
-        raise PalpateError(f"{skin.name} is no body of revolution: {why}.", remedy)
+        Raises
+        ------
+        PalpateError
+            With the reason `why`, a part of a sentence, and the remedy.
+        """
+        if self.symmetry is not Symmetry.REVOLVED:
+            raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)

@@ -13,7 +13,7 @@ from typing import Any
 from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, Recipe, written_whole
-from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers, require_revolution
+from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
@@ -129,8 +129,7 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     PalpateError
         If the skin is no body of revolution.
     """
-    require_revolution(
-        skin.build(),
+    skin.build().require_revolution(
         "a twin has one press a tilt for all azimuths",
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
     )

@@ -15,7 +15,6 @@ from palpate.design import (
     check_design,
     place_markers,
     refuse_errors,
-    require_revolution,
 )
 from palpate.fea import Branch
 from palpate.study.built_task import BuiltTask, plan_built, plan_twin
@@ -83,7 +82,7 @@ def plan_study(study: Study) -> Plan:
     designs, built = [], []
     for skin in study.designs.skins():
         if study.forces:
-            require_revolution(skin.build(), "its forces are not interpolated", "Leave `forces` out of the study.")
+            skin.build().require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None

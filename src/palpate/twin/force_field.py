@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import require_revolution
 from palpate.fea import Press
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 
@@ -57,8 +56,8 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
     if not all(press.wall.pose_space.tilts for press in presses):
         raise PalpateError("Forces are interpolated under walls.", "Read those of single presses instead.")
     for press in presses:
-        require_revolution(
-            press.mesh.skin, "its forces are not interpolated", "Read those of single presses; leave `forces` out."
+        press.mesh.skin.require_revolution(
+            "its forces are not interpolated", "Read those of single presses; leave `forces` out."
         )
     depths = shared_depths(presses)
     presses = sorted(presses, key=lambda press: press.wall.radial)

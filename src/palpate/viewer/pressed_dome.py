@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError, TextArray
-from palpate.design import MarkerLayout, require_revolution, rotation_vector
+from palpate.design import MarkerLayout, rotation_vector
 from palpate.fea import Press, nodal_von_mises
 from palpate.mesh import Mesh, mesh_skin
 from palpate.twin import MarkerField, TiltRuns, build_field, cut_into_runs, label_presses, match_depths, shared_depths
@@ -228,8 +228,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         raise PalpateError("There is no press to show.", "Run the study first.")
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
-    require_revolution(
-        mesh.skin,
+    mesh.skin.require_revolution(
         "its presses are not drawn",
         "Write single presses for ParaView: `palpate press --export press.vtu`.",
     )

@@ -5,8 +5,9 @@ import pytest
 from scipy.special import gamma
 
 from palpate.core import PalpateError
-from palpate.design import ConeSpec, FlatPadSpec, Symmetry, read_skin, rotation_vector, wall_normal
-from palpate.design.plan import Plan
+from palpate.design import ConeSpec, Symmetry, read_skin, rotation_vector, wall_normal
+from palpate.design.flat_pad import FlatPadSpec
+from palpate.design.superellipse import Superellipse
 
 SIZES = {"height": 3.5, "base_radius": 10.4, "thickness": 0.5}
 PAD = FlatPadSpec(**SIZES, stretch=1.2, squareness=6.0).build()
@@ -15,7 +16,7 @@ ANGLES = np.linspace(0, 2 * np.pi, 3601)
 
 @pytest.mark.parametrize("exponent", [2.0, 4.0, 6.0, 10.0])
 def test_a_plan_is_what_its_formulas_say(exponent: float) -> None:
-    plan, step = Plan(1.3, exponent), 1e-5
+    plan, step = Superellipse(1.3, exponent), 1e-5
     edge, turn, bend = plan.edge(ANGLES)
     assert plan.pseudo_radius(edge) == pytest.approx(1.0)
     area = 0.5 * np.trapezoid(edge[:, 0] * turn[:, 1] - edge[:, 1] * turn[:, 0], ANGLES)
@@ -29,7 +30,7 @@ def test_a_plan_is_what_its_formulas_say(exponent: float) -> None:
 
 @pytest.mark.parametrize("exponent", [2.0, 6.0])
 def test_no_point_of_a_plan_is_farther_along_a_way_than_its_support(exponent: float) -> None:
-    plan = Plan(1.3, exponent)
+    plan = Superellipse(1.3, exponent)
     edge = plan.edge(ANGLES)[0]
     for way in (np.array([1.0, 0.0]), np.array([0.0, -1.0]), np.array([0.5, 0.2]), np.array([1e-3, 1.0])):
         assert (edge @ way).max() == pytest.approx(plan.support(way), rel=1e-5)

@@ -11,7 +11,8 @@ from scipy.special import gamma
 from palpate.core import PalpateError
 from palpate.deck import DeckSpec, Dialect, write_deck
 from palpate.deck.spec import DeckElement
-from palpate.design import ConeSpec, DomeSpec, FlatPadSpec, SkinSpec, SplineSpec, rotation_vector, wall_normal
+from palpate.design import ConeSpec, DomeSpec, SkinSpec, SplineSpec, rotation_vector, wall_normal
+from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import Branch, WallSpec, read_press, solve_press, write_press
 from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.material import get_material

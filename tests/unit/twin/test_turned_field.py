@@ -11,13 +11,13 @@ from palpate.core import PalpateError
 from palpate.design import (
     OFFSET_DEPTH,
     TILT_DEPTH,
-    FlatPadSpec,
     MarkerSpec,
     Symmetry,
     place_markers,
     rotation_vector,
     wall_normal,
 )
+from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import WallSpec, solve_press
 from palpate.mechanics import Ended
 from palpate.mesh import MeshSpec, mesh_skin

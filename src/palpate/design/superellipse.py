@@ -24,7 +24,7 @@ from palpate.core import FloatArray
 
 @final
 @dataclass(frozen=True)
-class Plan:
+class Superellipse:
     """A superellipse with the half axes 1 along x and k along y.
 
     Attributes
