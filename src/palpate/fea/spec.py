@@ -132,7 +132,14 @@ class ObstacleSpec(Spec, ABC):
         return float("inf")
 
     def turn(self, mesh: Mesh) -> FloatArray:
-        """Rotation (3, 3) from the frame of the mesh to the skin's."""
+        """Rotation (3, 3) from the frame of the mesh to the skin's.
+
+        Raises
+        ------
+        PalpateError
+            If half a skin was meshed that is not symmetric about the obstacle's plane.
+        """
+        refuse_half(mesh, self)
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
 
 
