@@ -7,14 +7,15 @@ which is a kink. Between the n azimuths the markers are the trigonometric polyno
 
     u(t, α) = Re Σ_k c_k(t) exp(i k α),      k = 0 … n/2 .
 
-What is smooth over azimuths is where the wall is, not how far it has come since first touch: a wall that turns away
-from a side of a pad leaves it for a corner at once. With Z(t, α) the height at which a wall that first touches
-crosses the axis, all azimuths of a tilt are therefore interpolated at one height of the wall, at the *level*
+What is smooth over tilts and azimuths is where the wall is, not how far it has come since first touch: a wall that
+turns away from a side of a pad leaves it for a corner at once. With Z(t, α) the height at which a wall that first
+touches crosses the axis, presses are therefore interpolated at one height of the wall over the axis, the *level*
 
-    l = d + Z⁺(t) − Z(t, α),      Z⁺(t) = max over α of Z(t, α)
+    l = d - Z(t, α) + Z(0)
 
-of the depth d. A press is at level l by the cubic spline through its images; between levels, an image step apart, the
-markers are the cubic through four of them. So images end short of the presses, by up to the greatest Z⁺ − Z.
+of the depth d, below 0 where the wall is not yet down to the top. A press is at level l by the cubic spline through
+its images; between levels, half an image step apart, the markers are the cubic through four of them. So images end
+short of the presses: at tilts up to t by as much as the presses at t touch higher than those at the tilt before.
 """
 
 from __future__ import annotations
@@ -24,7 +25,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from palpate.core import BoolArray, FloatArray, IntArray, TextArray
 from palpate.design import MarkerLayout, Skin, rotation_vector, wall_normal
@@ -38,8 +38,10 @@ _CUBIC = 4
 """Levels between which one is interpolated."""
 _NOT_SO_DEEP = "not pressed so deep at every azimuth"
 """Why there is no image where all presses reached their depth."""
-_TURNS, _TILTS = 181, 25
-"""Azimuths among which the highest first touch is looked for, and tilts between which it is a cubic spline."""
+_TURNS = np.linspace(0.0, np.pi / 2, 181)
+"""Azimuths in rad among which the highest and the lowest first touch are looked for."""
+_LEVELS = 2
+"""Levels an image step."""
 
 
 @final
@@ -52,21 +54,18 @@ class TurnedField(MarkerField):
     skin
         The skin.
     levels_mm
-        (l,) levels, evenly spaced from 0.
+        (l,) levels, evenly spaced.
     levels
         Runs of tilts at each level, whose splines give displacements (n, m, 3) in mm at the azimuths 0, 360°/n, … .
-    highest
-        Z⁺ in mm by the tilt in degrees.
     """
 
     skin: Skin
     levels_mm: FloatArray
     levels: TiltRuns
-    highest: CubicSpline
 
     def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
         tilt, azimuth = np.hypot(rx_deg, ry_deg), np.arctan2(ry_deg, rx_deg)
-        deep = self.depths_mm[image] + self.highest(tilt) - first_touch(self.skin, tilt, azimuth)
+        deep = self.depths_mm[image] - first_touch(self.skin, tilt, azimuth)
         first, shares = _between_levels(deep, self.levels_mm)
         moved = np.where(self.labels(tilt, image)[0] == "", np.nan, 0.0)[:, None, None] + np.zeros(self.rest.shape)
         for level in range(len(self.levels_mm)):
@@ -93,12 +92,14 @@ def build_turned_field(
     tilts, skin = np.array(sorted({tilt for tilt, _ in table})), presses[0].mesh.skin
     rows = [[table[tilt, azimuth] for azimuth in azimuths] for tilt in tilts]
     depths = max((shared_depths(column) for column in zip(*rows, strict=True)), key=len)
-    images, levels = depths if depths_mm is None else depths_mm, np.concatenate([[0.0], depths])
-    highest = highest_touch(skin, tilts[-1])
-    values = np.stack([_around(row, azimuths, markers, levels, highest) for row in rows], axis=1)
+    images = depths if depths_mm is None else depths_mm
+    touch = np.array([first_touch(skin, np.full(len(_TURNS), tilt), _TURNS) for tilt in tilts])
+    step = depths[0] / _LEVELS
+    levels = step * np.arange(-np.ceil(touch.max() / step), _LEVELS * len(depths) + 1)
+    values = np.stack([_around(row, azimuths, markers, levels) for row in rows], axis=1)
     known = np.isfinite(values).all(axis=(2, 3, 4))
-    apart = highest(tilts) - np.array([first_touch(skin, np.full(_TURNS, tilt), _turns()).min() for tilt in tilts])
-    needed = np.ceil((images[:, None] + apart - SAME_DEPTH_MM) / levels[1])
+    before = np.concatenate([touch[:1], touch[:-1]]).min(axis=1)
+    needed = np.ceil((images[:, None] - before - SAME_DEPTH_MM - levels[0]) / step)
     branch, ended = _label(rows, images, needed < known.sum(axis=0))
     nothing = np.zeros((*branch.shape, 1))
     return TurnedField(
@@ -109,7 +110,6 @@ def build_turned_field(
         skin=skin,
         levels_mm=levels,
         levels=cut_into_runs(tilts, np.where(known, "known", ""), ended, values, None),
-        highest=highest,
     )
 
 
@@ -123,15 +123,10 @@ def _label(rows: Sequence[Sequence[Press]], images: FloatArray, reached: BoolArr
 
 
 def first_touch(skin: Skin, tilt_deg: FloatArray, azimuth: FloatArray) -> FloatArray:
-    """Z (n,) mm of tilts (n,) in degrees at azimuths (n,) in rad."""
+    """Z - Z(0) (n,) mm of tilts (n,) in degrees at azimuths (n,) in rad."""
     turns = rotation_vector(np.radians(tilt_deg), azimuth)
-    return skin.touch_height(np.array([wall_normal(*turn) for turn in turns.tolist()]).reshape(-1, 3))
-
-
-def highest_touch(skin: Skin, tilt_deg: float) -> CubicSpline:
-    """Z⁺ in mm of tilts up to one in degrees."""
-    tilts = np.linspace(0.0, tilt_deg, _TILTS)
-    return CubicSpline(tilts, [first_touch(skin, np.full(_TURNS, tilt), _turns()).max() for tilt in tilts])
+    normals = np.array([wall_normal(*turn) for turn in turns.tolist()]).reshape(-1, 3)
+    return skin.touch_height(normals) - skin.outer_height
 
 
 def between_azimuths(azimuth: FloatArray, count: int) -> FloatArray:
@@ -145,23 +140,16 @@ def between_azimuths(azimuth: FloatArray, count: int) -> FloatArray:
     return np.asarray((1.0 + waves + np.cos(count // 2 * apart)) / count)
 
 
-def _around(
-    row: Sequence[Press], azimuths: Sequence[float], markers: MarkerLayout, levels: FloatArray, highest: CubicSpline
-) -> FloatArray:
+def _around(row: Sequence[Press], azimuths: Sequence[float], markers: MarkerLayout, levels: FloatArray) -> FloatArray:
     """Displacements (l, n, m, 3) mm at all azimuths and levels (l,) mm of one tilt's presses, by rising azimuth."""
-    tilt = np.full(len(row), row[0].wall.radial)
-    early = highest(tilt) - first_touch(row[0].mesh.skin, tilt, np.radians(azimuths))
-    pairs = zip(row, early, strict=True)
-    return all_azimuths([follow_levels(press, markers.positions, levels - by) for press, by in pairs])
-
-
-def _turns() -> FloatArray:
-    return np.linspace(0.0, np.pi / 2, _TURNS)
+    late = first_touch(row[0].mesh.skin, np.full(len(row), row[0].wall.radial), np.radians(azimuths))
+    pairs = zip(row, late, strict=True)
+    return all_azimuths([follow_levels(press, markers.positions, levels + by) for press, by in pairs])
 
 
 def _between_levels(deep: FloatArray, levels: FloatArray) -> tuple[IntArray, FloatArray]:
     """Number of the first of four levels (n,), and their shares (n, 4), in places (n,) mm among them: Lagrange's."""
-    place = deep / levels[1]
+    place = (deep - levels[0]) / (levels[1] - levels[0])
     first = np.clip(np.ceil(place - 1e-9).astype(int) - _CUBIC + 1, 0, max(len(levels) - _CUBIC, 0))
     at = place - first
     others = [[k for k in range(_CUBIC) if k != own] for own in range(_CUBIC)]
