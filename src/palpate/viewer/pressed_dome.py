@@ -230,7 +230,7 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
     mesh = presses[0].mesh
     mesh.skin.require_revolution(
         "its presses are not drawn",
-        "Write single presses for ParaView: `palpate press --export press.vtu`.",
+        "Write single presses for ParaView: `palpate press --export FOLDER`.",
     )
     mesh = mesh_skin(mesh.skin, mesh.spec)  # each press has its pole elsewhere
     if any(press.mesh.spec != mesh.spec or press.mesh.skin != mesh.skin for press in presses):
