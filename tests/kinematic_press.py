@@ -50,7 +50,8 @@ class KinematicPress:
             depth = np.append(depth, self.reached)
         self.depth = depth
         self.branch = np.where(depth >= self.inverted_from, "inverted", "flat")
-        self.mesh = SimpleNamespace(skin=SimpleNamespace(symmetry=Symmetry.REVOLVED))
+        skin = SimpleNamespace(symmetry=Symmetry.REVOLVED, require_revolution=lambda why, remedy: None)
+        self.mesh = SimpleNamespace(skin=skin)
         self.ended_depth = self.reached
         self.wall = SimpleNamespace(
             radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0, pose_space=TILT_DEPTH

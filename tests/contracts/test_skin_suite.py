@@ -4,6 +4,7 @@ import pytest
 
 from palpate.design import SKINS, ConeSpec, Dome, Ellipsoid, Skin, SplineSpec
 from palpate.design.cone import Cone
+from palpate.design.flat_pad import FlatPadSpec
 from palpate.design.pinned import PinnedDome
 from palpate.testing import SkinSuite
 
@@ -22,6 +23,11 @@ ROWS = [
     SplineSpec(height=20, base_radius=14, points=((0.6, 0.9), (1.1, 0.4)), taper=1.3).build(),
     PinnedDome(20.0, 20.0, 2.0, 2.0),
     PinnedDome(12.0, 20.0, 1.0, 1.0),
+    FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, stretch=25.25 / 20.75).build(),
+    FlatPadSpec(
+        height=4, base_radius=12, thickness=1, stretch=1.0, squareness=2, flat_radius=8, edge_radius=3
+    ).build(),
+    FlatPadSpec(height=5, base_radius=9, thickness=0.8, stretch=2.0, squareness=3.5, flat_radius=6).build(),
 ]
 
 

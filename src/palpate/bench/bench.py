@@ -133,8 +133,12 @@ class Bench:
         Raises
         ------
         PalpateError
-            If the model cannot be opened, or is not of this design.
+            If the model cannot be opened, or is not of this design, or the skin is no body of revolution.
         """
+        self.nominal.require_revolution(
+            "one press of a unit is turned to every azimuth",
+            "Judge its estimator by `palpate run`: presses held out.",
+        )
         check_model(self.reads_with, Unit(self.nominal, self.layout, nominal=self.camera), TILT_DEPTH)
 
     @cached_property

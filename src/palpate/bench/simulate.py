@@ -94,8 +94,9 @@ def simulate_sensor(
     Raises
     ------
     PalpateError
-        If the press cannot be solved.
+        If the press cannot be solved, or the skin is no body of revolution.
     """
+    unit.skin.require_revolution("its one press is turned to other azimuths", "Simulate a dome, or a round pad.")
     depth = min(8.0, 0.4 * unit.skin.height)
     wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, image_step=0.8)
     mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))

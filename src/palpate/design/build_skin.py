@@ -18,6 +18,7 @@ SKINS: Registry[type[SkinSpec]] = Registry(
         "cone": "palpate.design.cone:ConeSpec",
         "spline": "palpate.design.spline:SplineSpec",
         "pinned": "palpate.design.pinned:PinnedSpec",
+        "pad": "palpate.design.flat_pad:FlatPadSpec",
     },
     lambda found: isinstance(found, type) and issubclass(found, SkinSpec),
 )

@@ -96,6 +96,12 @@ class Cone(RevolvedSkin):
         return self.flat_radius, arc, arc + float(np.sqrt(max(self.edge_to_rim**2 - self.edge_radius**2, 0.0)))
 
     @property
+    def breaks(self) -> tuple[float, float]:
+        """Parameters of the meridian at which the flat and the arc end."""
+        flat, arc, whole = self._ends
+        return flat / whole, arc / whole
+
+    @property
     def radius(self) -> float:
         return self.edge_radius
 

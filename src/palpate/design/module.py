@@ -89,6 +89,11 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     scale
         Factor on every length, for a mold whose part shrinks.
 
+    Raises
+    ------
+    PalpateError
+        If the skin is no body of revolution: flange and mold are turned.
+
     Examples
     --------
     >>> from palpate.design import DomeSpec, build_skin
@@ -96,6 +101,10 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
+    skin.require_revolution(
+        "its flange and the parts of its mold would be turned",
+        "Make the pack of a round pad, a cone with a flat; cast this one on its window in a frame of your own.",
+    )
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width

@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 
 from palpate.cad import Outline, SmoothCurve
 from palpate.core import FloatArray
+from palpate.design.ray import trace_rays
 from palpate.design.skin import Rim, Skin, Symmetry
 
 _TABLE = 2001
@@ -26,10 +27,6 @@ _TABLE = 2001
 _BEYOND = 1.25
 """Parameter to which the tables reach."""
 _NEWTON = 8
-_FIRST, _MARCH = 4, 60
-"""Steps along a ray, each as long as the distance to the surface: before Newton's, and where these fail."""
-_GRAZING, _HIT_MM = 0.05, 1e-9
-"""Least slope of the distance along a ray that a step is taken by, and distance at which a ray has hit."""
 _SECTION = 33
 """Points of the curve that the CAD kernel is given."""
 
@@ -179,10 +176,10 @@ class RevolvedSkin(Skin):
 
     def distance(self, points: ArrayLike) -> FloatArray:
         points = np.asarray(points, float)
-        return self._gap(points.reshape(-1, 3))[0].reshape(points.shape[:-1])
+        return self.gap(points.reshape(-1, 3))[0].reshape(points.shape[:-1])
 
-    def _gap(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distance (n,) of points (n, 3) from the surface, positive outside, and its normals (n, 3) there."""
+    def gap(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Distance (n,) mm of points (n, 3) mm from the inner surface, positive outside, and its normals (n, 3)."""
         t, direction = self._foot(points)
         normals = self._spread(self._normals(t), direction)
         return ((points - self._spread(self.curve(t), direction)) * normals).sum(axis=1), normals
@@ -202,27 +199,7 @@ class RevolvedSkin(Skin):
         return np.asarray(self.curve(np.interp(length, lengths, knots))[:, 0])
 
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
-        """Along each ray from inside: by the distance to the surface (Hart 1996, sphere tracing), then by Newton.
-
-        The distance is as steep along a ray as the normal leans to it; where that does not end, by marching alone.
-        """
-        unit = rays / np.linalg.norm(rays, axis=1)[:, None]
-        points = np.broadcast_to(np.asarray(origin, float), rays.shape).copy()
-        enter = np.where(points[:, 2] < 0, -points[:, 2] / np.where(unit[:, 2] > 0, unit[:, 2], np.nan), 0.0)
-        points = points + enter[:, None] * unit
-        inside = np.hypot(points[:, 0], points[:, 1]) <= self.base_radius
-        points[~(inside & np.isfinite(points[:, 2]))] = np.nan
-        found = np.isfinite(points[:, 0])
-        start = points.copy()
-        for step in range(_FIRST + _NEWTON):
-            gap, normals = self._gap(points[found])
-            steep = (normals * unit[found]).sum(axis=1) if step >= _FIRST else np.ones(len(gap))
-            points[found] -= (gap / np.maximum(steep, _GRAZING))[:, None] * unit[found]
-        astray = np.flatnonzero(found)[np.abs(self.distance(points[found])) > _HIT_MM]
-        points[astray] = start[astray]
-        for _ in range(_MARCH if len(astray) else 0):
-            points[astray] -= self.distance(points[astray])[:, None] * unit[astray]
-        return points
+        return trace_rays(self.gap, lambda at: np.hypot(at[:, 0], at[:, 1]) <= self.base_radius, origin, rays)
 
     def touch(self, normal: FloatArray) -> FloatArray:
         across = np.hypot(normal[0], normal[1])

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from palpate.cad import Outline
-from palpate.core import FloatArray
+from palpate.core import FloatArray, PalpateError
 
 PAPER_BASE = 20.0
 """Base radius of the paper's domes in mm; a name does not repeat it."""
@@ -35,6 +35,8 @@ class Symmetry(StrEnum):
 
     REVOLVED = "revolved"
     """Any turn: one press serves every azimuth."""
+    MIRRORED = "mirrored"
+    """None but the half turn, for the mirrors x → -x and y → -y leave it as it is: azimuths up to 90° serve all."""
     NONE = "none"
     """No turn: every azimuth is pressed for itself."""
 
@@ -90,6 +92,10 @@ class Skin(ABC):
     def rim_thickness(self) -> float:
         """Thickness of the wall at the rim, along the normal, mm; that at the apex unless a skin says otherwise."""
         return self.thickness
+
+    def reach(self, azimuth: ArrayLike) -> FloatArray:
+        """Greatest distance (...) mm of the inner surface from the axis at azimuths (...) in rad."""
+        return np.full(np.shape(azimuth), self.widest[0])
 
     @abstractmethod
     def scaled(self, factor: float) -> Self:
@@ -173,6 +179,10 @@ class Skin(ABC):
     def touch(self, normal: FloatArray) -> FloatArray:
         """First point (3,) mm of the outer surface that a wall with this outward normal (3,) touches."""
 
+    def touch_height(self, normals: FloatArray) -> FloatArray:
+        """Heights (n,) mm at which walls with these outward normals (n, 3) cross the axis when they first touch."""
+        return np.array([self.touch(normal) @ normal / normal[2] for normal in normals])
+
     @property
     @abstractmethod
     def inner_slope(self) -> float:
@@ -214,3 +224,14 @@ class Skin(ABC):
     def outer_height(self) -> float:
         """Height of the outer surface's apex over the base, mm."""
         return self.height + self.thickness
+
+    def require_revolution(self, why: str, remedy: str) -> None:
+        """Refuse to go on where a body of revolution is needed and this is none.
+
+        Raises
+        ------
+        PalpateError
+            With the reason `why`, a part of a sentence, and the remedy.
+        """
+        if self.symmetry is not Symmetry.REVOLVED:
+            raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)

@@ -15,7 +15,7 @@ from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.press import NEITHER, Branch, Press
-from palpate.fea.spec import ObstacleSpec
+from palpate.fea.spec import ObstacleSpec, refuse_half
 from palpate.fea.wall import WallSpec
 from palpate.fea.work import integrate_force
 from palpate.material import Material
@@ -78,6 +78,7 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
+    refuse_half(mesh, wall)
     if branch is Branch.INVERTED and mesh.filling:
         raise PalpateError("A filled skin has no inverted state.", "Press it from rest.")
     if branch is Branch.INVERTED and wall.stops:

@@ -11,12 +11,13 @@ import numpy as np
 from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
-from palpate.core import FloatArray, Spec, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace, turn_about_axis
+from palpate.core import FloatArray, PalpateError, Spec, parameter
+from palpate.design import OFFSET_DEPTH, PoseSpace, Symmetry, turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
+_SAME_TURN_DEG = 1e-9
 GREATEST_FRICTION = 10.0
 """Greatest coefficient of friction; above it, choose `NO_SLIP`."""
 
@@ -131,8 +132,27 @@ class ObstacleSpec(Spec, ABC):
         return float("inf")
 
     def turn(self, mesh: Mesh) -> FloatArray:
-        """Rotation (3, 3) from the frame of the mesh to the skin's."""
+        """Rotation (3, 3) from the frame of the mesh to the skin's.
+
+        Raises
+        ------
+        PalpateError
+            If half a skin was meshed that is not symmetric about the obstacle's plane.
+        """
+        refuse_half(mesh, self)
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
+
+
+def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
+    """Refuse, with a `PalpateError`, half a skin under an obstacle about whose plane it is not symmetric."""
+    symmetry, name = mesh.skin.symmetry, mesh.skin.name
+    if mesh.spec.whole or symmetry is Symmetry.REVOLVED:
+        return
+    if symmetry is Symmetry.NONE or min(obstacle.turn_deg % 180, -obstacle.turn_deg % 180) > _SAME_TURN_DEG:
+        raise PalpateError(
+            f"Half of {name} is not symmetric about the plane of an obstacle turned by {obstacle.turn_deg:g}°.",
+            "Press the whole: MeshSpec(whole=True), --whole.",
+        )
 
 
 def descended(obstacle: Obstacle, depth: float) -> Obstacle:

@@ -122,7 +122,17 @@ def read_figures(path: Path) -> tuple[BuiltFigure, ...]:
 
 
 def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
-    """The twin of one skin of a study."""
+    """The twin of one skin of a study.
+
+    Raises
+    ------
+    PalpateError
+        If the skin is no body of revolution.
+    """
+    skin.build().require_revolution(
+        "a twin has one press a tilt for all azimuths",
+        "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
+    )
     asked = study.built or BuiltSpec()
     inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()
     return TwinTask(tuple(_plan_presses(study, skin)), inverted, tuple(_plan_checks(study, skin, asked)))

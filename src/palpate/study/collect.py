@@ -129,7 +129,7 @@ def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
         **({"skin": own} if own else {}),
         "mesh": press.mesh.model_dump(mode="json"),
         "material": press.material.key_data(),
-        "tilts_deg": [item.wall.radial for item in dataset.presses],
+        "tilts_deg": list(dict.fromkeys(item.wall.radial for item in dataset.presses)),
         "wall": wall,
         "solver": press.solver.model_dump(mode="json"),
         "camera": dataset.camera.model_dump(mode="json"),

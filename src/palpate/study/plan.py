@@ -6,7 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, SkinSpec, build_skin, check_design, place_markers, refuse_errors
+from palpate.design import (
+    MarkerSpec,
+    Skin,
+    SkinSpec,
+    Symmetry,
+    build_skin,
+    check_design,
+    place_markers,
+    refuse_errors,
+)
 from palpate.fea import Branch
 from palpate.study.built_task import BuiltTask, plan_built, plan_twin
 from palpate.study.force_task import ForceTask
@@ -61,8 +70,8 @@ def plan_study(study: Study) -> Plan:
     Returns
     -------
     Plan
-        One press a dome and tilt, and the dome's inverted state at the least tilt; one dataset, limit, estimator and
-        learning a design.
+        One press a dome and tilt, of a skin without revolution one an azimuth as well, and the dome's inverted
+        state at the least tilt; one dataset, limit, estimator and learning a design.
 
     Raises
     ------
@@ -72,6 +81,8 @@ def plan_study(study: Study) -> Plan:
     study = study.seeded()
     designs, built = [], []
     for skin in study.designs.skins():
+        if study.forces:
+            skin.build().require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None
@@ -96,14 +107,25 @@ def plan_study(study: Study) -> Plan:
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
-    for tilt_deg in study.tilts_deg:
+    mesh = study.material.mesh(study.mesh)
+    for tilt_deg, azimuth_deg in _poses(study, build_skin(skin)):
+        turned = {"azimuth_deg": azimuth_deg} if azimuth_deg else {}
         yield PressTask(
             skin=skin,
-            mesh=study.material.mesh(study.mesh),
+            # half a skin is symmetric about the plane of the tilt
+            mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
             material=study.material.material(),
-            wall=study.wall.model_copy(update={"tilt_deg": tilt_deg}),
+            wall=study.wall.model_copy(update={"tilt_deg": tilt_deg, **turned}),
             solver=study.solver,
         )
+
+
+def _poses(study: Study, skin: Skin) -> Iterator[tuple[float, float]]:
+    """Tilt and azimuth of every press, in degrees; one azimuth where it serves all."""
+    for tilt_deg in study.tilts_deg:
+        one = tilt_deg == 0 or skin.symmetry is Symmetry.REVOLVED
+        for azimuth_deg in (0.0,) if one else study.azimuths_deg:
+            yield tilt_deg, azimuth_deg
 
 
 def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:

@@ -7,7 +7,16 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, ValidationInfo, field_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+)
 from pydantic_core import PydanticCustomError
 
 from palpate.built import ToleranceSpec
@@ -140,6 +149,10 @@ class BuiltSpec(Spec):
     tolerance: ToleranceSpec = ToleranceSpec()
 
 
+AZIMUTHS_DEG = (0.0, 30.0, 60.0, 90.0)
+"""Azimuths at which a skin with two mirrors is pressed."""
+
+
 class Study(Spec):
     """One project file: designs, presses, camera, dataset and learning."""
 
@@ -150,6 +163,11 @@ class Study(Spec):
     mesh: MeshSpec = MeshSpec()
     tilts_deg: tuple[float, ...] = parameter(
         (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), unit="deg", meaning="tilts that are pressed", source=PAPER
+    )
+    azimuths_deg: tuple[float, ...] = parameter(
+        AZIMUTHS_DEG,
+        unit="deg",
+        meaning="azimuths at which a skin that is no body of revolution is pressed: from 0 to 90 in equal steps",
     )
     wall: WallSpec = WallSpec()
     solver: SolverSpec = SolverSpec()
@@ -171,6 +189,23 @@ class Study(Spec):
             raise PydanticCustomError("tilts_not_growing", "tilts must grow; write each once, in order.", {})
         return _each_in_bounds(WallSpec, "tilt_deg", tilts)
 
+    @field_validator("azimuths_deg")
+    @classmethod
+    def _azimuths_go_round(cls, azimuths: tuple[float, ...]) -> tuple[float, ...]:
+        even = [90.0 * k / max(len(azimuths) - 1, 1) for k in range(len(azimuths))]
+        if len(azimuths) < 2 or max(abs(a - b) for a, b in zip(azimuths, even, strict=True)) > 1e-6:
+            raise PydanticCustomError(
+                "azimuths_uneven", "azimuths must go from 0 to 90 in equal steps, such as 0, 30, 60, 90.", {}
+            )
+        return azimuths
+
+    @model_serializer(mode="wrap")
+    def _leave_out_usual_azimuths(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A study that chooses no azimuths is written as before there were any."""
+        content: dict[str, Any] = dump(self)
+        usual = self.azimuths_deg == AZIMUTHS_DEG
+        return {name: value for name, value in content.items() if name != "azimuths_deg" or not usual}
+
     @field_validator("wall")
     @classmethod
     def _tilts_belong_to_the_study(cls, wall: WallSpec) -> WallSpec:
@@ -178,7 +213,7 @@ class Study(Spec):
             raise PydanticCustomError(
                 "tilt_in_wall",
                 "{name} is not chosen here: the study presses every one of tilts_deg to full depth, and one press "
-                "serves every azimuth.",
+                "serves every azimuth, or azimuths_deg says which.",
                 {"name": name},
             )
         return wall

@@ -20,7 +20,7 @@ from palpate.dataset import (
     read_dataset,
     write_dataset,
 )
-from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
+from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
 from palpate.fea import FEA_VERSION, Branch, WallSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
@@ -85,7 +85,10 @@ class PressTask(Task):
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
         friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
-        return f"press {self.skin.build().name} tilt {self.wall.tilt_deg:g}°{friction}{state}"
+        skin = self.skin.build()
+        turned = skin.symmetry is not Symmetry.REVOLVED and self.wall.tilt_deg > 0
+        azimuth = f" azimuth {self.wall.azimuth_deg:g}°" if turned else ""
+        return f"press {skin.name} tilt {self.wall.tilt_deg:g}°{azimuth}{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.core import FloatArray
-from palpate.design import Rim, Skin, rotation_vector, skin_from_data, wall_normal
+from palpate.design import Rim, Skin, Symmetry, rotation_vector, skin_from_data, wall_normal
 
 _COUNT = 200
 
@@ -37,7 +37,7 @@ class SkinSuite:
 
     def test_apex_rim_and_thickness_are_those_of_the_design(self, skin: Skin, disc: FloatArray) -> None:
         assert skin.point(np.zeros((1, 2)), 0.0)[0] == pytest.approx([0, 0, skin.height], abs=1e-8)
-        assert skin.point(np.array([[0.0, 1.0]]), 0.0)[0] == pytest.approx([0, skin.base_radius, 0], abs=1e-8)
+        assert skin.point(np.array([[1.0, 0.0]]), 0.0)[0] == pytest.approx([skin.base_radius, 0, 0], abs=1e-8)
         wall = skin.distance(skin.point(disc, 1.0, Rim.RADIAL)) - skin.pin
         ends = (skin.thickness, skin.rim_thickness)
         assert min(ends) - 1e-7 < wall.min() <= wall.max() < max(ends) + 1e-7
@@ -63,19 +63,26 @@ class SkinSuite:
             assert skin.distance(points + offset * normals) == pytest.approx(offset, abs=1e-8)
 
     def test_points_are_carried_up_to_the_surface_and_outside_it_nowhere(self, skin: Skin) -> None:
-        rho = np.linspace(0, 0.98 * skin.widest[0], 40)
+        rho = np.linspace(0, 0.98 * float(skin.reach(0.3)), 40)
         points = skin.inner_point(rho, 0.3)
         assert skin.distance(points) == pytest.approx(0.0, abs=1e-7)
         assert np.hypot(points[:, 0], points[:, 1]) == pytest.approx(rho)
-        assert np.isnan(skin.inner_point(1.01 * skin.widest[0], 0.0)[2])
+        azimuth = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+        assert np.isnan(skin.inner_point(1.01 * skin.reach(azimuth), azimuth)[:, 2]).all()
+        assert skin.reach(np.linspace(0, np.pi, 721)).max() == pytest.approx(skin.widest[0], rel=1e-4)
 
     def test_lengths_along_the_meridian_add_up(self, skin: Skin, disc: FloatArray) -> None:
-        points = skin.marked(disc)
-        whole = skin.arc_length(points) + skin.distance_to_rim(points)
-        assert whole == pytest.approx(whole[0], rel=1e-6)
-        near = points[np.hypot(points[:, 0], points[:, 1]) < 0.9 * skin.widest[0]]
+        whole, half = (
+            skin.arc_length(points) + skin.distance_to_rim(points)
+            for points in (skin.marked(disc), skin.marked(0.5 * disc))
+        )
+        assert whole == pytest.approx(half, rel=1e-6)
+        if skin.symmetry is Symmetry.REVOLVED:
+            assert whole == pytest.approx(whole[0], rel=1e-6)
+        points = skin.marked(np.column_stack([np.hypot(*disc.T), np.zeros(len(disc))]))
+        near = points[points[:, 0] < 0.9 * float(skin.reach(0.0))]
         near = near[near[:, 2] > skin.widest[1]]
-        assert skin.at_arc_length(skin.arc_length(near)) == pytest.approx(np.hypot(near[:, 0], near[:, 1]), abs=1e-3)
+        assert skin.at_arc_length(skin.arc_length(near)) == pytest.approx(near[:, 0], abs=1e-3)
 
     def test_rays_from_below_hit_the_surface_that_they_were_drawn_to(self, skin: Skin, disc: FloatArray) -> None:
         points = skin.marked(0.6 * disc)
@@ -99,11 +106,14 @@ class SkinSuite:
             assert height.max() > -0.02 * skin.base_radius
 
     def test_the_clamp_is_reached_where_the_wall_passes_the_outer_rim(self, skin: Skin) -> None:
-        tilt = np.radians(4.0)
-        normal = wall_normal(tilt, 0.0)
-        edge = np.array([0.0, -skin.outer_base_radius, 0.0])
-        way = (skin.touch(normal) - edge) @ normal / normal[2]
-        assert skin.clamp_depth(tilt, Rim.FLAT) == pytest.approx(way, rel=1e-7)
+        tilt, azimuth = np.radians(4.0), np.linspace(0, 2 * np.pi, 720, endpoint=False)
+        edge = skin.point(np.column_stack([np.cos(azimuth), np.sin(azimuth)]), 1.0)
+        normals = [wall_normal(*rotation_vector(tilt, turn)) for turn in azimuth[::15]]
+        way = min(float(((skin.touch(normal) - edge) @ normal).min()) for normal in normals) / np.cos(tilt)
+        assert skin.clamp_depth(tilt, Rim.FLAT) == pytest.approx(
+            way, rel=1e-7 if skin.symmetry is Symmetry.REVOLVED else 1e-3
+        )
+        assert skin.clamp_depth(tilt, Rim.FLAT) <= way * (1 + 1e-7)
 
     def test_a_scaled_skin_is_the_same_shape(self, skin: Skin, disc: FloatArray) -> None:
         assert skin.scaled(2.5).point(disc, 0.7) == pytest.approx(2.5 * skin.point(disc, 0.7), rel=1e-6, abs=1e-6)

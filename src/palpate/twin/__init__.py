@@ -1,10 +1,11 @@
 """Twin: where every marker goes and what the wall bears, interpolated from presses for any pose and friction."""
 
 from palpate.twin.batch_twin import BatchTwin
+from palpate.twin.build_field import build_field
 from palpate.twin.build_twin import BUILD_VERSION, TWIN_DERIVATIVES, build_twin
-from palpate.twin.field import MarkerField, build_field
 from palpate.twin.force_field import ForceField, build_force_field
 from palpate.twin.jacobian import image_jacobian
+from palpate.twin.marker_field import MarkerField
 from palpate.twin.measure_off import measure_off
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin

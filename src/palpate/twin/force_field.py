@@ -55,6 +55,10 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
     """
     if not all(press.wall.pose_space.tilts for press in presses):
         raise PalpateError("Forces are interpolated under walls.", "Read those of single presses instead.")
+    for press in presses:
+        press.mesh.skin.require_revolution(
+            "its forces are not interpolated", "Read those of single presses; leave `forces` out."
+        )
     depths = shared_depths(presses)
     presses = sorted(presses, key=lambda press: press.wall.radial)
     parts = np.full((len(depths), len(presses), 3), np.nan)

@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.camera import Camera
 from palpate.core import FloatArray, PalpateError
-from palpate.twin.field import MarkerField
+from palpate.twin.marker_field import MarkerField
 
 ANGLE_STEP_DEG = 0.25
 

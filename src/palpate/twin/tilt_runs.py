@@ -127,7 +127,7 @@ def cut_into_runs(
     branch: TextArray,
     ended: Sequence[str],
     values: NDArray[Any],
-    mirrored: NDArray[Any],
+    mirrored: NDArray[Any] | None,
     slopes: NDArray[Any] | None = None,
 ) -> TiltRuns:
     """Runs of presses, with a spline through what each press has at each depth.
@@ -139,11 +139,13 @@ def cut_into_runs(
     tilts_deg, branch, ended
         See `TiltRuns`.
     values, mirrored
-        (d, t, …) what the presses and their mirror images have, real or complex.
+        (d, t, …) what the presses and their mirror images have, real or complex; without the latter a run ends at the
+        straight press.
     slopes
         (d, t, …) derivative of the values by the tilt, over a degree.
     """
-    rows = zip(branch, values, mirrored, [None] * len(branch) if slopes is None else slopes, strict=True)
+    others = ([None] * len(branch) if part is None else part for part in (mirrored, slopes))
+    rows = zip(branch, values, *others, strict=True)
     return TiltRuns(
         tilts_deg,
         branch,
@@ -192,7 +194,11 @@ def shared_depths(presses: Sequence[Press]) -> FloatArray:
 
 
 def _cut(
-    tilts: FloatArray, branch: TextArray, values: NDArray[Any], mirrored: NDArray[Any], slopes: NDArray[Any] | None
+    tilts: FloatArray,
+    branch: TextArray,
+    values: NDArray[Any],
+    mirrored: NDArray[Any] | None,
+    slopes: NDArray[Any] | None,
 ) -> tuple[TiltRun, ...]:
     """Runs of one depth from the labels (t,), values (t, …) and slopes of every solved tilt."""
     starts = [0, *(np.flatnonzero(branch[1:] != branch[:-1]) + 1), len(tilts)]
@@ -201,7 +207,7 @@ def _cut(
             float(tilts[a]),
             float(tilts[b - 1]),
             str(branch[a]),
-            _spline(tilts[a:b], values[a:b], mirrored[a:b], None if slopes is None else slopes[a:b]),
+            _spline(tilts[a:b], values[a:b], *(None if part is None else part[a:b] for part in (mirrored, slopes))),
         )
         for a, b in pairwise(starts)
         if branch[a] != ""
@@ -209,14 +215,14 @@ def _cut(
 
 
 def _spline(
-    tilts: FloatArray, values: NDArray[Any], mirrored: NDArray[Any], slopes: NDArray[Any] | None
+    tilts: FloatArray, values: NDArray[Any], mirrored: NDArray[Any] | None, slopes: NDArray[Any] | None
 ) -> CubicSpline | CubicHermiteSpline:
     """Cubic spline of a run; one that starts at the straight press is continued by its mirror image."""
     if len(tilts) == 1:  # a constant: the run covers this tilt alone
         return CubicSpline([tilts[0], tilts[0] + 1.0], np.concatenate([values, values]))
     if slopes is not None and np.isfinite(slopes).all():
         return CubicHermiteSpline(tilts, values, slopes)
-    if tilts[0] == 0.0:
+    if tilts[0] == 0.0 and mirrored is not None:
         tilts = np.concatenate([-tilts[:0:-1], tilts])
         values = np.concatenate([mirrored[:0:-1], values])
     return CubicSpline(tilts, values)

@@ -228,6 +228,10 @@ def gather_presses(presses: Sequence[Press]) -> PressedDome:
         raise PalpateError("There is no press to show.", "Run the study first.")
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     mesh = presses[0].mesh
+    mesh.skin.require_revolution(
+        "its presses are not drawn",
+        "Write single presses for ParaView: `palpate press --export FOLDER`.",
+    )
     mesh = mesh_skin(mesh.skin, mesh.spec)  # each press has its pole elsewhere
     if any(press.mesh.spec != mesh.spec or press.mesh.skin != mesh.skin for press in presses):
         raise PalpateError("The presses are not of one dome and mesh.", "Give presses that differ by the tilt alone.")

@@ -54,7 +54,7 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("press", "--bulk-ratio", "1"), "--bulk-ratio"),
         (("press", "--rim", "round"), "--rim"),
         (("press", "--points", "nowhere.csv"), "nowhere.csv cannot be read"),
-        (("run", "second"), "first, gel_pad"),
+        (("run", "second"), "first, flat_pad"),
         (("run", "first", "--workers", "0"), "--workers is 0"),
         (("run",), "study"),
         (("grid", "show", "nowhere"), "nowhere"),
@@ -62,7 +62,7 @@ def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         (("grid", "plot", "nowhere", "--kind", "pie"), "--kind"),
         (("grid", "export", "nowhere"), "--to"),
         (("grid", "compare", "nowhere", "nowhere"), "nowhere"),
-        (("limit", "nowhere.yaml"), "first, gel_pad"),
+        (("limit", "nowhere.yaml"), "first, flat_pad"),
         (("limit", "first", "--workers", "0"), "--workers is 0"),
     ],
 )

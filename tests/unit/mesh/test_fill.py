@@ -6,16 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.special import gamma
 
 from palpate.core import PalpateError
 from palpate.deck import DeckSpec, Dialect, write_deck
 from palpate.deck.spec import DeckElement
-from palpate.design import ConeSpec, DomeSpec, SkinSpec, SplineSpec
+from palpate.design import ConeSpec, DomeSpec, SkinSpec, SplineSpec, rotation_vector, wall_normal
+from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import Branch, WallSpec, read_press, solve_press, write_press
 from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.material import get_material
 from palpate.mechanics import Solid, State, System
-from palpate.mesh import Mesh, MeshSpec, measure_quality, mesh_skin
+from palpate.mesh import Mesh, MeshSpec, centre_mesh, measure_quality, mesh_skin
 
 SKINS = [
     DomeSpec(),
@@ -132,3 +134,20 @@ def test_a_deck_has_both_materials(tmp_path: Path) -> None:
     assert "*MATERIAL, NAME=FILLING" in lines
     with pytest.raises(PalpateError, match="no shell"):
         write_deck(tmp_path / "shell.inp", mesh, material, WallSpec(depth=0.8), DeckSpec(element=DeckElement.SHELL))
+
+
+@pytest.mark.parametrize("azimuth_deg", [None, 0.0, 20.0, 45.0, 90.0])
+def test_a_pad_is_filled_with_sound_cells_wherever_its_pole_is(azimuth_deg: float | None) -> None:
+    """Against the areas of its plan at every height."""
+    pad = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, stretch=1.2, flat_radius=7.5).build()
+    mesh = mesh_skin(pad, MeshSpec(filled=True, cells=10, core=3, whole=True))
+    if azimuth_deg is not None:
+        mesh = centre_mesh(mesh, pad.touch(wall_normal(*rotation_vector(0.05, np.radians(azimuth_deg)))))
+    s = np.linspace(0, 1, 4001)
+    x, _, z = pad.point(np.column_stack([s, 0 * s]), 0.0).T
+    plan = 4 * 1.2 * gamma(1 + 1 / 6) ** 2 / gamma(1 + 2 / 6)
+    hollow = plan * np.trapezoid((x[:-1] ** 2 + x[1:] ** 2) / 2, z[0] - z[:-1])
+    assert measure_quality(replace(mesh, cells=mesh.cells[: mesh.filling])).volume == pytest.approx(hollow, rel=2e-3)
+    assert measure_quality(mesh).least_scaled_jacobian > 0.15
+    corners = np.sort(np.concatenate([mesh.cells[:, face] for face in FACES]), axis=1)
+    assert set(Counter(map(tuple, corners)).values()) == {1, 2}

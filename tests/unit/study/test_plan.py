@@ -7,7 +7,7 @@ from palpate.core import PalpateError
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
-from palpate.study.study import MaterialSpec
+from palpate.study.study import BuiltSpec, MaterialSpec
 from palpate.study.task import PressTask
 from palpate.study.worker import TaskOutcome
 
@@ -131,3 +131,31 @@ def test_a_filled_skin_is_pressed_filled_and_in_one_state() -> None:
     assert len([task for task in hollow.tasks() if isinstance(task, PressTask)]) == len(presses) + 1
     with pytest.raises(ValidationError, match="no material"):
         Study(name="gel", material={"gel": "honey"})
+
+
+def test_a_pad_is_pressed_at_every_azimuth_of_a_tilt_whole_where_half_would_not_do() -> None:
+    pad = {"kind": "pad", "flat_radius": 7.5, "edge_radius": 2.0}
+    designs = {"skin": pad, "heights": [3.5], "thicknesses": [0.5], "base_radius": 10.4}
+    study = Study.model_validate({"name": "a", "tilts_deg": [0, 2], "designs": designs})
+    presses = plan_study(study).designs[0].dataset.presses
+    assert [(task.wall.tilt_deg, task.wall.azimuth_deg, task.mesh.whole) for task in presses] == [
+        (0.0, 0.0, False),
+        (2.0, 0.0, False),
+        (2.0, 30.0, True),
+        (2.0, 60.0, True),
+        (2.0, 90.0, True),
+    ]
+    assert presses[2].name.endswith("tilt 2° azimuth 30°")
+    coarse = study.model_copy(update={"azimuths_deg": (0.0, 90.0)})
+    assert len(plan_study(coarse).designs[0].dataset.presses) == 3
+    with pytest.raises(PalpateError, match="forces are not interpolated"):
+        plan_study(study.model_copy(update={"forces": True}))
+    with pytest.raises(PalpateError, match="a twin has one press a tilt for all azimuths"):
+        plan_study(study.model_copy(update={"built": BuiltSpec()}))
+
+
+def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None:
+    assert "azimuths_deg" not in Study(name="a").model_dump(mode="json")
+    assert Study(name="a", azimuths_deg=(0, 45, 90)).model_dump()["azimuths_deg"] == (0, 45, 90)
+    with pytest.raises(ValidationError, match="equal steps"):
+        Study(name="a", azimuths_deg=(0, 30, 90))

@@ -28,6 +28,7 @@ def test_presets_are_named() -> None:
         "best_frictionless",
         "filled_hemisphere",
         "first",
+        "flat_pad",
         "gel_pad",
         "hemisphere_397",
         "paper",
@@ -132,7 +133,7 @@ def test_more_errors_than_a_screen_holds_are_counted(tmp_path: Path) -> None:
 
 
 def test_an_unknown_name_lists_the_presets() -> None:
-    with pytest.raises(PalpateError, match="first, gel_pad"):
+    with pytest.raises(PalpateError, match="first, flat_pad"):
         read_study("second")
 
 

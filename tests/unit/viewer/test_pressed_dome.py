@@ -1,5 +1,7 @@
 """A dome between its solved tilts: exact at them, smooth between, honest where nothing was solved."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from made_up_presses import MESH, made_up_press, moved
@@ -7,7 +9,9 @@ from made_up_presses import MESH, made_up_press, moved
 from palpate.camera import build_camera
 from palpate.core import PalpateError
 from palpate.design import MarkerSpec, place_markers, turn_about_axis
-from palpate.mesh import locate_inner
+from palpate.design.flat_pad import FlatPadSpec
+from palpate.fea import WallSpec
+from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.twin import build_field
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.pressed_dome import gather_presses
@@ -125,3 +129,11 @@ def test_the_shell_is_closed_and_lies_on_the_two_spheres():
     edges = np.sort(np.concatenate([shell.nodes[shell.triangles][:, pair] for pair in ([0, 1], [1, 2], [2, 0])]))
     _, times = np.unique(edges, axis=0, return_counts=True)
     assert (times == 2).all()  # every edge of the half dome is shared by two triangles: nothing is open
+
+
+def test_presses_of_a_pad_are_not_drawn() -> None:
+    pad = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, flat_radius=7.5).build()
+    mesh = mesh_skin(pad, MeshSpec(filled=True, cells=6, core=1))
+    press = SimpleNamespace(mesh=mesh, wall=WallSpec())
+    with pytest.raises(PalpateError, match="no body of revolution: its presses are not drawn"):
+        gather_presses([press])

@@ -1,0 +1,58 @@
+"""Where the markers of a skin are for any pose of the obstacle: what every interpolation of presses answers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from palpate.core import FloatArray, TextArray
+from palpate.design import PoseSpace
+from palpate.twin.tilt_runs import TiltRuns
+
+
+@dataclass(frozen=True)
+class MarkerField(ABC):
+    """Positions of a layout's markers over the disc of tilts, one image a depth.
+
+    Attributes
+    ----------
+    rest
+        (m, 3) mm, undeformed markers.
+    depths_mm
+        (d,) depths of the images.
+    runs
+        Runs of tilts at each depth.
+    space
+        What the presses' poses are.
+    """
+
+    rest: FloatArray
+    depths_mm: FloatArray
+    runs: TiltRuns
+    space: PoseSpace
+
+    @property
+    def offset(self) -> float | None:
+        """Greatest offset that was pressed, mm; `None` for walls, whose greatest tilt a dataset's spec says."""
+        return None if self.space.tilts else float(self.runs.tilts_deg[-1])
+
+    def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
+        """Branch of each tilt (n,) at one depth, or why there is none; see `TiltRuns.labels`."""
+        return self.runs.labels(tilt_deg, image)
+
+    @abstractmethod
+    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
+        """Deformed positions of the markers.
+
+        Parameters
+        ----------
+        rx_deg, ry_deg
+            (n,) components of the wall's rotation; of another obstacle, its x and y in mm.
+        image
+            Number of the depth in `depths_mm`.
+
+        Returns
+        -------
+        FloatArray
+            (n, m, 3) mm; NaN for a pose that no run covers (`labels` says why).
+        """
