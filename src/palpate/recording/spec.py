@@ -21,7 +21,11 @@ class RecordingSpec(Spec):
     )
     level: float = parameter(0.9, unit="1", meaning="share of true values that the intervals cover", ge=0.5, lt=1)
     epochs: int = parameter(
-        60, unit="1", meaning="passes of the networks on pictures over the training images", ge=1, le=100_000
+        60,
+        unit="1",
+        meaning="passes of the networks on pictures over the training images; 8/3 as many where turned ones teach",
+        ge=1,
+        le=100_000,
     )
     threads: int = parameter(2, unit="1", meaning="cores that the networks on pictures use", ge=1, le=256)
     most: int = parameter(
