@@ -30,8 +30,10 @@ def test_numbers_are_told_of_every_unit(rings, distance):
         assert not naming.ambiguous
         there = np.flatnonzero(scene.printed)
         centres = scene.camera.project(scene.edges[:-1].mean(axis=1))
+        inside = ((centres > 5.0) & (centres < [camera.width_px - 6.0, camera.height_px - 6.0])).all(axis=1)
+        there, centres = there[inside], centres[inside]
         found = naming.found[there]
-        assert found.mean() > 0.75  # the camera that stands aside cuts off some of the outermost
+        assert (~found).sum() <= 1 + 0.1 * len(found)
         off = np.linalg.norm(naming.positions_px[there] - centres, axis=1)[found]
-        assert np.quantile(off, 0.95) < 0.5
+        assert np.median(off) < 0.2
         assert off.max() < 4.0  # a few touch; another's place is 6 px away
