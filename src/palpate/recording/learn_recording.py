@@ -34,6 +34,8 @@ TURNED = "-turned"
 """End of the names of networks that are taught by turned presses as well."""
 _LONGER = 8 / 3
 """Passes of the network on turned pictures over those of the other: what comes in six ways bears longer training."""
+_MOST_SHOWN = 350_000
+"""Pictures that these passes show at most, unless the other's show more: 35 minutes of two cores."""
 _ALIKE = ("rx", "ry"), ("depth", "rz", "force")
 """Axes that turn with the sensor, and those that stay what they are."""
 _LEAST_TURNED = 20
@@ -181,7 +183,7 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
     digest = hashlib.sha256()
     for array in (lesson.inputs, lesson.targets, lesson.teach, lesson.judge):
         digest.update(np.ascontiguousarray(array).tobytes())
-    epochs = round(spec.epochs * (_LONGER if name.endswith(TURNED) else 1))
+    epochs = _passes(spec.epochs, int(lesson.teach.sum())) if name.endswith(TURNED) else spec.epochs
     own = [name, digest.hexdigest(), spec.seed, epochs if "picture-network" in name else 0]
     recipe = Recipe("part", own, version=PART_VERSION)
     path = store.find(recipe)
@@ -203,6 +205,11 @@ def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say
                 left.unlink(missing_ok=True)
     kind = "linear" if name.endswith("-ridge") else "dots-network" if name.startswith("dots") else "picture-network"
     return PARTS[kind](name, read_arrays(path))
+
+
+def _passes(epochs: int, taught: int) -> int:
+    """Passes over so many turned pictures, from those over pictures as they are."""
+    return max(epochs, min(round(_LONGER * epochs), _MOST_SHOWN // max(taught, 1)))
 
 
 def _say_errors(name: str, part: ModelPart, seen: Seen, say: Say) -> None:

@@ -23,7 +23,7 @@ class RecordingSpec(Spec):
     epochs: int = parameter(
         60,
         unit="1",
-        meaning="passes of the networks on pictures over the training images; 8/3 as many where turned ones teach",
+        meaning="passes of the networks on pictures over the training images; up to 8/3 as many with turned ones",
         ge=1,
         le=100_000,
     )

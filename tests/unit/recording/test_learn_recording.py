@@ -335,3 +335,9 @@ def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path
     least = min(float(text.split("error ")[1].split()[0]) for text in said)
     assert lesson.error(part.predict(pictures[240:])) == pytest.approx(least, abs=2e-4)
     assert least < 0.1
+
+
+def test_turned_pictures_are_passed_over_longer_but_not_for_hours():
+    from palpate.recording.learn_recording import _passes
+
+    assert [_passes(60, taught) for taught in (1460, 2920, 20_000)] == [160, 119, 60]
