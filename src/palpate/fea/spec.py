@@ -17,9 +17,10 @@ from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 FRICTIONLESS, NO_SLIP = "frictionless", "no-slip"
-_SAME_TURN_DEG = 1e-9
 GREATEST_FRICTION = 10.0
 """Greatest coefficient of friction; above it, choose `NO_SLIP`."""
+_SAME_TURN_DEG = 1e-9
+"""Turn of an obstacle's plane from a mirror of the skin below which the two are one, degrees."""
 
 
 def check_contact(value: Any) -> str | float:

@@ -88,7 +88,8 @@ def _errors_of(clean: Part | None, jittered: Part | None) -> dict[str, Cell]:
 
 
 def _press(press: PressSummary) -> Row:
-    return {name: _finite(cell) if isinstance(cell, float) else cell for name, cell in asdict(press).items()}
+    cells = {name: _finite(cell) if isinstance(cell, float) else cell for name, cell in asdict(press).items()}
+    return cells if press.azimuth_deg is not None else {k: v for k, v in cells.items() if k != "azimuth_deg"}
 
 
 def _row(design: DesignResult) -> dict[str, Cell]:

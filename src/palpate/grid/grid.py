@@ -58,7 +58,8 @@ class SpecificationGrid:
         One a design and interval of true tilt: ``design``, ``tilt_from_deg``, ``tilt_to_deg``, then the errors.
     presses
         One a design and press: ``design``, ``tilt_deg``, ``ended`` and ``ended_depth_mm``, ``force_n`` and ``branch``
-        in the deepest image, ``peak_stress_mpa``, ``displacement_max_mm``, ``displacement_mean_mm``, ``apex_gap_mm``.
+        in the deepest image, ``peak_stress_mpa``, ``displacement_max_mm``, ``displacement_mean_mm``, ``apex_gap_mm``;
+        ``azimuth_deg`` where the skin is no body of revolution.
 
     Notes
     -----

@@ -12,7 +12,7 @@ import numpy as np
 
 from palpate.core import ArtefactStore, provenance
 from palpate.dataset import DATASET_VERSION
-from palpate.design import build_skin
+from palpate.design import Symmetry, build_skin
 from palpate.fea import FEA_VERSION, Branch, read_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
 from palpate.study.built_task import BuiltTask, read_figures
@@ -120,6 +120,13 @@ _SIZES = {"height", "base_radius", "thickness"}
 """What every skin has, and the grid in columns of its own."""
 
 
+def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
+    """The azimuths that were pressed, of a skin that is no body of revolution."""
+    if dataset.skin.build().symmetry is Symmetry.REVOLVED:
+        return {}
+    return {"azimuths_deg": sorted({item.wall.turn_deg for item in dataset.presses})}
+
+
 def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
     """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
@@ -130,6 +137,7 @@ def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
         "mesh": press.mesh.model_dump(mode="json"),
         "material": press.material.key_data(),
         "tilts_deg": list(dict.fromkeys(item.wall.radial for item in dataset.presses)),
+        **_azimuths(dataset),
         "wall": wall,
         "solver": press.solver.model_dump(mode="json"),
         "camera": dataset.camera.model_dump(mode="json"),
@@ -166,6 +174,7 @@ def _summarise_press(path: Path) -> PressSummary:
         displacement_max_mm=float(moved.max()),
         displacement_mean_mm=float(moved.mean()),
         apex_gap_mm=float(press.apex_gap[-1]),
+        azimuth_deg=None if press.mesh.skin.symmetry is Symmetry.REVOLVED else press.wall.turn_deg,
     )
 
 

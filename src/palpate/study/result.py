@@ -52,6 +52,8 @@ class PressSummary:
         Greatest and mean displacement of the mesh's nodes in the deepest increment (mm).
     apex_gap_mm
         Distance between the wall and the point that it touched first, in the deepest increment (mm).
+    azimuth_deg
+        Direction of the tilt's axis (degrees); `None` where one press serves every azimuth.
     """
 
     tilt_deg: float
@@ -63,6 +65,7 @@ class PressSummary:
     displacement_max_mm: float
     displacement_mean_mm: float
     apex_gap_mm: float
+    azimuth_deg: float | None = None
 
 
 @dataclass(frozen=True)

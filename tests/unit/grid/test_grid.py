@@ -103,6 +103,14 @@ def test_the_table_by_tilt_holds_the_errors_of_every_interval():
     assert row["validation_samples"] == 4
 
 
+def test_presses_of_one_tilt_are_told_apart_by_their_azimuth():
+    design = make_design()
+    turned = tuple(replace(press, azimuth_deg=azimuth) for press in design.presses for azimuth in (0.0, 90.0))
+    rows = evaluate_grid([replace(design, presses=turned)]).presses
+    assert [(row["tilt_deg"], row["azimuth_deg"]) for row in rows] == [(0, 0), (0, 90), (12, 0), (12, 90)]
+    assert all("azimuth_deg" not in row for row in evaluate_grid([design]).presses)
+
+
 def test_the_table_of_presses_says_how_each_ended():
     _, steep = evaluate_grid([make_design()]).presses
     assert (steep["design"], steep["tilt_deg"], steep["branch"]) == (0, 12.0, "inverted")
