@@ -1,26 +1,31 @@
 """Press skins of every kind, hollow and filled, by palpate and by CalculiX on the same mesh, and compare every image.
 
-    python benchmarks/skins_against_calculix.py RESULTS.csv
+    python benchmarks/skins_against_calculix.py RESULTS.csv             every kind of skin
+    python benchmarks/skins_against_calculix.py RESULTS.csv published   every published sensor
 
-Frictionless, 5°, 91 markers, 20-node bricks (C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh
-under the point of first touch in both. What is flat or filled has more cells around (`core`), and a filled one a
-contact ten times stiffer in CalculiX: docs/theory/skins.md says why. A skin is written when both programs have
-finished it, so a stopped run goes on where it was.
+Frictionless, 5°, 91 markers (published sensors: their own markers, half of their depth, pads 2°), 20-node bricks
+(C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh under the point of first touch in both. What
+is flat or filled has more cells around (`core`), and a filled one a contact ten times stiffer in CalculiX:
+docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes on where
+it was.
 """
 
 import csv
 import sys
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from palpate.core import FloatArray
 from palpate.deck import DeckSpec, Dialect, solve_press_calculix
 from palpate.deck.calculix import CalculixSpec
-from palpate.design import ConeSpec, DomeSpec, EllipsoidSpec, MarkerSpec, SkinSpec, SplineSpec, place_markers
-from palpate.fea import WallSpec, solve_press
+from palpate.design import ConeSpec, DomeSpec, EllipsoidSpec, MarkerSpec, Skin, SkinSpec, SplineSpec, place_markers
+from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material, get_material
 from palpate.mesh import MeshSpec, centre_mesh, mesh_skin
+from palpate.study import plan_study, read_study
 
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 RUBBER = get_material("neo-hooke:0.1")
@@ -33,25 +38,69 @@ CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
     "tapered": (EllipsoidSpec(height=18, thickness=1.5, aspect=0.9, taper=1.8), SILICONE, HOLLOW, 3.2),
     "filled dome": (DomeSpec(thickness=1), replace(RUBBER, gel=get_material("neo-hooke:0.01")), FILLED, 3.2),
 }
+PUBLISHED = "hemisphere_397", "small_tactip", "tactip_127", "filled_hemisphere", "gel_pad", "flat_pad"
+ALIKE = {"tactip_127": "tactip_331"}
+"""Published sensors of the same wall and gel, but other pins: one press serves both."""
+PAD_MM = 5.0
+"""Height below which a skin is a pad."""
+IMAGES = 4
+"""Images of a press of a published sensor."""
 COLUMNS = ["skin", "cells", "depth_mm", "force_palpate_n", "force_calculix_n", "force_deviation_percent"]
 COLUMNS += ["energy_deviation_percent", "marker_rms_percent", "marker_max_percent", "cpu_palpate_s", "cpu_calculix_s"]
 
 
-def compare(name: str) -> list[dict[str, object]]:
-    spec, material, meshing, depth = CASES[name]
+@dataclass(frozen=True)
+class Case:
+    """What both programs press."""
+
+    skin: Skin
+    material: Material
+    mesh: MeshSpec
+    wall: WallSpec
+    markers: Mapping[str, tuple[Skin, FloatArray]]
+    """Skin with its pins and markers (n, 3) mm by the name of the sensor that has them."""
+
+
+def skin_case(name: str) -> Case:
+    spec, material, mesh, depth = CASES[name]
+    wall = WallSpec(tilt_deg=5, contact="frictionless", depth=depth)
     skin = spec.build()
-    mesh, wall = mesh_skin(skin, meshing), WallSpec(tilt_deg=5, contact="frictionless", depth=depth)
+    return Case(skin, material, mesh, wall, {name: _marked(skin, MarkerSpec(count=91))})
+
+
+def published_case(name: str) -> Case:
+    """One press of a study of the package, its mesh refined around (docs/theory/skins.md)."""
+    designs = {one: plan_study(read_study(one)).designs[0].dataset for one in (name, ALIKE.get(name, name))}
+    press = designs[name].presses[0]
+    skin, filled = press.skin.build(), press.mesh.filled
+    markers = {one: _marked(design.presses[0].skin.build(), design.markers) for one, design in designs.items()}
+    tilt, depth = 5.0 if skin.height > PAD_MM else 2.0, press.wall.depth / 2
+    wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=depth, image_step=depth / IMAGES)
+    return Case(skin, press.material, FILLED if filled else HOLLOW, wall, markers)
+
+
+def _marked(skin: Skin, markers: MarkerSpec) -> tuple[Skin, FloatArray]:
+    return skin, place_markers(skin, markers).positions
+
+
+def compare(case: Case) -> list[dict[str, object]]:
+    skin, material, meshing, wall = case.skin, case.material, case.mesh, case.wall
+    mesh = mesh_skin(skin, meshing)
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
     deck = DeckSpec(dialect=Dialect.CALCULIX, penalty=10.0 if meshing.filled else 1.0)
     ours = solve_press(mesh, material, wall)
     theirs = solve_press_calculix(mesh, material, wall, CalculixSpec(deck=deck))
-    markers = place_markers(skin, MarkerSpec(count=91)).positions
+    return [row for name, marked in case.markers.items() for row in rows_of(name, ours, theirs, *marked)]
+
+
+def rows_of(name: str, ours: Press, theirs: Press, skin: Skin, markers: FloatArray) -> list[dict[str, object]]:
+    ours, theirs = (replace(press, mesh=replace(press.mesh, skin=skin)) for press in (ours, theirs))
     count = min(len(ours.depth), len(theirs.depth))
     away = np.linalg.norm(ours.positions(markers)[:count] - theirs.positions(markers)[:count], axis=-1)
     return [
         {
             "skin": name,
-            "cells": len(mesh.cells),
+            "cells": len(ours.mesh.cells),
             "depth_mm": round(float(ours.depth[k]), 4),
             "force_palpate_n": f"{ours.force[k, 2]:.6f}",
             "force_calculix_n": f"{theirs.force[k, 2]:.6f}",
@@ -70,9 +119,10 @@ def compare(name: str) -> list[dict[str, object]]:
 def main() -> None:
     path = Path(sys.argv[1])
     rows = list(csv.DictReader(path.open())) if path.exists() else []
-    for name in CASES:
+    published = sys.argv[2:] == ["published"]
+    for name in PUBLISHED if published else CASES:
         if name not in {row["skin"] for row in rows}:
-            rows += compare(name)
+            rows += compare(published_case(name) if published else skin_case(name))
             with path.open("w", newline="") as file:
                 table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
                 table.writeheader()
