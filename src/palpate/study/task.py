@@ -109,8 +109,10 @@ class PressTask(Task):
 
     @property
     def cost(self) -> float:
+        images = self.wall.depth / self.wall.image_step
         # an inverted state begins early: what stands on both branches waits for it
-        return (100.0 if self.branch is Branch.INVERTED else 5.0) * self.wall.depth / 8.0
+        a_piece = 10.0 if self.branch is Branch.INVERTED else 0.5
+        return a_piece * images * (10.0 if self.mesh.filled else 1.0) * (2.0 if self.mesh.whole else 1.0)
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_skin(build_skin(self.skin), self.mesh)
