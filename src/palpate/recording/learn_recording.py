@@ -5,37 +5,26 @@ Every stage lies in a store under what it was made from; a run that was interrup
 
 from __future__ import annotations
 
-import hashlib
 import time
 from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
+from palpate.core import ArtefactStore, FloatArray, PalpateError
 from palpate.recording.adapt import Start, adapt_parts, draw_adapted_curve
-from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.columns import PoseColumn
 from palpate.recording.conclude import WHOLE, PartScore, conclude, estimate_all
-from palpate.recording.course import CourseSpec
 from palpate.recording.curve import CurvePoint, draw_learning_curve
-from palpate.recording.lesson import Lesson, Turning, fit_ridge_part
+from palpate.recording.lesson import Lesson, Turning
+from palpate.recording.make_parts import TURNED, PartJob, make_parts
 from palpate.recording.model import RecordedModel
-from palpate.recording.part import PARTS, ModelPart
+from palpate.recording.part import ModelPart
 from palpate.recording.read_recording import Recording
 from palpate.recording.see_recording import Say, Seen, see_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import find_shift
-from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
 from palpate.recording.turns import MOST_DOTS, find_sense, pattern_order
 
-PART_VERSION = "5"
-"""Version of the code that decides what a part predicts; part of an artefact's key."""
-TURNED = "-turned"
-"""End of the names of networks that are taught by turned presses as well."""
-_LONGER = 8 / 3
-"""Passes of the network on turned pictures over those of the other: what comes in six ways bears longer training."""
-_MOST_SHOWN = 350_000
-"""Pictures that these passes show at most, unless the other's show more: 35 minutes of two cores."""
 _ALIKE = ("rx", "ry"), ("depth", "rz", "force")
 """Axes that turn with the sensor, and those that stay what they are."""
 _LEAST_TURNED = 20
@@ -108,14 +97,16 @@ def learn_recording(
     parts: dict[str, ModelPart] = {}
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
     early = 0.0 if first is None else first.seconds[0]
-    for name in _plan(seen, spec):
-        now = time.monotonic()
-        parts[name] = _train(name, seen, spec, store, say)
-        seconds[name] = max(seconds.get(name, 0.0), time.monotonic() - now)
+    names, asked = _plan(seen, spec), seen.targets.shape[1]
+    jobs = [PartJob(name, lesson_of(name, seen, spec), asked, spec.epochs, spec.seed) for name in names]
+    for part, spent in make_parts(jobs, spec.threads, store, say):
+        name, parts[part.name] = part.name, part
+        seconds[name] = max(seconds.get(name, 0.0), spent)
         if first is None or name not in {score.name for score in first.scores}:
             _say_errors(name, parts[name], seen, say)
         if first is None and "picture-network" not in name:
             early = time.monotonic() - begin
+    parts = {name: parts[name] for name in names}
     if start is not None:
         parts |= adapt_parts(start, seen, say)
     model, scores, best = conclude(seen, spec, parts, seconds)
@@ -176,40 +167,6 @@ def lesson_of(name: str, seen: Seen, spec: RecordingSpec) -> Lesson:
         scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
         turning = turning._replace(places_px=(turning.places_px + 0.5) * scale - 0.5)
     return Lesson(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed, turning)
-
-
-def _train(name: str, seen: Seen, spec: RecordingSpec, store: ArtefactStore, say: Say) -> ModelPart:
-    lesson = lesson_of(name, seen, spec)
-    digest = hashlib.sha256()
-    for array in (lesson.inputs, lesson.targets, lesson.teach, lesson.judge):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    epochs = _passes(spec.epochs, int(lesson.teach.sum())) if name.endswith(TURNED) else spec.epochs
-    own = [name, digest.hexdigest(), spec.seed, epochs if "picture-network" in name else 0]
-    recipe = Recipe("part", own, version=PART_VERSION)
-    path = store.find(recipe)
-    if path is None:
-        course = CourseSpec(epochs, threads=spec.threads)
-        kept = store.path(recipe, ".epochs")
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        if name.endswith("-ridge"):
-            part: ModelPart = fit_ridge_part(name, lesson, name.startswith("picture"))
-        elif name == "dots-network":
-            part = train_dots_network(name, lesson, kept=kept)
-        elif name.startswith("dots"):
-            part = train_turned_network(name, lesson, kept)
-        else:
-            part = train_picture_network(name, lesson, seen.targets.shape[1], course, kept, say)
-        path = store.write(recipe, lambda file: write_arrays(file, part.arrays))
-        for left in kept.parent.glob(f"{kept.stem}.*"):
-            if left.suffix not in (".h5", ".json"):
-                left.unlink(missing_ok=True)
-    kind = "linear" if name.endswith("-ridge") else "dots-network" if name.startswith("dots") else "picture-network"
-    return PARTS[kind](name, read_arrays(path))
-
-
-def _passes(epochs: int, taught: int) -> int:
-    """Passes over so many turned pictures, from those over pictures as they are."""
-    return max(epochs, min(round(_LONGER * epochs), _MOST_SHOWN // max(taught, 1)))
 
 
 def _say_errors(name: str, part: ModelPart, seen: Seen, say: Say) -> None:

@@ -27,7 +27,7 @@ class RecordingSpec(Spec):
         ge=1,
         le=100_000,
     )
-    threads: int = parameter(2, unit="1", meaning="cores that the networks on pictures use", ge=1, le=256)
+    threads: int = parameter(2, unit="1", meaning="cores that the networks use", ge=1, le=256)
     most: int = parameter(
         20_000, unit="1", meaning="images that are used at most; more are thinned out by whole presses", ge=20
     )

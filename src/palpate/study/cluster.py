@@ -12,9 +12,9 @@ import re
 from contextlib import suppress
 from typing import Any
 
-from palpate.core import ArtefactStore, PalpateError, load_extra
+from palpate.core import ArtefactStore, PalpateError, load_extra, single_threaded
 from palpate.study.task import EstimatorTask, Task
-from palpate.study.worker import TaskEnd, TaskOutcome, perform, single_threaded
+from palpate.study.worker import TaskEnd, TaskOutcome, perform
 from palpate.study.worker_pool import WORKER_DIED, WorkerPool
 
 MOST_WORKERS = 1024

@@ -4,32 +4,15 @@ from __future__ import annotations
 
 import errno
 import faulthandler
-import os
 import signal
-import threading
 import time
 import traceback
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from palpate.core import ArtefactStore, PalpateError, StoreError
+from palpate.core import ArtefactStore, PalpateError, StoreError, serve_parent
 from palpate.study.task import MissingArtefactError, Task
-
-THREAD_VARIABLES = (
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-)
-"""What numerical libraries read, when they are loaded, to know how many threads they may use."""
-
-PARENT_CHECK_S = 1.0
-"""How often a worker looks for its parent, s."""
-
 
 ASK_WHERE: signal.Signals | None = getattr(signal, "SIGUSR1", None)
 """Asks a worker where its program stands, before it is ended; not on every system."""
@@ -78,34 +61,18 @@ class TaskOutcome:
     missing: str = ""
 
 
-@contextmanager
-def single_threaded() -> Iterator[None]:
-    """Let processes started inside use one thread each."""
-    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
 def begin_worker(parent: int, traces: Path | None = None) -> None:
     """Prepare a new worker whose parent has the process id `parent`.
 
     Where the interpreter breaks down, or is asked by the signal `ASK_WHERE`, it writes to the file `traces` where the
     program stood.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    serve_parent(parent)
     if traces is not None:
         file = traces.open("w")  # open as long as the process lives
         faulthandler.enable(file)
         if ASK_WHERE is not None:
             faulthandler.register(ASK_WHERE, file)
-    threading.Thread(target=_leave_with_parent, args=(parent,), daemon=True).start()
 
 
 def perform(task: Task, store: ArtefactStore) -> TaskOutcome:
@@ -136,9 +103,3 @@ def perform(task: Task, store: ArtefactStore) -> TaskOutcome:
         ended = TaskEnd.UNWRITABLE if full else TaskEnd.FAILED
         return outcome(ended, f"{type(error).__name__}: {error}", traceback.format_exc())
     return outcome(TaskEnd.MADE)
-
-
-def _leave_with_parent(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(PARENT_CHECK_S)
-    os._exit(1)

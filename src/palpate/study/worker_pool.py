@@ -17,9 +17,9 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Self
 
-from palpate.core import ArtefactStore
+from palpate.core import ArtefactStore, single_threaded
 from palpate.study.task import Task
-from palpate.study.worker import ASK_WHERE, TaskEnd, TaskOutcome, begin_worker, perform, single_threaded
+from palpate.study.worker import ASK_WHERE, TaskEnd, TaskOutcome, begin_worker, perform
 
 WORKER_DIED = "its worker process died, perhaps for want of memory"
 

@@ -2,10 +2,12 @@
 
 import csv
 import json
+import os
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import NoReturn
 
 import cv2
 import numpy as np
@@ -31,6 +33,7 @@ from palpate.recording import (
 )
 from palpate.recording.course import CourseSpec
 from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.make_parts import PartJob, make_parts
 from palpate.recording.train_part import train_picture_network
 
 SENSOR = DrawnSensor(rings=4)
@@ -337,7 +340,46 @@ def test_a_network_on_pictures_reads_as_well_as_its_training_said(tmp_path: Path
     assert least < 0.1
 
 
-def test_turned_pictures_are_passed_over_longer_but_not_for_hours():
-    from palpate.recording.learn_recording import _passes
+@pytest.mark.parametrize(("taught", "passes"), [(1460, 160), (2920, 85), (20_000, 60)])
+def test_turned_pictures_are_passed_over_longer_but_not_for_hours(taught: int, passes: int) -> None:
+    lesson = Lesson(np.zeros((taught, 1, 1)), np.zeros((taught, 3)), np.ones(taught, bool), np.zeros(taught, bool))
+    assert PartJob("picture-network-turned", lesson, 3, 60, 0).passes == passes
+    assert PartJob("picture-network", lesson, 3, 60, 0).passes == 60
 
-    assert [_passes(60, taught) for taught in (1460, 2920, 20_000)] == [160, 119, 60]
+
+def _small_jobs(kind: type[PartJob] = PartJob) -> list[PartJob]:
+    rng = np.random.default_rng(0)
+    teach = np.arange(60) < 45
+    moved = Lesson(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 3)), teach, ~teach)
+    pictures = Lesson(rng.integers(0, 255, (60, 32, 32)).astype(np.uint8), moved.targets, teach, ~teach)
+    lessons = {"dots-ridge": moved, "picture-network": pictures, "dots-network": moved}
+    return [kind(name, lesson, 3, 2, 0) for name, lesson in lessons.items()]
+
+
+def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_path: Path) -> None:
+    needs("torch")
+    said: list[str] = []
+    stores = [ArtefactStore(tmp_path / f"{threads}") for threads in (1, 2)]
+    alone, beside = (
+        {made.part.name: made.part for made in make_parts(_small_jobs(), threads, store, said.append)}
+        for threads, store in zip((1, 2), stores, strict=True)
+    )
+    assert list(alone) == ["dots-ridge", "picture-network", "dots-network"]
+    assert next(iter(beside)) == "dots-ridge"
+    assert set(beside) == set(alone)
+    for name, part in alone.items():
+        for key, array in part.arrays.items():
+            np.testing.assert_array_equal(array, beside[name].arrays[key])
+    assert sum("picture-network: epoch 2 of 2" in text for text in said) == 2
+    assert not [path for store in stores for path in store.root.rglob("*.epochs*")]
+
+
+class _Dying(PartJob):
+    def train(self, threads: int, kept: Path, say: object) -> NoReturn:
+        os._exit(7)
+
+
+def test_a_training_process_that_dies_is_told_of(tmp_path: Path) -> None:
+    needs("torch")
+    with pytest.raises(PalpateError, match="ended with code 7"):
+        list(make_parts(_small_jobs(_Dying)[1:], 2, ArtefactStore(tmp_path), quiet))

@@ -1,0 +1,212 @@
+"""The parts of a model: those that the store holds, and those to be trained, networks beside each other.
+
+Several networks get a process each: two threads of one network wait for each other, on a busy machine for most of the
+time.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import multiprocessing
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from multiprocessing.connection import wait
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.core import ArtefactStore, PalpateError, Recipe, serve_parent, single_threaded
+from palpate.recording.arrays import read_arrays, write_arrays
+from palpate.recording.course import CourseSpec, load_torch
+from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.part import PARTS, ModelPart
+from palpate.recording.see_recording import Say
+from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
+
+PART_VERSION = "5"
+"""Version of the code that decides what a part predicts; part of an artefact's key."""
+TURNED = "-turned"
+"""End of the names of networks that are taught by turned presses as well."""
+_LONGER = 8 / 3
+"""Passes of the network on turned pictures over those of the other: what comes in six ways bears longer training."""
+_MOST_SHOWN = 250_000
+"""Pictures that these passes show at most, unless the other's show more: 35 to 50 minutes of a core."""
+
+
+@dataclass(frozen=True, eq=False)
+class PartJob:
+    """One part to be made.
+
+    Attributes
+    ----------
+    name, lesson
+        Of the part, and what it learns from.
+    asked
+        Number of targets that it hands on, the first of the lesson's.
+    epochs
+        Passes over pictures as they are.
+    seed
+        Seed of weights and batches.
+    """
+
+    name: str
+    lesson: Lesson
+    asked: int
+    epochs: int
+    seed: int
+
+    @property
+    def is_network(self) -> bool:
+        """Whether it is worth a process."""
+        return "network" in self.name
+
+    @property
+    def sees_pictures(self) -> bool:
+        """Whether it is a network on pictures, whose passes are chosen."""
+        return "picture-network" in self.name
+
+    @property
+    def passes(self) -> int:
+        """Passes over what teaches, of a network on pictures."""
+        taught = max(int(self.lesson.teach.sum()), 1)
+        if not self.name.endswith(TURNED):
+            return self.epochs
+        return max(self.epochs, min(round(_LONGER * self.epochs), _MOST_SHOWN // taught))
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        """What it is made from."""
+        digest = hashlib.sha256()
+        for array in (self.lesson.inputs, self.lesson.targets, self.lesson.teach, self.lesson.judge):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        own = [self.name, digest.hexdigest(), self.seed, self.passes if self.sees_pictures else 0]
+        return Recipe("part", own, version=PART_VERSION)
+
+    def train(self, threads: int, kept: Path, say: Say) -> Mapping[str, NDArray[Any]]:
+        """Arrays of the part; what is known meanwhile lies in the file `kept`."""
+        if not self.is_network:
+            return fit_ridge_part(self.name, self.lesson, self.name.startswith("picture")).arrays
+        if self.sees_pictures:
+            course = CourseSpec(self.passes, threads=threads)
+            return train_picture_network(self.name, self.lesson, self.asked, course, kept, say).arrays
+        train = train_turned_network if self.name.endswith(TURNED) else train_dots_network
+        return train(self.name, self.lesson, kept=kept).arrays
+
+
+class MadePart(NamedTuple):
+    """A part, and the time in s that it took now."""
+
+    part: ModelPart
+    seconds: float
+
+
+def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say: Say) -> Iterator[MadePart]:
+    """Make parts, and give each as soon as it is there.
+
+    Parameters
+    ----------
+    jobs
+        What is to be made.
+    threads
+        Cores that networks may use: of several, each that is missing is trained in a process of its own.
+    store
+        Where parts are kept, and what an interrupted training needs to go on.
+    say
+        Told how far it is.
+
+    Raises
+    ------
+    PalpateError
+        If a training process dies.
+    """
+    missing = [job for job in jobs if job.is_network and store.find(job.recipe) is None]
+    workers = min(threads, len(missing))
+    for job in jobs:
+        if workers > 1 and job in missing:
+            continue
+        begin = time.monotonic()
+        path = store.find(job.recipe)
+        if path is None:
+            path = _keep(store, job, job.train(threads, _draft(store, job), say))
+        yield MadePart(_read(job, path), time.monotonic() - begin)
+    if workers > 1:
+        for job, arrays, seconds in _train_beside(missing, workers, threads // workers, store, say):
+            yield MadePart(_read(job, _keep(store, job, arrays)), seconds)
+
+
+def _draft(store: ArtefactStore, job: PartJob) -> Path:
+    """File of what is known before a training's end; members of a network add to its name."""
+    kept = store.path(job.recipe, ".epochs")
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    return kept
+
+
+def _keep(store: ArtefactStore, job: PartJob, arrays: Mapping[str, NDArray[Any]]) -> Path:
+    path = store.write(job.recipe, lambda file: write_arrays(file, arrays))
+    kept = _draft(store, job)
+    for left in kept.parent.glob(f"{kept.stem}.*"):
+        if left.suffix not in (".h5", ".json"):
+            left.unlink(missing_ok=True)
+    return path
+
+
+def _read(job: PartJob, path: Path) -> ModelPart:
+    kind = "linear" if not job.is_network else "picture-network" if job.sees_pictures else "dots-network"
+    return PARTS[kind](job.name, read_arrays(path))
+
+
+def _train_beside(
+    jobs: Sequence[PartJob], workers: int, threads: int, store: ArtefactStore, say: Say
+) -> Iterator[tuple[PartJob, Mapping[str, NDArray[Any]], float]]:
+    """Train networks in processes: those on dots first, which take minutes, then the longest."""
+    load_torch()  # what is missing is told here
+    context = multiprocessing.get_context("spawn")
+    queue = sorted(jobs, key=lambda job: (job.sees_pictures, -job.passes))
+    busy: dict[Any, tuple[PartJob, Any, float]] = {}
+    try:
+        while queue or busy:
+            while queue and len(busy) < workers:
+                job, (here, there) = queue.pop(0), context.Pipe(duplex=False)
+                arguments = (job, threads, _draft(store, job), there, os.getpid())
+                process = context.Process(target=_work, args=arguments, daemon=True)
+                with single_threaded():
+                    process.start()
+                there.close()
+                busy[here] = job, process, time.monotonic()
+            for pipe in wait(list(busy)):
+                job, process, begin = busy[pipe]
+                told = _hear(pipe, job, process)
+                if isinstance(told, str):
+                    say(told)
+                    continue
+                del busy[pipe]
+                process.join()
+                yield job, told, time.monotonic() - begin
+    finally:
+        for _, process, _ in busy.values():
+            process.kill()
+
+
+def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
+    """How far a process is, or at its end the arrays of its part."""
+    try:
+        told: str | Mapping[str, NDArray[Any]] = pipe.recv()
+    except (EOFError, OSError) as error:
+        process.join()
+        raise PalpateError(
+            f"The process that trained {job.name} ended with code {process.exitcode}, perhaps for want of memory.",
+            "Start again, it goes on where it was; with --threads 1 one network is trained at a time. In a script of "
+            'your own, call it under `if __name__ == "__main__":`.',
+        ) from error
+    return told
+
+
+def _work(job: PartJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
+    """What a process does."""
+    serve_parent(parent)
+    pipe.send(dict(job.train(threads, kept, pipe.send)))
