@@ -1,12 +1,24 @@
-"""Cad: outlines, and the solids that are revolved and extruded from them. The only room that knows the CAD kernel."""
+"""Cad: outlines, and the solids that are made from them. The only room that knows the CAD kernel."""
 
-from palpate.cad.outline import Arc, Outline, Point, SmoothCurve
-from palpate.cad.solid import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
+from palpate.cad.outline import Arc, Outline, Plan, Point, SmoothCurve
+from palpate.cad.solid import (
+    CadSolid,
+    SurfaceMesh,
+    box,
+    cylinder,
+    extrude,
+    gather,
+    loft,
+    read_step,
+    revolve,
+    write_step,
+)
 
 __all__ = [
     "Arc",
     "CadSolid",
     "Outline",
+    "Plan",
     "Point",
     "SmoothCurve",
     "SurfaceMesh",
@@ -14,6 +26,7 @@ __all__ = [
     "cylinder",
     "extrude",
     "gather",
+    "loft",
     "read_step",
     "revolve",
     "write_step",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+from palpate.core import FloatArray
 
 Point = tuple[float, float]
 """(x, z) or (x, y) in mm."""
@@ -31,3 +33,9 @@ class SmoothCurve:
 
 Outline = Sequence[Point | Arc | SmoothCurve]
 """An outline: a point, then straight lines to points, arcs and curves; a closed one is joined to its first point."""
+
+Plan = Callable[[FloatArray], tuple[FloatArray, ...]]
+"""A closed plan about the axis, seen from above: places (n, 2) at angles (n,) in rad, and their first derivative.
+
+Its quarters may end without curvature, as those of a rectangle with round corners do.
+"""

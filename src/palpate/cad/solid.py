@@ -1,4 +1,4 @@
-"""Solids: revolved, extruded, joined and cut; measured, meshed and written. The only file that knows the CAD kernel.
+"""Solids: revolved, lofted, joined and cut; measured, meshed and written. The only file that knows the CAD kernel.
 
 A solid is immutable; every verb returns a new one. Lengths in mm, angles in degrees. The kernel (build123d on Open
 CASCADE) is loaded when the first solid is made, and its absence is a `MissingExtraError`.
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.cad.outline import Arc, Outline, Point, SmoothCurve
+from palpate.cad.outline import Arc, Outline, Plan, Point, SmoothCurve
 from palpate.core import FloatArray, IntArray, PalpateError, load_extra
 
 _LINEAR_MM, _ANGULAR_RAD = 0.01, 0.1
@@ -26,6 +26,10 @@ _VOLUME = 2e-3
 """Greatest share by which a mesh may miss the volume of its solid."""
 _MERGE_MM = 1e-6
 _CURVE_POINTS = 40
+_QUARTER, _BENDS = 33, 9
+"""Points of a quarter of a plan, and sections of a bent edge of an outline, through which smooth curves are laid."""
+_INTEGRAL = 1e-7
+"""Relative error at which the integral of a volume is refined no more."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,7 @@ class CadSolid:
     @property
     def volume(self) -> float:
         """Volume, mm³."""
-        return float(self.shape.volume)
+        return _volume(self.shape)
 
     @property
     def bounds(self) -> FloatArray:
@@ -112,7 +116,7 @@ class CadSolid:
 
     def overlap(self, other: CadSolid) -> float:
         """Volume shared with another solid, mm³."""
-        return float(sum(body.volume for body in self._shared(other)))
+        return sum(_volume(body) for body in self._shared(other))
 
     def common(self, other: CadSolid) -> CadSolid:
         """What two solids share."""
@@ -179,6 +183,50 @@ def revolve(outline: Outline) -> CadSolid:
     return CadSolid(cad.revolve(_face(outline, lambda point: (point[0], 0.0, point[1])), axis=cad.Axis.Z))
 
 
+def loft(outline: Outline, plan: Plan) -> CadSolid:
+    """Carry an outline of (x, z) round a plan of places w(φ): each of its points goes along ``(x w(φ), z)``.
+
+    With the unit circle as plan it is turned, see `revolve`, which is exact where this lays smooth curves.
+
+    Raises
+    ------
+    PalpateError
+        If the outline meets the axis elsewhere than level, or closes nothing.
+    """
+    cad = _cad()
+    faces: list[Any] = []
+    for edge in _edges(outline, lambda point: (point[0], 0.0, point[1])):
+        bent = edge.geom_type != cad.GeomType.LINE
+        at = np.array([tuple(edge.position_at(share)) for share in np.linspace(0, 1, _BENDS if bent else 2)])[:, ::2]
+        if at[:, 0].max() <= _MERGE_MM:
+            continue
+        if not bent and abs(at[0, 1] - at[1, 1]) <= _MERGE_MM:
+            inner, outer = sorted(at.tolist())
+            faces.append(cad.Face(_ring(plan, outer), [_ring(plan, inner)] if inner[0] > _MERGE_MM else []))
+            continue
+        if at[:, 0].min() <= _MERGE_MM:
+            raise PalpateError("An outline leaves the axis aslant, which no plan closes.", "Begin it with a flat.")
+        faces += cad.Shell.make_loft([_ring(plan, place) for place in at.tolist()], ruled=not bent).faces()
+    shells = cad.Face.sew_faces(faces)
+    if len(shells) != 1:
+        raise PalpateError(f"A solid came out in {len(shells)} shells.", "Check the outline: it must be closed.")
+    return CadSolid(cad.Solid(cad.Shell(shells[0])))
+
+
+def _ring(plan: Plan, at: Sequence[float]) -> Any:
+    """A plan, by four splines, as a wire at (x, z): so many times as wide, so high."""
+    cad = _cad()
+    wide, height = at
+    edges = []
+    for first in np.arange(4) * np.pi / 2:
+        angles = np.linspace(first, first + np.pi / 2, _QUARTER)
+        places, slopes = plan(angles)[:2]
+        points = [(*(wide * place).tolist(), height) for place in places]
+        ends = [(*(wide * slopes[end]).tolist(), 0.0) for end in (0, -1)]
+        edges.append(cad.Edge.make_spline(points, tangents=ends, parameters=angles.tolist(), scale=False))
+    return cad.Wire(edges)
+
+
 def extrude(outline: Outline, height: float) -> CadSolid:
     """Pull an outline of (x, y) from z = 0 up to `height`, or down where it is negative."""
     cad = _cad()
@@ -226,6 +274,12 @@ def read_step(path: Path) -> dict[str, CadSolid]:
 
 def _face(outline: Outline, place: Any) -> Any:
     cad = _cad()
+    return cad.Face(cad.Wire(_edges(outline, place)))
+
+
+def _edges(outline: Outline, place: Any) -> list[Any]:
+    """The edges of a closed outline, one after the other."""
+    cad = _cad()
     first = outline[0]
     if isinstance(first, Arc | SmoothCurve):
         raise PalpateError("An outline begins with an arc or a curve.", "Begin with a point.")
@@ -239,7 +293,20 @@ def _face(outline: Outline, place: Any) -> Any:
         elif np.hypot(end[0] - here[0], end[1] - here[1]) > _MERGE_MM:
             edges.append(cad.Edge.make_line(place(here), place(end)))
         here = end
-    return cad.Face(cad.Wire(edges))
+    return edges
+
+
+def _volume(shape: Any) -> float:
+    """Volume, mm³.
+
+    The kernel's plain integral misses lofted solids by up to 5 %, its refined one revolved splines by 1e-5.
+    """
+    spline = _cad().GeomType.BSPLINE
+    if all(face.geom_type != spline for face in shape.faces()):
+        return float(shape.volume)
+    found = load_extra("OCP.GProp", "cad").GProp_GProps()
+    load_extra("OCP.BRepGProp", "cad").BRepGProp.VolumeProperties_s(shape.wrapped, found, _INTEGRAL, False, False)
+    return float(found.Mass())
 
 
 def _cad() -> Any:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.camera import CameraSpec
+from palpate.camera import CameraSpec, read_window
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import DesignFlags
@@ -17,6 +17,7 @@ from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."
+_WINDOW = "Window that a filled skin stands on, as THICKNESS,INDEX,GEL_INDEX; without it, none."
 
 
 @Parameter(name="*")
@@ -26,14 +27,18 @@ class PackFlags:
 
     design: DesignFlags = DesignFlags()
     mount: Annotated[MountSpec, flags_of(MountSpec, group="Flange")] = MountSpec()
-    material: Annotated[MaterialSpec, flags_of(MaterialSpec, only="name", group="Material")] = MaterialSpec()
+    material: Annotated[MaterialSpec, flags_of(MaterialSpec, only="name gel", group="Material")] = MaterialSpec()
     process: Annotated[ProcessSpec, flags_of(ProcessSpec, group="Process")] = ProcessSpec()
     camera: Annotated[CameraSpec, flags_of(CameraSpec, only="distance", group="Camera")] = CameraSpec()
+    window: Annotated[str, Parameter(help=_WINDOW, group="Camera")] = ""
 
     def spec(self) -> PackSpec:
         """The spec of these flags."""
         material = self.material.material()
-        return PackSpec(self.design.skin_spec(), self.design.markers, self.mount, material, self.process, self.camera)
+        camera = self.camera
+        if self.window:
+            camera = CameraSpec.model_validate(camera.model_dump() | {"window": read_window(self.window)})
+        return PackSpec(self.design.skin_spec(), self.design.markers, self.mount, material, self.process, camera)
 
 
 def make(

@@ -1,4 +1,4 @@
-"""The contact module: a dome and the flange by which it is clamped, cast in one piece.
+"""The contact module: a skin and the flange by which it is clamped, cast in one piece.
 
          .-''''-.
        .'  .--.  '.          outer and inner sphere of the dome
@@ -7,6 +7,8 @@
     _|__|        |__|_       z = 0
    /___|          |___\\      flange, its edges drafted
        <--- B --->
+
+All of it is the section along x, carried round the plan of the skin: turned, or stretched round a pad's.
 """
 
 from __future__ import annotations
@@ -15,19 +17,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.cad import CadSolid, Outline, revolve
+from palpate.cad import CadSolid, Outline, Point
 from palpate.design.skin import Skin
 from palpate.design.spec import MountSpec
 
 
 @dataclass(frozen=True)
 class Module:
-    """Dimensions of a contact module, mm.
+    """Dimensions of a contact module, mm, of its section along x.
 
     Attributes
     ----------
     dome
-        The dome, possibly scaled.
+        The skin, possibly scaled.
     flange_thickness
         From z = 0 down.
     flange_radius, opening_radius
@@ -47,6 +49,29 @@ class Module:
     def foot(self) -> float:
         """Height of the foot of the flange, mm, negative."""
         return -self.flange_thickness
+
+    @property
+    def farthest(self) -> float:
+        """How much farther from the axis a point of the section may come than it is along x."""
+        return self.dome.plan.farthest
+
+    @property
+    def widest(self) -> float:
+        """Greatest distance of the section's outer surface from the axis, mm."""
+        return self.dome.outer_widest[0] / self.farthest
+
+    def place(self, reach: float, azimuth_deg: float) -> Point:
+        """Where a point of the section, so far from the axis (mm), is carried: at an angle of the plan."""
+        x, y = reach * self.dome.plan.edge(np.radians([azimuth_deg]))[0][0]
+        return float(x), float(y)
+
+    def solid(self, outline: Outline) -> CadSolid:
+        """The solid of half a section, (x, z) mm."""
+        return self.dome.solid(outline)
+
+    def prism(self, reach: float, low: float, high: float) -> CadSolid:
+        """What lies within the plan up to `reach` along x and between two heights, mm."""
+        return self.solid([(0.0, low), (reach, low), (reach, high), (0.0, high)])
 
     def outline(self) -> Outline:
         """Half the section of the module, (x, z) mm."""
@@ -89,11 +114,6 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     scale
         Factor on every length, for a mold whose part shrinks.
 
-    Raises
-    ------
-    PalpateError
-        If the skin is no body of revolution: flange and mold are turned.
-
     Examples
     --------
     >>> from palpate.design import DomeSpec, build_skin
@@ -101,10 +121,6 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
-    skin.require_revolution(
-        "its flange and the parts of its mold would be turned",
-        "Make the pack of a round pad, a cone with a flat; cast this one on its window in a frame of your own.",
-    )
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width
@@ -114,4 +130,4 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
 
 def build_solid(module: Module) -> CadSolid:
     """Build the body of a module."""
-    return revolve(module.outline())
+    return module.solid(module.outline())

@@ -18,7 +18,7 @@ _CLEARANCE = 1.4
 
 
 def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
-    """Place the mark beyond the outermost dots; where there is less room, half way to where the skin is widest.
+    """Place the mark beyond the outermost dots; where there is less room, half way to where the skin is widest there.
 
     Returns
     -------
@@ -34,6 +34,7 @@ def place_orientation_mark(skin: Skin, layout: MarkerLayout) -> FloatArray:
     15.0
     """
     rho = float(np.hypot(*layout.positions[layout.on_dome, :2].T).max())
-    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + skin.widest[0]) / 2)
-    point: FloatArray = skin.inner_point(outermost, np.radians(AZIMUTH_DEG))
+    azimuth = np.radians(AZIMUTH_DEG)
+    outermost = min(rho + _CLEARANCE * layout.diameter, (rho + float(skin.reach(azimuth))) / 2)
+    point: FloatArray = skin.inner_point(outermost, azimuth)
     return point

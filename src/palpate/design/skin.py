@@ -14,8 +14,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Outline
+from palpate.cad import CadSolid, Outline, loft, revolve
 from palpate.core import FloatArray, PalpateError
+from palpate.design.superellipse import Superellipse
 
 PAPER_BASE = 20.0
 """Base radius of the paper's domes in mm; a name does not repeat it."""
@@ -87,6 +88,11 @@ class Skin(ABC):
     @abstractmethod
     def widest(self) -> tuple[float, float]:
         """Greatest distance of the inner surface from the axis and its height over the base, mm."""
+
+    @property
+    def plan(self) -> Superellipse:
+        """The plan of both surfaces, for a half width of 1 along x: the section along x is carried round it."""
+        return Superellipse(1.0, 2.0)
 
     @property
     def rim_thickness(self) -> float:
@@ -200,9 +206,13 @@ class Skin(ABC):
     def meridian(self, offset: float, *, down: bool) -> Outline:
         """Half section (x, z) mm of the surface `offset` mm outside the inner one, apex to base (`down`) or back.
 
-        Its first point is left out, for an outline goes on from where it stands. Of a wall that is not even, an
-        offset above 0 is that at the apex, and elsewhere in proportion.
+        It is that along x. Its first point is left out, for an outline goes on from where it stands. Of a wall that
+        is not even, an offset above 0 is that at the apex, and elsewhere in proportion.
         """
+
+    def solid(self, outline: Outline) -> CadSolid:
+        """The body whose half section along x is an outline of (x, z) mm, carried round the plan."""
+        return revolve(outline) if self.plan.is_round else loft(outline, self.plan.edge)
 
     @property
     def bulges(self) -> bool:

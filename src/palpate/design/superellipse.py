@@ -39,6 +39,11 @@ class Superellipse:
     exponent: float
 
     @property
+    def is_round(self) -> bool:
+        """Whether it is a circle."""
+        return self.stretch == 1.0 and self.exponent == 2.0
+
+    @property
     def _axes(self) -> FloatArray:
         return np.array([1.0, self.stretch])
 

@@ -20,6 +20,8 @@ from palpate.fabricate.spec import PadMapping
 
 _MARGIN = 6.0
 """Distance of the alignment crosses from the rim, mm."""
+_RIM_POINTS = 360
+_HALVINGS = 60
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,9 @@ class Artwork:
     crosses
         (4, 2) mm, centres of the alignment crosses, on the axes of the page.
     rim
-        Radius of the dome's rim on the page, mm.
+        Distance of the dome's rim from the axis on the page, along x, mm.
+    rim_line
+        (n, 2) mm, the rim on the page where it is no circle.
     mapping
         How the pad carries dots.
     """
@@ -48,6 +52,7 @@ class Artwork:
     crosses: FloatArray
     rim: float
     mapping: PadMapping
+    rim_line: FloatArray | None = None
 
 
 def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark: bool = True) -> Artwork:
@@ -55,15 +60,24 @@ def draw_artwork(skin: Skin, layout: MarkerLayout, mapping: PadMapping, *, mark:
     rim = float(
         np.abs(flatten(skin, skin.inner_point([min(skin.base_radius, skin.widest[0])], [0.0]), mapping)).max()
     )
-    reach = rim + _MARGIN
+    line = None if skin.plan.is_round else flatten(skin, _follow_rim(skin), mapping)
+    across, along = (rim, rim) if line is None else np.abs(line).max(axis=0).tolist()
+    x, y = across + _MARGIN, along + _MARGIN
     return Artwork(
         dots=flatten(skin, layout.positions, mapping),
         diameter=layout.diameter,
         mark=flatten(skin, place_orientation_mark(skin, layout)[None], mapping)[0] if mark else None,
-        crosses=np.array([[reach, 0.0], [0.0, reach], [-reach, 0.0], [0.0, -reach]]),
+        crosses=np.array([[x, 0.0], [0.0, y], [-x, 0.0], [0.0, -y]]),
         rim=rim,
         mapping=mapping,
+        rim_line=line,
     )
+
+
+def _follow_rim(skin: Skin) -> FloatArray:
+    """Points (n, 3) mm of the inner rim, once around."""
+    angle = np.linspace(0.0, 2 * np.pi, _RIM_POINTS, endpoint=False)
+    return skin.point(np.column_stack([np.cos(angle), np.sin(angle)]), 0.0)
 
 
 def flatten(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
@@ -79,6 +93,17 @@ def flatten(skin: Skin, points: FloatArray, mapping: PadMapping) -> FloatArray:
 
 def carry_to_dome(skin: Skin, page: FloatArray, mapping: PadMapping) -> FloatArray:
     """Carry points (n, 2) mm of the page to the inner surface (n, 3) mm, as the pad does."""
-    reach = np.hypot(page[:, 0], page[:, 1])
-    rho = skin.at_arc_length(reach) if mapping is PadMapping.ARC else reach
-    return skin.inner_point(rho, np.arctan2(page[:, 1], -page[:, 0]))
+    reach, azimuth = np.hypot(page[:, 0], page[:, 1]), np.arctan2(page[:, 1], -page[:, 0])
+    if mapping is PadMapping.ARC:
+        reach = skin.at_arc_length(reach) if skin.plan.is_round else _arc_to_axis(skin, reach, azimuth)
+    return skin.inner_point(reach, azimuth)
+
+
+def _arc_to_axis(skin: Skin, length: FloatArray, azimuth: FloatArray) -> FloatArray:
+    """Distances (n,) mm from the axis at azimuths (n,) in rad, so far (n,) mm along the skin from its apex."""
+    low, high = np.zeros_like(length), skin.reach(azimuth)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        short = skin.arc_length(skin.inner_point(middle, azimuth)) < length
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return np.asarray(low)

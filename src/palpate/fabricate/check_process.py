@@ -22,6 +22,7 @@ from palpate.fabricate.artwork import flatten
 from palpate.fabricate.enclosure import Enclosure, free_travel
 from palpate.fabricate.mold import Mold
 from palpate.fabricate.spec import ProcessSpec
+from palpate.fabricate.window_plate import WindowPlate
 from palpate.material import Material
 
 _SAGITTA = 0.03
@@ -70,6 +71,32 @@ def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
     )
 
 
+def check_window(
+    window: WindowPlate, layout: MarkerLayout, gel: str, camera: Camera, spec: ProcessSpec
+) -> Iterator[Finding]:
+    """Report how much gel fills a skin, and which markers the ledge of its window hides."""
+    volume = window.gel_mm3 / 1000
+    yield Finding(
+        Severity.NOTE,
+        "gel",
+        f"Between skin and window are {volume:.2f} mL of {gel}.",
+        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL: {spec.excess_percent:g} % stay in the cup and "
+        "around the window.",
+    )
+    way = camera.back_project(camera.project(layout.positions[layout.on_dome]))
+    below = -window.thickness - camera.origin[2]
+    enters = camera.origin[:2] + below * way[:, :2] / way[:, 2:]
+    hidden = int((window.skin.plan.pseudo_radius(enters) > window.opening).sum())
+    if hidden:
+        yield Finding(
+            Severity.WARNING,
+            "marker-behind-ledge",
+            f"The ledge under the window, open to {window.opening:.4g} mm along x, hides {hidden} of {len(layout)} "
+            "markers.",
+            "Move them inward, or the camera back.",
+        )
+
+
 def _check_wall(skin: Skin) -> Iterator[Finding]:
     if skin.thickness >= skin.radius:
         yield Finding(
@@ -112,15 +139,16 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
             f"Dots are {diameter:g} mm wide, the pad prints from {spec.smallest_dot:g} mm on.",
             f"Take dots of at least {spec.smallest_dot:g} mm.",
         )
-    sagitta = skin.radius - float(np.sqrt(max(skin.radius**2 - diameter**2 / 4, 0.0)))
+    points = layout.positions[layout.on_dome]
+    _, along, around = skin.tangents(points)
+    sagitta = float(np.abs([skin.distance(points + diameter / 2 * way) for way in (along, around)]).max())
     if sagitta > _SAGITTA * diameter and not skin.pin:
         yield Finding(
             Severity.WARNING,
             "dot-on-curve",
-            f"A dot of {diameter:g} mm is a cap {sagitta:.2g} mm high on a sphere of {skin.radius:.3g} mm.",
+            f"A dot of {diameter:g} mm is a cap {sagitta:.2g} mm high on an inner radius of {skin.radius:.3g} mm.",
             f"Take dots below {8 * skin.radius * _SAGITTA:.2g} mm, or a flatter dome.",
         )
-    points = layout.positions[layout.on_dome]
     beside = points + np.array([diameter, 0.0, 0.0])
     size = np.linalg.norm(camera.project(beside) - camera.project(points), axis=1)
     if size.min() < _SMALLEST_PX:

@@ -13,18 +13,24 @@ from matplotlib.patches import Polygon
 from palpate.cad import Arc, CadSolid, Outline, SmoothCurve
 from palpate.core import FloatArray
 from palpate.design import Module
+from palpate.fabricate.window_plate import WindowPlate
 
 _EYE = (300.0, -500.0, 400.0)
 """Where bodies are looked at from, mm."""
 _ARC_POINTS = 60
-SILICONE, PLASTIC, CORE = "#e8c9a8", "#8fa8c8", "#b8c9de"
+SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
 
 
-def draw_module_section(module: Module) -> Figure:
-    """Draw the section of a module with its dimensions."""
+def draw_module_section(module: Module, window: WindowPlate | None = None) -> Figure:
+    """Draw the section of a module with its dimensions, and of a filled one gel and window."""
     figure, axis = _sheet((6.4, 4.6))
-    _fill(axis, follow_outline(module.outline()), SILICONE)
     skin, foot = module.dome, module.foot
+    if window is not None:
+        _fill(axis, follow_outline([(0.0, skin.height), *skin.meridian(0.0, down=True), (0.0, 0.0)]), GEL)
+        low = -window.thickness
+        _fill(axis, np.array([[0.0, 0.0], [window.reach, 0.0], [window.reach, low], [0.0, low]]), GLASS)
+        axis.text(0, low / 2, f"window {window.thickness:g}", ha="center", va="center", fontsize=9)
+    _fill(axis, follow_outline(module.outline()), SILICONE)
     top = skin.height + skin.thickness
     _dimension(axis, (-skin.base_radius, foot - 5), (skin.base_radius, foot - 5), f"2 B = {2 * skin.base_radius:.4g}")
     _dimension(
@@ -34,7 +40,11 @@ def draw_module_section(module: Module) -> Figure:
     _dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
     _dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
     _dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
-    axis.text(0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", fontsize=9)
+    said = f"inner radius at the apex {skin.radius:.4g}"
+    if not skin.plan.is_round:
+        axis.set_title(f"along x; along y {skin.plan.stretch:.4g} times as long", fontsize=9)
+        said = f"inner radius of the edge {skin.radius:.4g}"
+    axis.text(0, skin.height / 2, said, ha="center", va="center", fontsize=9)
     axis.set_xlim(-side - 14, side + 14)
     axis.set_ylim(foot - 14, top + 5)
     return figure

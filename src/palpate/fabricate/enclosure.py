@@ -10,6 +10,9 @@
      |______________|
        |___|__|___|       robot plate, ISO 9409-1-50-4-M6
 
+It is round for every skin; what touches the module, the opening, the ring's recess and its opening, has the module's
+plan. A filled skin stands on its window, which rests on a boss of the housing within the flange.
+
 The bodies of cameras: the DAVIS 346 is 60 mm x 40 mm x 25 mm without its lens (maker's data sheet); a 28 mm board
 camera is a 32 mm square board whose holes for M2 screws stand 28 mm apart.
 """
@@ -22,8 +25,9 @@ import numpy as np
 
 from palpate.cad import CadSolid, box, cylinder, revolve
 from palpate.core import PalpateError
-from palpate.design import Module, wall_normal
+from palpate.design import Module, rotation_vector, wall_normal
 from palpate.fabricate.spec import CameraBody, ProcessSpec
+from palpate.fabricate.window_plate import WindowPlate
 
 WALL, SHELF = 3.0, 4.0
 """Wall and shelf of the housing, mm."""
@@ -36,6 +40,10 @@ SQUEEZE = 0.2
 M3_CORE, M3_CLEAR, M3_HEAD, M6_CLEAR = 2.5, 3.4, 6.2, 6.6
 """Diameters of holes, mm: a self-cut M3 thread in plastic, M3 passing, its head, M6 passing (ISO 273, medium)."""
 SCREWS = 6
+_LAND = 0.5
+"""Level width of the clamp ring beyond the corners of an opening that is not round, mm: no slope cuts them."""
+_TURNS = 31
+"""Azimuths, from 0 to 90°, at which a wall is looked at; of a body of revolution all are the same."""
 ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0, 8.0
 """Flange 50-4-M6 of ISO 9409-1, mm: pitch circle, centring boss, its height, pin, and thickness of our plate."""
 ISO_RADIUS = 31.5
@@ -86,7 +94,7 @@ class Enclosure:
     Attributes
     ----------
     parts
-        Solids by name: ``housing``, ``clamp_ring``, ``robot_plate``.
+        Solids by name: ``housing``, ``clamp_ring``, ``robot_plate``, and ``window`` of a filled skin.
     camera_distance
         From the pinhole up to the base plane, mm.
     ring
@@ -98,8 +106,21 @@ class Enclosure:
     ring: tuple[tuple[float, float], ...]
 
 
-def build_enclosure(module: Module, camera_distance: float, spec: ProcessSpec) -> Enclosure:
+def build_enclosure(
+    module: Module, camera_distance: float, spec: ProcessSpec, window: WindowPlate | None = None
+) -> Enclosure:
     """Build the enclosure of a module for a camera whose pinhole is `camera_distance` mm below the base.
+
+    Parameters
+    ----------
+    module
+        The module.
+    camera_distance
+        Of the pinhole, mm.
+    spec
+        How it is made.
+    window
+        What a filled skin stands on.
 
     Raises
     ------
@@ -114,23 +135,27 @@ def build_enclosure(module: Module, camera_distance: float, spec: ProcessSpec) -
             f"The camera is {camera_distance:g} mm below the base; light and flange reach {-room:g} mm down.",
             f"Take a distance of at least {-room + SHELF:.3g} mm.",
         )
-    bore = max(module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
-    outer = max(bore + WALL, module.flange_foot + M3_CLEAR + 2 * WALL, ISO_RADIUS)
+    far = module.farthest
+    bore = max(far * module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
+    outer = max(bore + WALL, far * module.flange_foot + M3_CLEAR + 2 * WALL, ISO_RADIUS)
     low = shelf - body.depth - WALL
-    ring = ((_ring_opening(module), RING_TOP), (outer, RING_EDGE))
+    ring = ((_ring_top(module), RING_TOP), (outer, RING_EDGE))
     parts = {
-        "housing": _housing(module, body, (bore, outer, shelf, low)),
+        "housing": _housing(module, body, (bore, outer, shelf, low), window),
         "clamp_ring": _clamp_ring(module, spec, outer),
         "robot_plate": _robot_plate((bore + outer) / 2, outer, low),
     }
+    if window is not None:
+        parts["window"] = window.solid
     return Enclosure(parts, camera_distance, ring)
 
 
 def free_travel(module: Module, enclosure: Enclosure, tilt_deg: float) -> float:
     """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring."""
     tilt = np.radians(tilt_deg)
-    normal = wall_normal(tilt, 0.0)
-    touch = module.dome.touch(normal) @ normal / np.cos(tilt)  # height of the wall over the axis at first touch
+    turns = rotation_vector(tilt, np.linspace(0.0, np.pi / 2, _TURNS))
+    normals = np.array([wall_normal(*turn) for turn in turns.tolist()])
+    touch = module.dome.touch_height(normals).min()  # of the wall over the axis at first touch
     return float(min(touch - radius * np.tan(tilt) - z for radius, z in enclosure.ring))
 
 
@@ -139,22 +164,28 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
     return [(float(radius * np.cos(angle)), float(radius * np.sin(angle))) for angle in angles]
 
 
-def _housing(module: Module, body: BodySizes, sizes: tuple[float, float, float, float]) -> CadSolid:
+def _housing(
+    module: Module, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
+) -> CadSolid:
     """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
     bore, outer, shelf, low = sizes
     seat, lip = module.foot, module.foot - LED_HEIGHT - WALL
-    opening = module.opening_foot
+    recess = module.farthest * module.opening_foot + LED_WIDTH
     section = [
+        (0.0, seat),
         (outer, seat),
         (outer, low),
         (bore, low),
         (bore, lip),
-        (opening + LED_WIDTH, lip),
-        (opening + LED_WIDTH, seat - WALL),
-        (opening, seat - WALL),
-        (opening, seat),
+        (recess, lip),
+        (recess, seat - WALL),
+        (0.0, seat - WALL),
     ]
     tube = revolve(section)
+    if window is not None and window.boss > 0:
+        tube = tube.join(module.prism(window.reach, seat - WALL / 2, seat + window.boss))
+    opening = module.opening_foot if window is None else window.opening
+    tube = tube.cut(module.prism(opening, seat - WALL - 1, 0.0))
     plate = cylinder(bore + WALL / 2, shelf, shelf + SHELF)
     tube = tube.join(plate).cut(cylinder(body.lens / 2, shelf - 1, shelf + SHELF + 1))
     holes = [cylinder(body.screw / 2, shelf - 1, shelf + SHELF + 1, at) for at in body.screws]
@@ -165,7 +196,7 @@ def _housing(module: Module, body: BodySizes, sizes: tuple[float, float, float, 
 
 
 def _screw_places(module: Module, outer: float) -> list[tuple[float, float]]:
-    return _circle(SCREWS, (module.flange_foot + outer) / 2 + 0.25)
+    return _circle(SCREWS, (module.farthest * module.flange_foot + outer) / 2 + 0.25)
 
 
 def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
@@ -173,22 +204,34 @@ def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
     edge = module.flange_foot + spec.clearance
     opening = _ring_opening(module)
     section = [
-        (edge, module.foot),
+        (0.0, module.foot),
         (outer, module.foot),
         (outer, RING_EDGE),
-        (opening, RING_TOP),
-        (opening, -SQUEEZE),
+        (_ring_top(module), RING_TOP),
+        (0.0, RING_TOP),
+    ]
+    room = [
+        (0.0, module.foot - 1),
+        (edge, module.foot - 1),
         (edge, -SQUEEZE),
+        (opening, -SQUEEZE),
+        (opening, RING_TOP + 1),
+        (0.0, RING_TOP + 1),
     ]
     places = _screw_places(module, outer)
     screws = [cylinder(M3_CLEAR / 2, module.foot - 1, RING_TOP + 1, at) for at in places]
     heads = [cylinder(M3_HEAD / 2, module.foot / 3, RING_TOP + 1, at) for at in places]
-    return revolve(section).cut(*screws, *heads)
+    return revolve(section).cut(module.solid(room), *screws, *heads)
 
 
 def _ring_opening(module: Module) -> float:
-    """Radius of the clamp ring's opening, mm: two fifths of the flange's width beyond the dome."""
-    return module.flange_radius - 0.6 * (module.flange_radius - module.dome.outer_widest[0])
+    """Reach of the clamp ring's opening along x, mm: two fifths of the flange's width beyond the dome."""
+    return module.flange_radius - 0.6 * (module.flange_radius - module.widest)
+
+
+def _ring_top(module: Module) -> float:
+    """Radius to which the clamp ring is level, mm: that of its opening where it is round."""
+    return module.farthest * _ring_opening(module) + (0.0 if module.dome.plan.is_round else _LAND)
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:

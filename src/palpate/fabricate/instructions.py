@@ -23,6 +23,7 @@ from palpate.design import (
 from palpate.fabricate.enclosure import Enclosure
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
+from palpate.fabricate.window_plate import WindowPlate
 
 _LINES, _WIDTH = 58, 92
 """Lines of a page of text and characters of a line."""
@@ -72,7 +73,7 @@ def write_instructions(
         Section("Contact module", tuple(_describe(skin, layout, material, mold))),
         Section("Material", tuple(_list_material(mixed, mold, spec))),
         Section("Cast", tuple(_cast(mixed, mold)), steps=True),
-        _mark(skin, layout, spec),
+        _mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings)),
         Section("Inspect", tuple(_inspect(skin, layout))),
         Section("Enclosure", tuple(_assemble(enclosure, camera, spec)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
@@ -120,9 +121,32 @@ def _cast(mixed: float, mold: Mold) -> list[str]:
     ]
 
 
-def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Section:
+def write_filling(window: WindowPlate, gel: str, spec: ProcessSpec) -> Section:
+    """Write how a skin is filled with a gel and set on its window."""
+    volume = window.gel_mm3 / 1000
+    wide, long = 2 * np.abs(window.line).max(axis=0)
+    depth = (
+        f"its back then lies {window.boss:.3g} mm inside the foot of the flange" if window.boss else "so is its back"
+    )
+    lines = [
+        f"Cut the window, {wide:.4g} mm by {long:.4g} mm, from a clear sheet of {window.thickness:g} mm along "
+        "window.dxf; its edges stay square.",
+        "Clean its faces with isopropanol. Prime the face for the gel, and the flange's opening, as the gel's maker "
+        "says: the gel must hold to window and skin.",
+        "Lay the skin back into the cavity, apex down and level: the cavity keeps its shape.",
+        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL of gel ({gel}) as its maker says; draw air out under "
+        "vacuum for 5 min.",
+        f"Pour it slowly until it stands at the upper edge of the flange's opening ({volume:.2f} mL).",
+        "Lower the window into the opening, primed face down and one edge first, so that no bubble is caught, until "
+        f"it is flush with the base of the skin; {depth}. Wipe off what comes out around it.",
+        "Cure level, as the gel's maker says; then lift the module out of the cavity.",
+    ]
+    return Section("Fill with gel", tuple(lines), steps=True)
+
+
+def _mark(skin: Skin, layout: MarkerLayout, spec: ProcessSpec, *, has_template: bool) -> Section:
     if not skin.pin:
-        lines = _print_markers(layout, spec, has_template=not skin.bulges)
+        lines = _print_markers(layout, spec, has_template=has_template)
         return Section("Print the markers", tuple(lines), steps=True)
     lines = [
         "Wipe the tips of the pins with isopropanol; let them dry.",
@@ -172,6 +196,11 @@ def _assemble(enclosure: Enclosure, camera: Camera, spec: ProcessSpec) -> list[s
         f"{enclosure.camera_distance:g} mm below the base of the dome.",
         f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm.",
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
+        *(
+            ["The window rests on the boss within the seat: do not press the skin down on it."]
+            if "window" in enclosure.parts
+            else []
+        ),
         "Set the module's flange on the seat, the orientation mark 75° from the cable slot; "
         "screw the clamp ring on, crosswise.",
         "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",

@@ -12,6 +12,7 @@ Drawn as it stands when the elastomer is poured, apex down:
 The flange is the highest part of the hollow, so pour hole and vents end on it. Three pins on the cavity stand at
 30°, 150° and 280°: the mold closes one way only. The plug and the flange's edge are drafted. A dome that bulges over
 its base cannot leave a cavity of one piece: its cavity is cut in halves along the axis, held by dowels and a band.
+The mold of a pad has the pad's plan, and walls no thinner than along x; azimuths are angles of the plan.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.cad import CadSolid, box, cylinder, revolve
+from palpate.cad import CadSolid, Point, box, cylinder
 from palpate.core import PalpateError
 from palpate.design import Module
 from palpate.fabricate.spec import ProcessSpec
@@ -45,7 +46,7 @@ class Mold:
     parts
         Solids by name: ``mold_core`` and ``mold_cavity``, or the halves of the cavity.
     radius
-        Outer radius, mm.
+        Outer radius, mm; half the width along x of a pad's.
     pins_mm3
         Volume of the pins in the core.
     """
@@ -63,7 +64,7 @@ class Mold:
     def hollow(self) -> float:
         """Volume between cavity and core, mm³: what the elastomer fills."""
         module = self.module
-        return revolve(module.outside()).volume - revolve(module.inside()).volume + self.pins_mm3
+        return module.solid(module.outside()).volume - module.solid(module.inside()).volume + self.pins_mm3
 
 
 def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
@@ -74,11 +75,11 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
     PalpateError
         If pour hole or pins do not fit.
     """
-    flange = module.flange_foot - module.opening_foot
+    flange = float(np.hypot(*module.place(module.flange_foot - module.opening_foot, POUR_AZIMUTH_DEG)))
     if spec.pour_diameter > flange - 2 * spec.printer_wall:
         raise PalpateError(
             f"The pour hole is {spec.pour_diameter:g} mm wide, the flange it ends on {flange:.3g} mm.",
-            f"Take at most {flange - 2 * spec.printer_wall:.2g} mm, or a wider flange.",
+            f"Take at most {np.floor(100 * (flange - 2 * spec.printer_wall)) / 100:g} mm, or a wider flange.",
         )
     if spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall) > spec.mold_wall:
         raise PalpateError(
@@ -109,19 +110,14 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
     return Mold(module, {"mold_core": core, **_split(cavity, module, radius, spec)}, radius)
 
 
-def _at(radius: float, azimuth_deg: float) -> tuple[float, float]:
-    angle = np.radians(azimuth_deg)
-    return float(radius * np.cos(angle)), float(radius * np.sin(angle))
-
-
-def _pins(module: Module, spec: ProcessSpec) -> list[tuple[float, float]]:
+def _pins(module: Module, spec: ProcessSpec) -> list[Point]:
     middle = module.flange_foot + spec.mold_wall / 2
-    return [_at(middle, azimuth) for azimuth in PIN_AZIMUTHS_DEG]
+    return [module.place(middle, azimuth) for azimuth in PIN_AZIMUTHS_DEG]
 
 
 def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
     top = module.dome.height + module.dome.thickness + spec.mold_floor
-    block = cylinder(radius, module.foot, top).cut(revolve(module.outside()))
+    block = module.prism(radius, module.foot, top).cut(module.solid(module.outside()))
     root = module.foot + spec.mold_floor / 4
     pins = [cylinder(spec.pin_diameter / 2, module.foot - spec.pin_height, root, at) for at in _pins(module, spec)]
     return block.join(*pins)
@@ -129,13 +125,14 @@ def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
 
 def _build_core(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
     foot, low = module.foot, module.foot - spec.plate
-    core = cylinder(radius, low, foot).join(revolve(module.inside()))
+    core = module.prism(radius, low, foot).join(module.solid(module.inside()))
     hole = spec.pin_diameter / 2 + spec.clearance
     holes = [cylinder(hole, foot - spec.pin_height - _BLIND, foot, at) for at in _pins(module, spec)]
     middle = (module.opening_foot + module.flange_foot) / 2
-    pour = cylinder(spec.pour_diameter / 2, low, foot, _at(middle, POUR_AZIMUTH_DEG))
+    pour = cylinder(spec.pour_diameter / 2, low, foot, module.place(middle, POUR_AZIMUTH_DEG))
     vents = [
-        cylinder(spec.vent_diameter / 2, low, foot, _at(middle, azimuth)) for azimuth in vent_azimuths(spec.vents)
+        cylinder(spec.vent_diameter / 2, low, foot, module.place(middle, azimuth))
+        for azimuth in vent_azimuths(spec.vents)
     ]
     return core.cut(*holes, pour, *vents)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.cad import SurfaceMesh, revolve
+from palpate.cad import SmoothCurve, SurfaceMesh
 from palpate.core import PalpateError
 from palpate.design import MarkerLayout, Skin, place_orientation_mark
 from palpate.fabricate.draw import follow_outline
@@ -21,7 +21,8 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     Raises
     ------
     PalpateError
-        If it could not be set into a dome that bulges, or neighbouring holes would leave too little between them.
+        If it could not be set into a dome that bulges or under a sharp edge, or neighbouring holes would leave too
+        little between them.
     """
     if skin.pin:
         raise PalpateError("Pins are cast with the wall: there is nothing to print.", "Paint their tips.")
@@ -30,8 +31,9 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
             f"A template {2 * skin.widest[0]:.4g} mm wide does not pass a base of {2 * skin.base_radius:g} mm.",
             "Print by the pad.",
         )
-    pair = layout.closest_pair()
-    web = np.inf if pair is None else pair[2] * (1 - THICKNESS / skin.radius) - layout.diameter
+    out, top = skin.normal(layout.positions), -spec.clearance
+    pair = MarkerLayout(layout.positions - THICKNESS * out, layout.diameter).closest_pair()
+    web = np.inf if pair is None else pair[2] - layout.diameter
     if web < spec.printer_wall / 2:
         raise PalpateError(
             f"Holes of a template would stand {web:.2g} mm apart; the printer needs {spec.printer_wall / 2:g} mm.",
@@ -40,11 +42,15 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
     points = layout.positions
     if spec.orientation_mark:
         points = np.vstack([points, place_orientation_mark(skin, layout)])
-    out, top = skin.normal(points), -spec.clearance
+        out = skin.normal(points)
     outside = skin.meridian(top, down=True)
     foot = follow_outline([(0.0, 0.0), *skin.meridian(top - THICKNESS, down=True)])[-1]
-    shell = revolve(
-        [(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *skin.meridian(top - THICKNESS, down=False)]
-    ).mesh()
+    back = skin.meridian(top - THICKNESS, down=False)
+    if isinstance(back[0], SmoothCurve) and not skin.plan.is_round:
+        raise PalpateError(
+            f"A template {THICKNESS:g} mm thick finds no room under an edge of {skin.radius:g} mm.",
+            f"Take an edge of more than {spec.clearance + THICKNESS:g} mm, or print by the pad.",
+        )
+    shell = skin.solid([(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *back]).mesh()
     start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out
     return drill(shell, start, end, layout.diameter)

@@ -1,4 +1,4 @@
-"""Write an artwork for the workshop: DXF for the maker of the cliché, SVG, and a PDF that prints at 1:1."""
+"""Write an artwork for the workshop: DXF for the maker of the cliché, SVG and PDF at 1:1; and lines to cut along."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from palpate.core import load_extra
+from palpate.core import FloatArray, load_extra
 from palpate.fabricate.artwork import Artwork
 
 CROSS, LINE = 4.0, 0.1
@@ -32,13 +32,25 @@ def write_dxf(path: Path, artwork: Artwork) -> None:
         space.add_circle(tuple(artwork.mark), artwork.diameter / 2, dxfattribs={"layer": "MARK"})
     for start, end in _strokes(artwork):
         space.add_line(start, end, dxfattribs={"layer": "ALIGNMENT"})
-    space.add_circle((0.0, 0.0), artwork.rim, dxfattribs={"layer": "RIM"})
+    if artwork.rim_line is None:
+        space.add_circle((0.0, 0.0), artwork.rim, dxfattribs={"layer": "RIM"})
+    else:
+        space.add_lwpolyline(artwork.rim_line.tolist(), close=True, dxfattribs={"layer": "RIM"})
+    document.saveas(path)
+
+
+def write_cut(path: Path, line: FloatArray) -> None:
+    """Write the closed line (n, 2) mm along which a sheet is cut as DXF R2010 in mm, on the layer CUT."""
+    ezdxf = load_extra("ezdxf", "cad")
+    document = ezdxf.new("R2010", units=ezdxf.units.MM)
+    document.layers.add("CUT", color=1)
+    document.modelspace().add_lwpolyline(line.tolist(), close=True, dxfattribs={"layer": "CUT"})
     document.saveas(path)
 
 
 def write_svg(path: Path, artwork: Artwork) -> None:
     """Write SVG whose user unit is 1 mm, y of the page upward."""
-    reach = artwork.crosses.max() + CROSS
+    reach = float(artwork.crosses.max()) + CROSS
     size = 2 * reach
     radius = artwork.diameter / 2
     lines = [

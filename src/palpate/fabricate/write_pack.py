@@ -25,17 +25,25 @@ from palpate.design import (
     refuse_errors,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
-from palpate.fabricate.check_process import check_enclosure, check_mold, check_process, refuse_interference
+from palpate.fabricate.check_process import (
+    check_enclosure,
+    check_mold,
+    check_process,
+    check_window,
+    refuse_interference,
+)
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
 from palpate.fabricate.folder import hash_files
-from palpate.fabricate.instructions import write_instructions, write_markdown, write_sheet
+from palpate.fabricate.instructions import write_filling, write_instructions, write_markdown, write_sheet
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
 from palpate.fabricate.pack import FabricationPack, PackSpec
 from palpate.fabricate.pins import build_pins
+from palpate.fabricate.spec import ProcessSpec
 from palpate.fabricate.template import build_template
-from palpate.fabricate.write_artwork import draw_page, write_dxf, write_pdf, write_svg
+from palpate.fabricate.window_plate import WindowPlate, build_window
+from palpate.fabricate.write_artwork import draw_page, write_cut, write_dxf, write_pdf, write_svg
 
 MANIFEST = "manifest.json"
 _HOLLOW = 1e-3
@@ -57,6 +65,8 @@ class _Made:
     artwork: Artwork
     camera: Camera
     solids: dict[str, CadSolid]
+    gel: str
+    window: WindowPlate | None
 
 
 def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
@@ -90,6 +100,7 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
             *findings,
             *check_enclosure(made.module, made.enclosure, spec.process),
             *check_mold(made.mold, spec.process),
+            *_check_filling(made, spec.process),
         )
         meshes, findings = _write_solids(work, made, spec, findings)
         _write_print(work, made)
@@ -100,8 +111,15 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     return FabricationPack(folder, files, volumes, findings)
 
 
+def _check_filling(made: _Made, process: ProcessSpec) -> tuple[Finding, ...]:
+    if made.window is None:
+        return ()
+    return tuple(check_window(made.window, made.layout, made.gel, made.camera, process))
+
+
 def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
     module = build_module(skin, spec.mount)
+    window = _build_window(spec, module)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
     marked = spec.process.orientation_mark
     mold = build_mold(
@@ -113,12 +131,26 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
         raise PalpateError(
             f"The mold's hollow misses the module's volume by {100 * missed:.2g} %.", "Report this design."
         )
-    enclosure = build_enclosure(module, spec.camera.distance, spec.process)
+    enclosure = build_enclosure(module, spec.camera.distance, spec.process, window)
     refuse_interference(mold.parts)
     refuse_interference({**enclosure.parts, "module": body}, intended=frozenset(("clamp_ring", "module")))
     artwork = draw_artwork(skin, layout, spec.process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
-    return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids)
+    gel = spec.material.gel.name if spec.material.gel else ""
+    return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids, gel, window)
+
+
+def _build_window(spec: PackSpec, module: Module) -> WindowPlate | None:
+    """The window of a filled skin."""
+    gel, window = spec.material.gel, spec.camera.window
+    if gel is None:
+        return None
+    if window is None:
+        raise PalpateError(
+            f"The skin is filled with {gel.name}, which stands on a window, but the camera looks through none.",
+            "Name it by thickness in mm and refractive indices: --window 2,1.49,1.41.",
+        )
+    return build_window(module, window.thickness, spec.process)
 
 
 def _write_solids(
@@ -152,6 +184,8 @@ def _write_print(work: Path, made: _Made) -> None:
     write_dxf(work / "artwork.dxf", made.artwork)
     write_svg(work / "artwork.svg", made.artwork)
     write_pdf(work / "artwork.pdf", made.artwork, _title(made))
+    if made.window is not None:
+        write_cut(work / "window.dxf", made.window.line)
     with (work / "markers.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["marker", "x_mm", "y_mm", "z_mm", "page_x_mm", "page_y_mm"])
@@ -171,7 +205,7 @@ def _write_sheets(
     mold = made.mold
     assembly = [made.solids["module"], *made.enclosure.parts.values()]
     figures = {
-        "module_section": draw_module_section(made.module),
+        "module_section": draw_module_section(made.module, made.window),
         "mold_section": draw_mold_section(mold.module, mold.radius, process.mold_floor, process.plate),
         "mold_parts": draw_bodies([(name, _as_printed(name, solid)) for name, solid in mold.parts.items()]),
         "enclosure_parts": draw_bodies(
@@ -183,6 +217,9 @@ def _write_sheets(
     sections = write_instructions(
         made.skin, made.layout, spec.material.name, (mold, made.enclosure, made.camera, process), findings
     )
+    if made.window is not None:
+        place = next(k for k, section in enumerate(sections) if section.title == "Inspect")
+        sections.insert(place, write_filling(made.window, made.gel, process))
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
     write_sheet(work / "instructions.pdf", sections, [*figures.values()], draw_page(made.artwork, _title(made)))
 
@@ -198,6 +235,7 @@ def _write_manifest(
             "markers": spec.markers.model_dump(mode="json"),
             "mount": spec.mount.model_dump(mode="json"),
             "material": spec.material.name,
+            **({"gel": spec.material.gel.name} if spec.material.gel else {}),
             "process": spec.process.model_dump(mode="json"),
             "camera": spec.camera.model_dump(mode="json"),
         },

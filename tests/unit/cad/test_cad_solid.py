@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.special import gamma
 
 from needs import needs
-from palpate.cad import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, read_step, revolve, write_step
+from palpate.cad import CadSolid, SurfaceMesh, box, cylinder, extrude, gather, loft, read_step, revolve, write_step
 from palpate.core import PalpateError
-from palpate.design import DomeSpec, MountSpec, build_module, build_skin, build_solid
+from palpate.design import ConeSpec, DomeSpec, MountSpec, build_module, build_skin, build_solid
+from palpate.design.superellipse import Superellipse
 
 needs("build123d")
 
@@ -65,6 +67,29 @@ def test_extrude_and_revolve_follow_straight_outlines() -> None:
     assert revolve([(1, 0), (2, 0), (2, 1), (1, 1)]).volume == pytest.approx(3 * np.pi)
     turned = extrude([(0, 0), (3, 0), (3, 2), (0, 2)], 4.0).turned("x", 90.0)
     assert turned.bounds == pytest.approx(np.array([[0, -4, 0], [3, 0, 2]]), abs=1e-6)
+
+
+def test_loft_round_a_circle_is_revolve() -> None:
+    cone = ConeSpec(height=3.5, base_radius=12.9, thickness=0.5, flat_radius=10, edge_radius=2)
+    outline = build_module(build_skin(cone), MountSpec()).outline()
+    lofted, turned = loft(outline, Superellipse(1.0, 2.0).edge), revolve(outline)
+    assert lofted.volume == pytest.approx(turned.volume, rel=1e-6)
+    assert lofted.bounds == pytest.approx(turned.bounds, abs=1e-3)
+    assert lofted.shape.is_valid
+
+
+@pytest.mark.parametrize(("stretch", "exponent"), [(1.0, 4.0), (1.2, 6.0), (2.5, 10.0), (1.5, 2.5)])
+def test_loft_has_the_area_of_its_plan_at_every_height(stretch: float, exponent: float) -> None:
+    area = 4 * stretch * gamma(1 + 1 / exponent) ** 2 / gamma(1 + 2 / exponent)
+    body = loft([(0, 0), (3, 0), (2, 4), (0, 4)], Superellipse(stretch, exponent).edge)
+    assert body.volume == pytest.approx(area * 4 * (9 + 6 + 4) / 3, rel=2e-6)
+    mesh = body.mesh()
+    assert mesh.volume == pytest.approx(body.volume, rel=2e-3)
+
+
+def test_an_outline_that_leaves_the_axis_aslant_is_not_lofted() -> None:
+    with pytest.raises(PalpateError, match="leaves the axis aslant"):
+        loft([(0, 1), (1, 0), (0, 0)], Superellipse(1.2, 6.0).edge)
 
 
 def test_step_keeps_names_and_volumes(tmp_path) -> None:

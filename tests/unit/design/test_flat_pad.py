@@ -5,7 +5,7 @@ import pytest
 from scipy.special import gamma
 
 from palpate.core import PalpateError
-from palpate.design import ConeSpec, MountSpec, Symmetry, build_module, read_skin, rotation_vector, wall_normal
+from palpate.design import ConeSpec, Symmetry, read_skin, rotation_vector, wall_normal
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.design.superellipse import Superellipse
 
@@ -93,8 +93,3 @@ def test_a_pad_that_hangs_over_its_window_is_refused() -> None:
 
 def test_a_pad_is_read_from_words() -> None:
     assert read_skin("pad:squareness=4", FlatPadSpec(**SIZES)).build().squareness == 4
-
-
-def test_a_module_of_a_pad_is_refused() -> None:
-    with pytest.raises(PalpateError, match="no body of revolution: its flange and the parts of its mold"):
-        build_module(PAD, MountSpec())

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
+from palpate.design.flat_pad import FlatPadSpec
 
 
 @pytest.mark.parametrize("height", [10, 20, 30])
@@ -28,3 +29,11 @@ def test_mark_on_a_skin_that_bulges_is_still_beyond_the_outermost_ring() -> None
     layout = place_markers(skin, MarkerSpec(ring_diameters=(20.0, 32.57), diameter=1.0))
     mark = place_orientation_mark(skin, layout)
     assert np.hypot(*mark[:2]) >= 32.57 / 2 + 1.0
+
+
+def test_the_mark_of_a_flat_pad_stays_on_it_where_rings_leave_little_room() -> None:
+    pad = FlatPadSpec(height=3.5, base_radius=10.375, thickness=0.5, stretch=1.217, flat_radius=7.5).build()
+    layout = place_markers(pad, MarkerSpec(ring_diameters=(6.0, 12.0, 18.0)))
+    mark = place_orientation_mark(pad, layout)
+    assert 9.0 < np.hypot(*mark[:2]) < pad.reach(np.radians(15.0))
+    assert mark[2] > 0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design.flat_pad import FlatPadSpec
 from palpate.fabricate import PadMapping, carry_to_dome, draw_artwork, flatten
 
 
@@ -14,6 +15,21 @@ def test_carry_to_dome_brings_every_dot_to_its_marker(mapping: PadMapping, heigh
     layout = place_markers(dome, MarkerSpec(count=169))
     artwork = draw_artwork(dome, layout, mapping)
     assert carry_to_dome(dome, artwork.dots, mapping) == pytest.approx(layout.positions, abs=1e-9)
+
+
+@pytest.mark.parametrize("mapping", PadMapping)
+def test_the_artwork_of_a_flat_pad_is_carried_back_and_has_its_rim(mapping: PadMapping) -> None:
+    pad = FlatPadSpec(height=3.5, base_radius=10.375, thickness=0.5, stretch=1.217, flat_radius=7.5).build()
+    layout = place_markers(pad, MarkerSpec(ring_diameters=(6.0, 12.0, 18.0)))
+    artwork = draw_artwork(pad, layout, mapping)
+    assert carry_to_dome(pad, artwork.dots, mapping) == pytest.approx(layout.positions, abs=1e-9)
+    assert artwork.rim_line is not None
+    most = np.abs(artwork.rim_line).max(axis=0)
+    assert most[0] == pytest.approx(artwork.rim, rel=1e-3)
+    assert artwork.crosses.max(axis=0) == pytest.approx(most + 6.0)
+    if mapping is PadMapping.AXIS:
+        assert most == pytest.approx([10.375, 1.217 * 10.375], rel=1e-4)
+    assert draw_artwork(build_skin(DomeSpec()), layout, mapping).rim_line is None
 
 
 def test_flatten_by_arc_keeps_lengths_along_the_meridian() -> None:
