@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.cad import CadSolid, Outline, revolve
+from palpate.core import PalpateError
 from palpate.design.skin import Skin
 from palpate.design.spec import MountSpec
 
@@ -101,6 +102,11 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
+    if skin.hole:
+        raise PalpateError(
+            f"{skin.name} is open at both ends: molds, flange and pack of it are not there yet.",
+            "Press it and learn from it: `palpate run barrel`.",
+        )
     skin.require_revolution(
         "its flange and the parts of its mold would be turned",
         "Make the pack of a round pad, a cone with a flat; cast this one on its window in a frame of your own.",

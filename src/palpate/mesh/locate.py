@@ -67,7 +67,10 @@ def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
     """Places (m, 2) of the unit disc as weights on the nodes of the inner surface."""
     faces = mesh.inner_faces
     corners = mesh.inner_disc[faces]
-    _, near = cKDTree(corners[:, 4]).query(place, k=min(_CANDIDATES, len(faces)))
+    middles, sought = corners[:, 4], place
+    if mesh.skin.hole:  # faces of a tube are long around on the disc, not on the skin
+        middles, sought = mesh.nodes[faces[:, 4]], mesh.skin.point(place, 0.0)
+    _, near = cKDTree(middles).query(sought, k=min(_CANDIDATES, len(faces)))
     near = near.reshape(len(place), -1)
     local, miss = _invert(corners[near], place)
     outside = np.abs(local).max(axis=-1) + miss
