@@ -240,4 +240,6 @@ class Skin(ABC):
         if self.symmetry is not Symmetry.REVOLVED:
             raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)
         if self.hole:
-            raise PalpateError(f"{self.name} has no apex: as yet a barrel is pressed, seen and learnt, no more.", remedy)
+            raise PalpateError(
+                f"{self.name} has no apex: as yet a barrel is pressed, seen and learnt, no more.", remedy
+            )
