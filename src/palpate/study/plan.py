@@ -81,9 +81,7 @@ def plan_study(study: Study) -> Plan:
     study = study.seeded()
     designs, built = [], []
     for skin in study.designs.skins():
-        study.obstacle.refuse_skin(skin.build())
-        if study.forces:
-            skin.build().require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
+        _refuse_unfit(study, skin.build())
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None
@@ -106,6 +104,15 @@ def plan_study(study: Study) -> Plan:
                 built.append(plan_built(study, twin, skin, markers))
     forces = tuple(ForceTask(design.estimator) for design in designs) if study.forces else ()
     return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
+
+
+def _refuse_unfit(study: Study, skin: Skin) -> None:
+    """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
+    study.obstacle.refuse_skin(skin)
+    if skin.hole and study.material.gel:
+        raise PalpateError(f"{skin.name} is open at both ends: what fills it is not meshed.", "Leave the gel out.")
+    if study.forces:
+        skin.require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:

@@ -79,15 +79,17 @@ def test_cells_are_finest_where_the_wall_touches() -> None:
 
 
 @pytest.mark.parametrize("whole", [False, True])
-def test_points_are_found_by_a_field_that_is_linear_on_the_disc(whole: bool) -> None:
+def test_points_are_found_by_a_field_that_is_linear_along_and_around(whole: bool) -> None:
     mesh = touched(whole=whole)
     rng = np.random.default_rng(0)
     angle, radius = rng.uniform(-np.pi / 2, np.pi * (1.5 if whole else 0.5), 400), rng.uniform(SKIN.hole, 1.0, 400)
     disc = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
     found = locate_inner(mesh, SKIN.marked(disc))
-    assert found.interpolate(mesh.inner_disc) == pytest.approx(disc, abs=2e-3)
-    inner = np.abs(np.hypot(*disc.T) - 0.625) < 0.3
-    assert found.interpolate(mesh.inner_disc)[inner] == pytest.approx(disc[inner], abs=1e-8)
+    assert found.interpolate(np.hypot(*mesh.inner_disc.T)[:, None])[:, 0] == pytest.approx(radius, abs=1e-9)
+    around = np.arctan2(mesh.inner_disc[:, 1], mesh.inner_disc[:, 0])[found.nodes]
+    around = around[:, :1] + (around - around[:, :1] + np.pi) % (2 * np.pi) - np.pi
+    error = (found.weights * around).sum(axis=1) - angle
+    assert (error + np.pi) % (2 * np.pi) - np.pi == pytest.approx(0.0, abs=1e-9)
     with pytest.raises(PalpateError, match="off the inner surface"):
         locate_inner(mesh, np.array([[0.0, 0.0, 260.0]]))
 
