@@ -1,4 +1,4 @@
-"""Barrels under a wall at their side: mirror images, turns, work, clamps, and tubes under pressure by closed forms."""
+"""Barrels under a wall at their side: mirror images, turns, work, clamps, tubes under pressure by closed forms."""
 
 from dataclasses import replace
 
