@@ -33,7 +33,16 @@ def volume() -> float:
     return 2 * np.pi * (section(SKIN.arc_radius + SKIN.thickness) - section(SKIN.arc_radius))
 
 
-@pytest.mark.parametrize("mesh", [mesh_skin(SKIN), touched(), touched(whole=True), touched(tilt_deg=86.0, layers=2)])
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        mesh_skin(SKIN),
+        touched(),
+        touched(whole=True),
+        touched(tilt_deg=86.0, layers=2),
+        mesh_skin(SKIN, MeshSpec(), np.array([0.0, 0.6])),
+    ],
+)
 def test_the_volume_is_that_of_pappus(mesh: Mesh) -> None:
     quality = measure_quality(mesh)
     share = 1.0 if mesh.spec.whole else 0.5
