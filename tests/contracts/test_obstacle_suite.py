@@ -3,9 +3,11 @@
 import pytest
 
 from palpate.design import Dome, Ellipsoid
+from palpate.design.barrel import BarrelSpec
 from palpate.fea import OBSTACLES, BallSpec, CylinderSpec, ObstacleSpec, WallSpec
 from palpate.fea.edge import EdgeSpec
 from palpate.fea.route import RouteSpec
+from palpate.fea.side_wall import SideWallSpec
 from palpate.mesh import Mesh, MeshSpec, mesh_skin
 from palpate.testing import ObstacleSuite
 
@@ -21,8 +23,11 @@ ROWS: list[ObstacleSpec] = [
 ]
 
 
+SIDE_ROWS: list[ObstacleSpec] = [SideWallSpec(), SideWallSpec(tilt_deg=94)]
+
+
 def test_every_obstacle_has_a_row() -> None:
-    assert {type(row) for row in ROWS} == {OBSTACLES.get(name) for name in OBSTACLES.names}
+    assert {type(row) for row in (*ROWS, *SIDE_ROWS)} == {OBSTACLES.get(name) for name in OBSTACLES.names}
 
 
 class TestObstacle(ObstacleSuite):
@@ -34,3 +39,14 @@ class TestObstacle(ObstacleSuite):
     @pytest.fixture(params=[Dome(20.0, 20.0, 2.0), Ellipsoid(14.0, 20.0, 2.0, 0.8)], ids=lambda skin: skin.name)
     def mesh(self, request: pytest.FixtureRequest) -> Mesh:
         return mesh_skin(request.param, MeshSpec(cells=6))
+
+
+class TestObstacleAtTheSide(ObstacleSuite):
+    @pytest.fixture(params=SIDE_ROWS, ids=lambda spec: spec.words)
+    def spec(self, request: pytest.FixtureRequest) -> ObstacleSpec:
+        found: ObstacleSpec = request.param
+        return found
+
+    @pytest.fixture
+    def mesh(self) -> Mesh:
+        return mesh_skin(BarrelSpec().build(), MeshSpec(cells=6, core=1))

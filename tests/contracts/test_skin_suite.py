@@ -32,7 +32,8 @@ ROWS = [
 
 
 def test_every_skin_has_a_row() -> None:
-    assert {row.spec_data.get("kind", "dome") for row in ROWS} == set(SKINS.names)
+    """A barrel has no apex, which the suite asks for, and checks of its own (tests/unit/design/test_barrel.py)."""
+    assert {row.spec_data.get("kind", "dome") for row in ROWS} == set(SKINS.names) - {"barrel"}
 
 
 class TestSkin(SkinSuite):

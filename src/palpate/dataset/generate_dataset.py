@@ -80,7 +80,7 @@ def generate_dataset(
     """
     field = vary_field(presses, markers, relatives, spec)
     base = field.base
-    rotations = sample_poses(spec, base.offset, lies=base.space.lies)
+    rotations = sample_poses(spec, base.offset, lies=base.space.lies, least=base.least)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
     _refuse_unseen_at_rest(base.rest, view)
     number = number_presses(rotations)

@@ -54,6 +54,11 @@ def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -
             f"A deck's obstacle only descends along the skin's axis, and this one does not: {wall.words}.",
             "Leave out drift and twist, or press with a wall instead of a route.",
         )
+    if wall.sideways:
+        raise PalpateError(
+            f"A deck's obstacle descends along the skin's axis, and this one comes to its side: {wall.words}.",
+            "Press it by palpate's own solver: leave out --solver.",
+        )
     if isinstance(wall, WallSpec) and wall.bend:
         raise PalpateError("A deck has no wall that is nearly flat.", "Leave the bend out, or press with a ball.")
     obstacle, touched = wall.at_touch(mesh)

@@ -19,6 +19,7 @@ SKINS: Registry[type[SkinSpec]] = Registry(
         "spline": "palpate.design.spline:SplineSpec",
         "pinned": "palpate.design.pinned:PinnedSpec",
         "pad": "palpate.design.flat_pad:FlatPadSpec",
+        "barrel": "palpate.design.barrel:BarrelSpec",
     },
     lambda found: isinstance(found, type) and issubclass(found, SkinSpec),
 )

@@ -60,7 +60,14 @@ def _check_wall(skin: Skin) -> Iterator[Finding]:
             f"The wall is {skin.thickness:g} mm thick, its inner radius only {skin.radius:.4g} mm.",
             f"Take less than {skin.radius:.4g} mm, or a larger dome: this is a block with a hollow, not a shell.",
         )
-    if skin.bulges:
+    if skin.bulges and skin.hole:
+        yield Finding(
+            Severity.WARNING,
+            "undercut",
+            f"The barrel bulges: {2 * skin.widest[0]:.4g} mm wide halfway, {2 * skin.base_radius:g} mm at its ends.",
+            "A rigid core cannot be pulled: use a soft or split one.",
+        )
+    elif skin.bulges:
         yield Finding(
             Severity.WARNING,
             "undercut",

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.cad import CadSolid, Outline, Point
+from palpate.core import PalpateError
 from palpate.design.skin import Skin
 from palpate.design.spec import MountSpec
 
@@ -114,6 +115,11 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     scale
         Factor on every length, for a mold whose part shrinks.
 
+    Raises
+    ------
+    PalpateError
+        If the skin is open at both ends, or no body of revolution and without a plan.
+
     Examples
     --------
     >>> from palpate.design import DomeSpec, build_skin
@@ -121,6 +127,13 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
+    if skin.hole:
+        raise PalpateError(
+            f"{skin.name} is open at both ends: molds, flange and pack of it are not there yet.",
+            "Press it and learn from it: `palpate run barrel`.",
+        )
+    if type(skin).plan is Skin.plan:
+        skin.require_revolution("its flange and its mold would be turned", "Give its class a `plan`.")
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width

@@ -34,7 +34,7 @@ def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
     ------
     PalpateError
         If the file of a free layout cannot be read, does not lie on the dome, or has another number of
-        markers than the spec asks for.
+        markers than the spec asks for; or rows are asked of a skin with an apex, or rings of one without.
 
     Examples
     --------
@@ -43,6 +43,8 @@ def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
     >>> layout.positions[0].round(6).tolist(), len(layout)
     ([0.0, 0.0, 20.0], 7)
     """
+    if spec.rows is not None or (skin.hole and spec.file is None):
+        return MarkerLayout(positions=_rows(skin, spec), diameter=spec.diameter)
     if spec.file is None:
         diameters = spec.ring_diameters or ring_diameters(spec.count, skin.base_radius)
         return MarkerLayout(positions=_rings(skin, diameters), diameter=spec.diameter)
@@ -53,6 +55,30 @@ def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
             "Leave count out: the file gives it.",
         )
     return MarkerLayout(positions=positions, diameter=spec.diameter)
+
+
+def _rows(skin: Skin, spec: MarkerSpec) -> FloatArray:
+    """Rows about the middle of a tube's meridian, from the far end on."""
+    if not skin.hole:
+        raise PalpateError(
+            f"{skin.name} has an apex: rows of markers go around a tube.", "Give rings: ring_diameters."
+        )
+    if spec.rows is None or spec.around is None or spec.pitch is None:
+        raise PalpateError(
+            f"{skin.name} has no apex about which rings of markers lie.",
+            "Give rows around it: markers: [{rows: 16, around: 16, pitch: 15 mm}], or a file.",
+        )
+    length = float(skin.arc_length(skin.marked(np.array([[1.0, 0.0]])))[0])
+    place = (np.arange(spec.rows) - (spec.rows - 1) / 2) * spec.pitch
+    if 2 * place[-1] >= length:
+        raise PalpateError(
+            f"{spec.rows} rows {spec.pitch:g} mm apart do not fit on a meridian of {length:.4g} mm.",
+            f"Take a pitch below {length / max(spec.rows - 1, 1):.4g} mm, or fewer rows.",
+        )
+    radius = skin.hole + (1 - skin.hole) * (0.5 + place / length)
+    azimuth = 2.0 * np.pi * np.arange(spec.around) / spec.around
+    way = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    return skin.marked((radius[:, None, None] * way).reshape(-1, 2))
 
 
 def _rings(skin: Skin, diameters: Sequence[float]) -> FloatArray:

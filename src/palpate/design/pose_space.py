@@ -62,12 +62,15 @@ class PoseSpace:
         Turn of a half model's frame (`palpate.fea.ObstacleSpec.turn_deg`) at azimuth 0 of the pose.
     lies
         Whether the obstacle is a line: the last two components then tell its direction (`palpate.design.line_pose`).
+    aside
+        Whether it comes to a skin's side: poses then fill a ring about the straight one rather than a disc.
     """
 
     components: tuple[PoseComponent, ...]
     polar: str
     turn_deg: float
     lies: bool = False
+    aside: bool = False
 
     @staticmethod
     def named(names: Sequence[str]) -> PoseSpace:
@@ -90,6 +93,11 @@ class PoseSpace:
     def of_lines() -> PoseSpace:
         """The space of obstacles that lie level, bars and edges: place, depth, and the direction doubled."""
         return _LINE_DEPTH
+
+    @staticmethod
+    def of_sides() -> PoseSpace:
+        """The space of walls that come to a skin's side: components as of any wall, of a rotation by some 90°."""
+        return _SIDE_DEPTH
 
     @staticmethod
     def free(parts: Sequence[tuple[str, str]]) -> PoseSpace:
@@ -192,6 +200,17 @@ OFFSET_DEPTH = PoseSpace(
     turn_deg=-90.0,
 )
 """An obstacle beside the axis: where it stands, and how far it came."""
+_SIDE_DEPTH = PoseSpace(
+    (
+        PoseComponent("rx", "deg", "roll", (-120.0, 120.0)),
+        PoseComponent("ry", "deg", "pitch", (-120.0, 120.0)),
+        _DEPTH,
+    ),
+    TILT_DEPTH.polar,
+    TILT_DEPTH.turn_deg,
+    aside=True,
+)
+"""A wall beside the axis; files name its components as those of any wall, and are read as such."""
 _LINE_DEPTH = PoseSpace(
     (
         *OFFSET_DEPTH.components,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from enum import StrEnum
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,12 +51,16 @@ class Skin(ABC):
         Of the inner surface's apex over the base, of its rim, and of the wall outward from it at the apex, mm.
     pin
         Length of the pins whose tips are the markers, mm; 0: they are printed on the inner surface itself.
+    hole
+        Radius on the unit disc of the circle at which a skin ends that is open at its far end too, as a barrel; 0: it
+        is closed by an apex.
     """
 
     height: float
     base_radius: float
     thickness: float
     pin: float = 0.0
+    hole: ClassVar[float] = 0.0
 
     @property
     def name(self) -> str:
@@ -236,7 +240,7 @@ class Skin(ABC):
         return self.height + self.thickness
 
     def require_revolution(self, why: str, remedy: str) -> None:
-        """Refuse to go on where a body of revolution is needed and this is none.
+        """Refuse to go on where a body of revolution with an apex is needed and this is none.
 
         Raises
         ------
@@ -245,3 +249,7 @@ class Skin(ABC):
         """
         if self.symmetry is not Symmetry.REVOLVED:
             raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)
+        if self.hole:
+            raise PalpateError(
+                f"{self.name} has no apex: as yet a barrel is pressed, seen and learnt, no more.", remedy
+            )

@@ -72,8 +72,11 @@ class MountSpec(Spec):
     )
 
 
+_ROWS = ("rows", "around", "pitch")
+
+
 class MarkerSpec(Spec):
-    """Dots printed on the inner surface: preset rings, rings of one's own, or a free layout."""
+    """Dots printed on the inner surface: preset rings, rings of one's own, rows around a tube, or a free layout."""
 
     count: int = parameter(
         169,
@@ -89,6 +92,15 @@ class MarkerSpec(Spec):
         meaning="diameters of the rings projected on the base plane; ring k has 6 k markers",
         flag="rings",
     )
+    rows: int | None = parameter(
+        None,
+        unit="1",
+        meaning="rings of as many dots each about the middle of a tube, with around and pitch",
+        ge=1,
+        le=200,
+    )
+    around: int | None = parameter(None, unit="1", meaning="dots of each row, from azimuth 0", ge=3, le=500)
+    pitch: float | None = parameter(None, unit="mm", meaning="distance of rows along the meridian", gt=0, le=200)
     file: Path | None = parameter(
         None,
         unit="",
@@ -107,11 +119,26 @@ class MarkerSpec(Spec):
 
     @model_validator(mode="before")
     @classmethod
-    def _count_follows_the_rings(cls, values: Any) -> Any:
-        rings = values.get("ring_diameters") if isinstance(values, dict) else None
-        if isinstance(rings, list | tuple) and "count" not in values:
-            return {**values, "count": markers_in_rings(len(rings))}
-        return values
+    def _count_follows_the_layout(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        rings, given = values.get("ring_diameters"), [name for name in _ROWS if values.get(name) is not None]
+        if given and (len(given) < len(_ROWS) or rings is not None or values.get("file") is not None):
+            raise PydanticCustomError(
+                "rows_alone", "rows, around and pitch are given together, without ring_diameters and file.", {}
+            )
+        if "count" in values:
+            return values
+        numbers = [str(values.get(name)) for name in ("rows", "around")]
+        if given and all(number.isdigit() for number in numbers):
+            return {**values, "count": int(numbers[0]) * int(numbers[1])}
+        return {**values, "count": markers_in_rings(len(rings))} if isinstance(rings, list | tuple) else values
+
+    @model_serializer(mode="wrap")
+    def _leave_out_rows(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """A layout without rows is written as before there were any."""
+        content: dict[str, Any] = dump(self)
+        return {name: value for name, value in content.items() if name not in _ROWS or value is not None}
 
     @field_validator("ring_diameters")
     @classmethod
@@ -130,6 +157,14 @@ class MarkerSpec(Spec):
             if self.ring_diameters is not None:
                 raise PydanticCustomError(
                     "two_layouts", "ring_diameters and file both give a layout; keep one of them.", {}
+                )
+            return self
+        if self.rows is not None and self.around is not None:
+            if self.count != self.rows * self.around:
+                raise PydanticCustomError(
+                    "rows_and_count_differ",
+                    "{rows} rows of {around} markers are not {count}; leave count out.",
+                    {"rows": self.rows, "around": self.around, "count": self.count},
                 )
             return self
         rings = ring_count(self.count)

@@ -92,6 +92,7 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     skin = build_skin(spec.dome)
     layout = place_markers(skin, spec.markers)
     camera = build_camera(spec.camera)
+    build_module(skin, spec.mount)  # refuses what has none before anything is checked
     findings = check_process(skin, layout, spec.material, camera, spec.process)
     refuse_errors(findings)
     with new_folder(folder) as work:

@@ -40,4 +40,4 @@ def load_surface(
         tangential_stiffness=solver.tangential_ratio * stiffness,
         friction=wall.friction,
     )
-    return ContactLoading(mesh.nodes, surface, law, wall.path(mesh), aside=wall.drifts)
+    return ContactLoading(mesh.nodes, surface, law, wall.path(mesh), aside=wall.drifts, way=wall.way(mesh))

@@ -28,6 +28,8 @@ _PULL, _PULL_FROM = 0.01, 1.5
 _FOLDING_STRETCH = 0.647
 """Stretch below which a free surface under plane strain compression creases (Hong, Zhao & Suo 2009); smooth, it is
 unstable from 0.544 on (Biot 1963). A branch that is lost below it was lost to a fold."""
+_STEEP = 0.999
+"""Share of a normal along y from which y tells no way across it."""
 _SHALLOW = 1.0
 """Depth (mm, times the unit) below which the width of a push does not shrink."""
 
@@ -74,8 +76,7 @@ class SkinMonitor(Monitor):
     @property
     def axes(self) -> tuple[FloatArray, FloatArray]:
         """Unit vectors (3,) across the normal: in the tilt plane, and out of it."""
-        along = np.array([0.0, 1.0, 0.0]) - self.normal[1] * self.normal
-        along /= np.linalg.norm(along)
+        along = tilt_way(self.normal)
         return along, np.cross(self.normal, along)
 
     def gap(self, at: float, state: State) -> float:
@@ -117,6 +118,15 @@ class SkinMonitor(Monitor):
         )
 
 
+def tilt_way(normal: FloatArray) -> FloatArray:
+    """Unit vector (3,) across a normal (3,) in the tilt plane of a half model: nearest to y, or z of a side wall."""
+    steep = abs(normal[1]) > _STEEP
+    along = (
+        np.array([0.0, 0.0, 1.0]) - normal[2] * normal if steep else np.array([0.0, 1.0, 0.0]) - normal[1] * normal
+    )
+    return np.asarray(along / np.linalg.norm(along))
+
+
 def patch_middle(
     place: FloatArray, normal: FloatArray, touching: BoolArray, centre: FloatArray | None = None
 ) -> BoolArray:
@@ -141,8 +151,7 @@ def patch_middle(
     """
     if np.count_nonzero(touching) < 4 * _SECTORS:
         return np.zeros(len(place), bool)
-    along = np.array([0.0, 1.0, 0.0]) - normal[1] * normal
-    along /= np.linalg.norm(along)
+    along = tilt_way(normal)
     across = np.cross(normal, along)
     flat = np.column_stack([place @ along, np.abs(place @ across)])
     arm = flat - np.array([flat[touching, 0].mean() if centre is None else centre @ along, 0.0])

@@ -17,6 +17,7 @@ OBSTACLES: Registry[type[ObstacleSpec]] = Registry(
         "cylinder": "palpate.fea.cylinder:CylinderSpec",
         "edge": "palpate.fea.edge:EdgeSpec",
         "route": "palpate.fea.route:RouteSpec",
+        "side_wall": "palpate.fea.side_wall:SideWallSpec",
     },
     lambda found: isinstance(found, type) and issubclass(found, ObstacleSpec),
 )

@@ -81,6 +81,8 @@ def solve_press(
     refuse_half(mesh, wall)
     if branch is Branch.INVERTED and mesh.filling:
         raise PalpateError("A filled skin has no inverted state.", "Press it from rest.")
+    if branch is Branch.INVERTED and mesh.skin.hole:
+        raise PalpateError(f"The inverted state of {mesh.skin.name} is not followed.", "Press it from rest.")
     if branch is Branch.INVERTED and wall.stops:
         raise PalpateError("The inverted state is not followed along a route.", "Press it from rest.")
     mesh = refine(mesh) if branch is Branch.INVERTED else mesh

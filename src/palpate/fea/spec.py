@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, PalpateError, Spec, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace, Symmetry, turn_about_axis
+from palpate.design import OFFSET_DEPTH, PoseSpace, Skin, Symmetry, turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
@@ -47,7 +47,7 @@ def check_contact(value: Any) -> str | float:
 
 
 class ObstacleSpec(Spec, ABC):
-    """An obstacle that is brought down on a skin along its axis: what every one has, whatever its shape.
+    """An obstacle that is brought down on a skin along its axis, or to its side: what every one has.
 
     A half model is symmetric about x = 0 of its mesh; `turn_deg` turns its results to where the obstacle is. An
     obstacle spec of its own adds its numbers and a ``kind`` that names it in files.
@@ -95,6 +95,11 @@ class ObstacleSpec(Spec, ABC):
         return False
 
     @property
+    def sideways(self) -> bool:
+        """Whether it comes to the side of a skin that is open at both ends, rather than down along its axis."""
+        return False
+
+    @property
     def stops(self) -> tuple[float, ...]:
         """Depths in mm where its way changes; there are increments there too."""
         return ()
@@ -128,6 +133,18 @@ class ObstacleSpec(Spec, ABC):
         """The obstacle at a depth in mm: brought down along the skin's axis, unless it says otherwise."""
         return partial(descended, self.at_touch(mesh)[0])
 
+    def way(self, mesh: Mesh) -> FloatArray | None:
+        """Unit vector (3,) against which it moves, in the frame of the mesh; None: the skin's axis."""
+        return None
+
+    def refuse_skin(self, skin: Skin) -> None:
+        """Refuse, with a `PalpateError`, a skin that it cannot come to."""
+        if skin.hole:
+            raise PalpateError(
+                f"{skin.name} is open at both ends: nothing touches it that comes down along its axis.",
+                "Press its side: --obstacle side_wall, or side_wall of a study.",
+            )
+
     def clamp_depth(self, mesh: Mesh) -> float:
         """Depth in mm at which the obstacle reaches the clamped rim; infinite unless an obstacle can tell."""
         return float("inf")
@@ -145,7 +162,8 @@ class ObstacleSpec(Spec, ABC):
 
 
 def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
-    """Refuse, with a `PalpateError`, half a skin under an obstacle about whose plane it is not symmetric."""
+    """Refuse, with a `PalpateError`, a skin that an obstacle cannot come to, or half a one not symmetric about it."""
+    obstacle.refuse_skin(mesh.skin)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
     if mesh.spec.whole or symmetry is Symmetry.REVOLVED:
         return

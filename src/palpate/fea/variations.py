@@ -71,6 +71,8 @@ class Made:
 
 def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, ...]:
     """Names by which a press may be differentiated."""
+    if wall.sideways:
+        return tuple(material.key_data()["constants"])
     contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
     if not isinstance(wall, WallSpec):
         contact = [name for name in contact if name in ("depth", "shift", "shift_across", "friction")]

@@ -106,12 +106,12 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
     limits: list[DepthLimit] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()
-    sampled = np.hypot(*sample_poses(spec, field.offset).T)
+    sampled = np.hypot(*sample_poses(spec, field.offset, least=field.least).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
         radius = min(spec.max_tilt_deg if field.offset is None else field.offset, _reach(field, image))
         if radius <= 0:
             continue
-        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius)
+        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius, least=min(field.least, radius))
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]

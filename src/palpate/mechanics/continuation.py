@@ -190,7 +190,8 @@ class Continuation:
     @property
     def _exponent(self) -> float:
         """Exponent n of the force as a power of the depth, from the last two increments."""
-        (d0, f0), (d1, f1) = ((point.depth, float(point.loads.force[2])) for point in self.increments[-2:])
+        thrust = self.loading.thrust
+        (d0, f0), (d1, f1) = ((point.depth, thrust(point.loads.force)) for point in self.increments[-2:])
         return d1 * (f1 - f0) / ((d1 - d0) * f1) if f1 > 0 and d1 != d0 else 0.0
 
     def _solve(

@@ -57,8 +57,12 @@ class PathLoading(ABC):
         """Work of what moves over its parameter, mJ/mm, at a state and the force (3,) N on it.
 
         On the `side` of a greater (1) or lesser (-1) parameter, where the way may have a kink. Of what moves along
-        the axis it is the force along it.
+        one way it is the force along that.
         """
+        return self.thrust(force)
+
+    def thrust(self, force: FloatArray) -> float:
+        """Share in N of a force (3,) N that acts against the way of what moves: along the axis."""
         return float(force[2])
 
     @abstractmethod
@@ -92,7 +96,9 @@ class ContactLoading(PathLoading):
     obstacle
         The obstacle at a depth in mm.
     aside
-        Whether it moves other than along the axis.
+        Whether it moves other than along one way.
+    way
+        (3,) unit vector against which it moves; None: the axis.
     """
 
     nodes: FloatArray
@@ -100,6 +106,7 @@ class ContactLoading(PathLoading):
     law: ContactLaw
     obstacle: Callable[[float], Obstacle]
     aside: bool = False
+    way: FloatArray | None = None
 
     @property
     def remembers(self) -> bool:  # type: ignore[override]
@@ -126,6 +133,9 @@ class ContactLoading(PathLoading):
             return super().power(at, state, history, force, side)
         there, here = (self.contact(at + step, history).energy(state, self.nodes) for step in (side * _TINY, 0.0))
         return (there - here) / (side * _TINY)
+
+    def thrust(self, force: FloatArray) -> float:
+        return super().thrust(force) if self.way is None else float(force @ self.way)
 
     def stuck_terms(self, at: float, last: float, state: State, history: ContactHistory) -> tuple[Term, ...]:
         pull = np.where(self.touching(last, state), self.law.stiffness, history.stabilisation)

@@ -67,14 +67,29 @@ def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
     """Places (m, 2) of the unit disc as weights on the nodes of the inner surface."""
     faces = mesh.inner_faces
     corners = mesh.inner_disc[faces]
-    _, near = cKDTree(corners[:, 4]).query(place, k=min(_CANDIDATES, len(faces)))
+    middles, sought = corners[:, 4], place
+    if mesh.skin.hole:  # faces of a tube are long around on the disc, not on the skin
+        middles, sought = mesh.nodes[faces[:, 4]], mesh.skin.point(place, 0.0)
+    _, near = cKDTree(middles).query(sought, k=min(_CANDIDATES, len(faces)))
     near = near.reshape(len(place), -1)
-    local, miss = _invert(corners[near], place)
+    cells = corners[near]
+    if mesh.skin.hole:
+        cells, place = _unroll(cells, place)
+    local, miss = _invert(cells, place)
     outside = np.abs(local).max(axis=-1) + miss
     best = np.argmin(outside, axis=1)
     row = np.arange(len(place))
     weights, _ = shape_quadrilateral(np.clip(local[row, best], -1, 1))
     return SurfacePoints(nodes=faces[near[row, best]], weights=weights)
+
+
+def _unroll(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Candidate faces (m, k, 9, 2) and places (m, 2) of the disc as radius and angle from the place's: rectangles."""
+    radius, angle = np.hypot(*place.T), np.arctan2(place[:, 1], place[:, 0])
+    turn = np.arctan2(corners[..., 1], corners[..., 0]) - angle[:, None, None]
+    turn = (turn + np.pi) % (2 * np.pi) - np.pi
+    away = np.hypot(corners[..., 0], corners[..., 1])
+    return np.stack([away, turn], axis=-1), np.column_stack([radius, np.zeros_like(radius)])
 
 
 def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:

@@ -28,7 +28,8 @@ class Mesh:
         (n, 2) place of every node of the wall, which are the first, on the unit disc (polar angle over that of the
         rim, azimuth).
     base
-        Nodes of the base annulus, and of a filling bonded to its window, fixed in x, y and z.
+        Nodes of the base annulus, of the far end's where a skin is open there, and of a filling bonded to its window:
+        fixed in x, y and z.
     mirror
         Nodes of the mirror plane x = 0 (empty for a whole dome).
     pole

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from palpate.core import FloatArray
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Skin
 from palpate.mesh.disc import DiscGrid, grid_disc
 from palpate.mesh.fill import fill_hollow
 from palpate.mesh.hexahedron import INNER_FACE, OUTER_FACE
 from palpate.mesh.mesh import Mesh
 from palpate.mesh.spec import MeshSpec
+from palpate.mesh.tube import CELLS, CORE, grid_tube
 
 _MOST_CELLS_OF_A_CORE = 36
 """Most cells of a meridian for which four cells are enough along half a turn (docs/decisions/0063)."""
@@ -41,7 +43,7 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
         Density, rim, half or whole.
     pole
         (2,) place on the unit disc of the inner surface where the grid has its middle, on the mirror plane of a half
-        skin; without one it is the apex, and twice as many cells lie around.
+        skin; without one it is the apex, and twice as many cells lie around. Of a tube, where its cells are finest.
 
     Returns
     -------
@@ -49,6 +51,8 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
         Half (x >= 0, mirror plane x = 0) or whole skin; built in milliseconds.
     """
     spec = spec or MeshSpec()
+    if skin.hole:
+        return _mesh_tube(skin, spec, pole)
     if spec.cells is None:
         spec = spec.model_copy(update={"cells": _FILLED_CELLS if spec.filled else default_cells(skin)})
     cells = spec.cells or 0
@@ -60,32 +64,57 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
     place = _grade(skin, grid.points)
     if pole is not None:
         place = _move_pole(place, pole)
-    steps = 2 * spec.layers + 1
-    n = len(grid.points)
-    nodes = _lay(skin, place, spec)
-    layer_cells = [
-        np.concatenate([grid.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
-    ]
-    on_rim = np.flatnonzero(np.hypot(*grid.points.T) > 1 - 1e-9)
     on_mirror = np.empty(0, np.int64) if spec.whole else np.flatnonzero(np.abs(grid.points[:, 0]) < 1e-9)
-    middle = int(np.argmin(np.hypot(*grid.points.T)))
+    distance = np.hypot(*grid.points.T)
+    flat = _Flat(place, grid.cells, np.flatnonzero(distance > 1 - 1e-9), on_mirror, int(np.argmin(distance)))
+    made = _sweep(skin, spec, flat, pole)
+    return _fill(made, grid) if spec.filled else made
+
+
+def _mesh_tube(skin: Skin, spec: MeshSpec, pole: FloatArray | None) -> Mesh:
+    """Mesh a skin that is open at both ends."""
+    if spec.filled:
+        raise PalpateError(f"{skin.name} is open at both ends: what fills it is not meshed.", "Leave the gel out.")
+    spec = spec.model_copy(update={"cells": spec.cells or CELLS})
+    grid = grid_tube(skin.hole, spec.cells or CELLS, spec.core or CORE, pole, whole=spec.whole)
+    on_mirror = np.empty(0, np.int64) if spec.whole else np.flatnonzero(np.abs(grid.points[:, 0]) < 1e-9)
+    middle = int(np.argmin(np.hypot(*(grid.points - (0.0 if pole is None else pole)).T)))
+    return _sweep(skin, spec, _Flat(grid.points, grid.cells, grid.ends, on_mirror, middle), pole)
+
+
+class _Flat(NamedTuple):
+    """A grid on the unit disc: points (n, 2), cells (n_cells, 9), nodes on clamp and mirror, and the middle one."""
+
+    points: FloatArray
+    cells: IntArray
+    clamped: IntArray
+    mirror: IntArray
+    middle: int
+
+
+def _sweep(skin: Skin, spec: MeshSpec, flat: _Flat, pole: FloatArray | None) -> Mesh:
+    """Carry a grid to the skin and sweep it through the thickness."""
+    steps, n = 2 * spec.layers + 1, len(flat.points)
+    nodes = _lay(skin, flat.points, spec)
+    layer_cells = [
+        np.concatenate([flat.cells + (2 * layer + k) * n for k in range(3)], axis=1) for layer in range(spec.layers)
+    ]
     through = (np.arange(steps) * n)[:, None]
-    nodes[(through + on_mirror).ravel(), 0] = 0.0
-    made = Mesh(
+    nodes[(through + flat.mirror).ravel(), 0] = 0.0
+    return Mesh(
         skin=skin,
         spec=spec,
         nodes=nodes,
         cells=np.concatenate(layer_cells),
         inner_faces=layer_cells[0][:, INNER_FACE],
         outer_faces=layer_cells[-1][:, OUTER_FACE],
-        inner_disc=np.tile(place, (steps, 1)),
-        base=(through + on_rim).ravel(),
-        mirror=(through + on_mirror).ravel(),
+        inner_disc=np.tile(flat.points, (steps, 1)),
+        base=(through + flat.clamped).ravel(),
+        mirror=(through + flat.mirror).ravel(),
         pole=pole,
-        pole_inner=middle,
-        pole_outer=middle + (steps - 1) * n,
+        pole_inner=flat.middle,
+        pole_outer=flat.middle + (steps - 1) * n,
     )
-    return _fill(made, grid) if spec.filled else made
 
 
 def _fill(mesh: Mesh, grid: DiscGrid) -> Mesh:
@@ -117,6 +146,8 @@ def centre_mesh(mesh: Mesh, touched: FloatArray) -> Mesh:
     pole = mesh.skin.disc(touched[None])[0]
     if not mesh.spec.whole:
         pole[0] = 0.0
+    if mesh.skin.hole:
+        return mesh_skin(mesh.skin, mesh.spec, pole)
     pole *= min(1.0, _FARTHEST_POLE / max(float(np.hypot(*pole)), _FARTHEST_POLE))
     return mesh_skin(mesh.skin, mesh.spec, pole)
 

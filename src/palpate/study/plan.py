@@ -81,14 +81,14 @@ def plan_study(study: Study) -> Plan:
     study = study.seeded()
     designs, built = [], []
     for skin in study.designs.skins():
-        if study.forces:
-            skin.build().require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
+        _refuse_unfit(study, skin.build())
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None
         straight = min(presses, key=lambda press: press.wall.radial)
-        # a filled skin has one state
-        inverted = straight if study.material.gel else replace(straight, branch=Branch.INVERTED)
+        # a filled skin has one state; of a barrel only the one pressed from rest is followed
+        alone = study.material.gel or skin.build().hole
+        inverted = straight if alone else replace(straight, branch=Branch.INVERTED)
         for given in study.designs.markers:
             markers = check_markers(skin, given)
             dataset = DatasetTask(
@@ -106,6 +106,15 @@ def plan_study(study: Study) -> Plan:
     return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
 
 
+def _refuse_unfit(study: Study, skin: Skin) -> None:
+    """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
+    study.obstacle.refuse_skin(skin)
+    if skin.hole and study.material.gel:
+        raise PalpateError(f"{skin.name} is open at both ends: what fills it is not meshed.", "Leave the gel out.")
+    if study.forces:
+        skin.require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
+
+
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     mesh = study.material.mesh(study.mesh)
     for tilt_deg, azimuth_deg in _poses(study, build_skin(skin)):
@@ -115,7 +124,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
             # half a skin is symmetric about the plane of the tilt
             mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
             material=study.material.material(),
-            wall=study.wall.model_copy(update={"tilt_deg": tilt_deg, **turned}),
+            wall=study.obstacle.model_copy(update={"tilt_deg": tilt_deg, **turned}),
             solver=study.solver,
         )
 
@@ -134,8 +143,7 @@ def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask
     if varied is None:
         return
     for friction in varied.frictions:
-        wall = study.wall.model_copy(update={"contact": friction})
-        yield _plan_presses(study.model_copy(update={"wall": wall}), skin)
+        yield _plan_presses(study.with_contact(friction), skin)
     for step in (-varied.thickness, varied.thickness) if varied.thickness else ():
         other = type(skin).model_validate(skin.model_dump() | {"thickness": skin.thickness + step})
         yield _plan_presses(study, other)

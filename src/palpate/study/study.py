@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import (
     BaseModel,
     BeforeValidator,
     Field,
+    SerializeAsAny,
     SerializerFunctionWrapHandler,
     ValidationError,
     ValidationInfo,
     field_validator,
     model_serializer,
+    model_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -24,7 +27,7 @@ from palpate.camera import CameraSpec
 from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
-from palpate.fea import WallSpec, check_contact
+from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact, obstacle_from_data
 from palpate.learn import SearchSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
@@ -153,6 +156,19 @@ AZIMUTHS_DEG = (0.0, 30.0, 60.0, 90.0)
 """Azimuths at which a skin with two mirrors is pressed."""
 
 
+_SIDE = "side_wall"
+
+
+def _read_side_wall(given: Any) -> Any:
+    """A wall at the side from what a file says of it, without its kind."""
+    if not isinstance(given, Mapping):
+        return given
+    try:
+        return obstacle_from_data({**given, "kind": _SIDE})
+    except PalpateError as error:
+        raise PydanticCustomError("no_wall", "{says}", {"says": str(error).replace("\n", " ")}) from None
+
+
 class Study(Spec):
     """One project file: designs, presses, camera, dataset and learning."""
 
@@ -161,6 +177,8 @@ class Study(Spec):
     designs: DesignsSpec = DesignsSpec()
     material: MaterialSpec = MaterialSpec()
     mesh: MeshSpec = MeshSpec()
+    side_wall: Annotated[SerializeAsAny[ObstacleSpec], BeforeValidator(_read_side_wall)] | None = None
+    """The wall that comes to the side of barrels, in place of `wall`: its depth, image_step and contact."""
     tilts_deg: tuple[float, ...] = parameter(
         (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), unit="deg", meaning="tilts that are pressed", source=PAPER
     )
@@ -184,10 +202,11 @@ class Study(Spec):
 
     @field_validator("tilts_deg")
     @classmethod
-    def _tilts_in_bounds(cls, tilts: tuple[float, ...]) -> tuple[float, ...]:
+    def _tilts_in_bounds(cls, tilts: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
         if not all(a < b for a, b in pairwise(tilts)):
             raise PydanticCustomError("tilts_not_growing", "tilts must grow; write each once, in order.", {})
-        return _each_in_bounds(WallSpec, "tilt_deg", tilts)
+        kind = WallSpec if info.data.get("side_wall") is None else OBSTACLES.get(_SIDE)
+        return _each_in_bounds(kind, "tilt_deg", tilts)
 
     @field_validator("azimuths_deg")
     @classmethod
@@ -201,14 +220,16 @@ class Study(Spec):
 
     @model_serializer(mode="wrap")
     def _leave_out_usual_azimuths(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """A study that chooses no azimuths is written as before there were any."""
+        """A study that chooses no azimuths and no wall at the side is written as before there were any."""
         content: dict[str, Any] = dump(self)
-        usual = self.azimuths_deg == AZIMUTHS_DEG
-        return {name: value for name, value in content.items() if name != "azimuths_deg" or not usual}
+        unsaid = {"azimuths_deg": self.azimuths_deg == AZIMUTHS_DEG, "side_wall": self.side_wall is None}
+        return {name: value for name, value in content.items() if not unsaid.get(name)}
 
-    @field_validator("wall")
+    @field_validator("side_wall", "wall")
     @classmethod
-    def _tilts_belong_to_the_study(cls, wall: WallSpec) -> WallSpec:
+    def _tilts_belong_to_the_study(cls, wall: ObstacleSpec | None) -> ObstacleSpec | None:
+        if wall is None:
+            return None
         for name in {"tilt_deg", "azimuth_deg", "unload"} & wall.model_fields_set:
             raise PydanticCustomError(
                 "tilt_in_wall",
@@ -217,6 +238,26 @@ class Study(Spec):
                 {"name": name},
             )
         return wall
+
+    @model_validator(mode="after")
+    def _tilts_are_those_of_the_wall(self) -> Self:
+        if self.side_wall is not None and {"wall", "tilts_deg"} & self.model_fields_set != {"tilts_deg"}:
+            raise PydanticCustomError(
+                "side_wall_alone",
+                "side_wall takes the place of wall; give it tilts_deg from 60 to 120, about 90.",
+                {},
+            )
+        return self
+
+    @property
+    def obstacle(self) -> ObstacleSpec:
+        """What presses."""
+        return self.wall if self.side_wall is None else self.side_wall
+
+    def with_contact(self, contact: str | float) -> Study:
+        """The same study with another contact law of what presses."""
+        name = "wall" if self.side_wall is None else "side_wall"
+        return self.model_copy(update={name: self.obstacle.model_copy(update={"contact": contact})})
 
     def seeded(self) -> Study:
         """The same study with the seeds of dataset and learning drawn from its own where none is given."""

@@ -21,7 +21,7 @@ from palpate.dataset import (
     write_dataset,
 )
 from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
-from palpate.fea import FEA_VERSION, Branch, WallSpec, read_press, solve_press, write_press
+from palpate.fea import FEA_VERSION, Branch, ObstacleSpec, read_press, solve_press, write_press
 from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
@@ -77,7 +77,7 @@ class PressTask(Task):
     skin: SkinSpec
     mesh: MeshSpec
     material: Material
-    wall: WallSpec
+    wall: ObstacleSpec
     solver: SolverSpec
     branch: Branch = Branch.FLAT
 
@@ -86,9 +86,9 @@ class PressTask(Task):
         state = " inverted" if self.branch is Branch.INVERTED else ""
         friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
         skin = self.skin.build()
-        turned = skin.symmetry is not Symmetry.REVOLVED and self.wall.tilt_deg > 0
-        azimuth = f" azimuth {self.wall.azimuth_deg:g}°" if turned else ""
-        return f"press {skin.name} tilt {self.wall.tilt_deg:g}°{azimuth}{friction}{state}"
+        turned = skin.symmetry is not Symmetry.REVOLVED and self.wall.radial > 0
+        azimuth = f" azimuth {self.wall.turn_deg:g}°" if turned else ""
+        return f"press {skin.name} tilt {self.wall.radial:g}°{azimuth}{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:

@@ -126,6 +126,8 @@ def _refuse_others(presses: Sequence[Press]) -> None:
     if not presses:
         raise PalpateError("A twin needs presses, and none was given.", "Press the design first.")
     first = presses[0]
+    if first.mesh.skin.hole:
+        first.mesh.skin.require_revolution("a twin is of walls that come down", "Use single presses instead.")
     for press in presses:
         if press.mesh.skin.spec_data != first.mesh.skin.spec_data or press.material != first.material:
             raise PalpateError(

@@ -33,8 +33,16 @@ class MarkerField(ABC):
 
     @property
     def offset(self) -> float | None:
-        """Greatest offset that was pressed, mm; `None` for walls, whose greatest tilt a dataset's spec says."""
-        return None if self.space.tilts else float(self.runs.tilts_deg[-1])
+        """Greatest offset that was pressed, mm, or tilt of walls at the side; `None` for others.
+
+        Their greatest tilt a dataset's spec says.
+        """
+        return None if self.space.tilts and not self.space.aside else float(self.runs.tilts_deg[-1])
+
+    @property
+    def least(self) -> float:
+        """Least tilt that was pressed of walls at the side, degrees; 0 where poses go to the straight one."""
+        return float(self.runs.tilts_deg[0]) if self.space.aside else 0.0
 
     def labels(self, tilt_deg: FloatArray, image: int) -> tuple[TextArray, TextArray]:
         """Branch of each tilt (n,) at one depth, or why there is none; see `TiltRuns.labels`."""

@@ -24,6 +24,7 @@ def refusal(folder: Path, text: str) -> str:
 def test_presets_are_named() -> None:
     assert list_presets() == (
         "any_wall",
+        "barrel",
         "best",
         "best_frictionless",
         "filled_hemisphere",

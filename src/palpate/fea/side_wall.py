@@ -1,0 +1,100 @@
+"""A flat wall that comes to the side of a barrel: a rigid plane that moves along its own normal from first touch.
+
+::
+
+     ||  |=.
+     ||  |  \\         tilt 90°: touched halfway
+     ||  |   |
+     ||  |  /          tilt 90° + d: by the radius of the arc times sin d nearer to the rim
+         |=.
+
+Its pose is a wall's: the rotation vector (rx, ry) = tilt (cos azimuth, sin azimuth), and the depth, here along the
+normal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Literal, final
+
+import numpy as np
+
+from palpate.core import FloatArray, PalpateError, parameter
+from palpate.design import PoseSpace, Skin, rotation_vector, wall_normal
+from palpate.fea.spec import ObstacleSpec
+from palpate.fea.wall import Plane
+from palpate.mechanics import Obstacle
+from palpate.mesh import Mesh
+
+
+@final
+class SideWallSpec(ObstacleSpec):
+    """A rigid flat wall beside the axis that moves along its own normal."""
+
+    kind: Literal["side_wall"] = "side_wall"
+    tilt_deg: float = parameter(90.0, unit="deg", meaning="angle between wall normal and skin axis", ge=60, le=120)
+    azimuth_deg: float = parameter(
+        0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
+    )
+
+    @property
+    def sideways(self) -> bool:
+        return True
+
+    @property
+    def words(self) -> str:
+        return f"side wall of tilt {self.tilt_deg:g}°"
+
+    @property
+    def pose_space(self) -> PoseSpace:
+        return PoseSpace.of_sides()
+
+    @property
+    def radial(self) -> float:
+        return self.tilt_deg
+
+    @property
+    def turn_deg(self) -> float:
+        return self.azimuth_deg
+
+    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+        normal = self.way(mesh)
+        touched = mesh.skin.touch(normal)
+        return Plane(normal, touched), touched
+
+    def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
+        return partial(_pushed, self.at_touch(mesh)[0], self.way(mesh))
+
+    def way(self, mesh: Mesh) -> FloatArray:
+        """See `ObstacleSpec`.
+
+        Raises
+        ------
+        PalpateError
+            If the skin is no barrel, or the wall touches a clamped end first.
+        """
+        self.refuse_skin(mesh.skin)
+        most = np.degrees(mesh.skin.rim_slope(mesh.spec.rim))
+        if not 180 - most < self.tilt_deg < most:
+            raise PalpateError(
+                f"A wall tilted by {self.tilt_deg:.3g}° touches a clamped end of {mesh.skin.name} first.",
+                f"Tilt it by more than {180 - most:.1f}° and less than {most:.1f}°.",
+            )
+        azimuth = np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
+        return wall_normal(*rotation_vector(np.radians(self.tilt_deg), azimuth))
+
+    def refuse_skin(self, skin: Skin) -> None:
+        if not skin.hole:
+            raise PalpateError(
+                f"A wall comes to the side of a barrel, and {skin.name} is none.",
+                "Press it along its axis: a wall of a tilt up to 30°.",
+            )
+
+    def clamp_depth(self, mesh: Mesh) -> float:
+        return mesh.skin.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim)
+
+
+def _pushed(wall: Obstacle, normal: FloatArray, depth: float) -> Obstacle:
+    """A wall that touches the skin, moved by a depth in mm against its outward normal (3,)."""
+    return wall.moved(-depth * normal)

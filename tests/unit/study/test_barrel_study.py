@@ -1,0 +1,89 @@
+"""Studies of barrels: what is planned, and what they can not have."""
+
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from palpate.core import PalpateError
+from palpate.study import Study, read_study
+from palpate.study.plan import plan_study
+from palpate.study.task import PressTask
+
+BARREL = {
+    "name": "a",
+    "designs": {
+        "skin": {"kind": "barrel", "middle_radius": 50},
+        "heights": [260],
+        "thicknesses": [3.361],
+        "base_radius": 32.804,
+        "markers": [{"rows": 4, "around": 8, "pitch": 30}],
+    },
+    "side_wall": {"depth": 3, "image_step": 0.5, "contact": 0.6},
+    "tilts_deg": [88, 92],
+}
+
+
+def test_the_preset_presses_its_side_at_every_tilt_and_looks_for_no_other_state() -> None:
+    plan = plan_study(read_study("barrel"))
+    presses = [task for task in plan.tasks() if isinstance(task, PressTask)]
+    assert [press.wall.radial for press in presses] == list(read_study("barrel").tilts_deg)
+    assert all(press.wall.sideways and press.wall.friction == 0.6 for press in presses)
+    assert [task.recipe.kind for task in plan.tasks()].count("press") == len(presses)
+    assert plan.designs[0].dataset.markers.count == 256
+    assert presses[0].name == "press barrel 50 H260 B32.804 T3.361 tilt 85° friction 0.6"
+
+
+def test_the_study_at_the_root_is_the_preset() -> None:
+    root = Path(__file__).parents[3]
+    assert read_study(root / "studies" / "barrel.yaml") == read_study("barrel")
+
+
+def test_a_study_without_a_wall_at_the_side_is_written_as_before() -> None:
+    assert "side_wall" not in Study(name="a").model_dump()
+    written = Study.model_validate(BARREL).model_dump(mode="json")["side_wall"]
+    assert (written["kind"], written["depth"]) == ("side_wall", 3.0)
+
+
+def test_units_of_other_friction_are_pressed_at_the_side_as_well() -> None:
+    varied = {**BARREL, "dataset": {"randomise": {"frictions": [0.3]}}}
+    groups = plan_study(Study.model_validate(varied)).designs[0].dataset.relatives
+    assert [press.wall.friction for group in groups for press in group] == [0.3, 0.3]
+    assert all(press.wall.sideways for group in groups for press in group)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"side_wall": None, "tilts_deg": [0, 2]}, "open at both ends: nothing touches it"),
+        ({"designs": {}}, "comes to the side of a barrel, and H20 T2 is none"),
+        ({"forces": True}, "has no apex: as yet a barrel is pressed, seen and learnt"),
+        ({"built": {}}, "has no apex: as yet a barrel is pressed, seen and learnt"),
+        ({"material": {"gel": "neo-hooke:0.03"}}, "what fills it is not meshed"),
+    ],
+)
+def test_what_does_not_fit_is_refused_before_anything_is_pressed(change: dict[str, object], says: str) -> None:
+    with pytest.raises(PalpateError, match=says):
+        plan_study(Study.model_validate({**BARREL, **change}))
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"tilts_deg": [0, 2]}, "greater than or equal to 60"),
+        ({"side_wall": None}, "less than or equal to 30"),
+        ({"wall": {"depth": 2}}, "side_wall takes the place of wall"),
+        ({"side_wall": {"depth": 100}}, "obstacle's depth: Input should be less than or equal to 60"),
+        ({"side_wall": {"dept": 1}}, "obstacle's dept: Extra inputs"),
+        ({"side_wall": {"tilt_deg": 91}}, "tilt_deg is not chosen here"),
+    ],
+)
+def test_a_wall_at_the_side_that_is_none_is_refused(change: dict[str, object], says: str) -> None:
+    with pytest.raises(ValidationError, match=says):
+        Study.model_validate({**BARREL, **change})
+
+
+def test_a_wall_at_the_side_needs_tilts_of_its_own() -> None:
+    without = {name: value for name, value in BARREL.items() if name != "tilts_deg"}
+    with pytest.raises(ValidationError, match="give it tilts_deg from 60 to 120"):
+        Study.model_validate(without)
