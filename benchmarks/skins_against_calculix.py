@@ -5,9 +5,9 @@
 
 Frictionless, 5°, 91 markers (published sensors: their own markers, half of their depth, pads 2°), 20-node bricks
 (C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh under the point of first touch in both. What
-is flat or filled has more cells around (`core`), and a filled one a contact ten times stiffer in CalculiX:
-docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes on where
-it was.
+is flat or filled has more cells around (`core`), and a filled one a contact that is stiffer by its wall's modulus in
+CalculiX: docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes
+on where it was.
 """
 
 import csv
@@ -41,6 +41,8 @@ CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
 PUBLISHED = "hemisphere_397", "small_tactip", "tactip_127", "filled_hemisphere", "gel_pad", "flat_pad"
 ALIKE = {"tactip_127": "tactip_331"}
 """Published sensors of the same wall and gel, but other pins: one press serves both."""
+STIFFER = 50.0
+"""Stiffness of the contact of a filled skin in CalculiX over the shear modulus of its wall, 1/mm."""
 PAD_MM = 5.0
 """Height below which a skin is a pad."""
 IMAGES = 4
@@ -87,7 +89,7 @@ def compare(case: Case) -> list[dict[str, object]]:
     skin, material, meshing, wall = case.skin, case.material, case.mesh, case.wall
     mesh = mesh_skin(skin, meshing)
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
-    deck = DeckSpec(dialect=Dialect.CALCULIX, penalty=10.0 if meshing.filled else 1.0)
+    deck = DeckSpec(dialect=Dialect.CALCULIX, penalty=STIFFER * material.law.shear_modulus if meshing.filled else 1.0)
     ours = solve_press(mesh, material, wall)
     theirs = solve_press_calculix(mesh, material, wall, CalculixSpec(deck=deck))
     return [row for name, marked in case.markers.items() for row in rows_of(name, ours, theirs, *marked)]
