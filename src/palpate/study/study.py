@@ -205,7 +205,8 @@ class Study(Spec):
     def _tilts_in_bounds(cls, tilts: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
         if not all(a < b for a, b in pairwise(tilts)):
             raise PydanticCustomError("tilts_not_growing", "tilts must grow; write each once, in order.", {})
-        kind = WallSpec if info.data.get("side_wall") is None else OBSTACLES.get(_SIDE)
+        # one that was refused is not among the data, and was asked for all the same
+        kind = OBSTACLES.get(_SIDE) if info.data.get("side_wall", True) else WallSpec
         return _each_in_bounds(kind, "tilt_deg", tilts)
 
     @field_validator("azimuths_deg")

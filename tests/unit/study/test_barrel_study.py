@@ -83,6 +83,12 @@ def test_a_wall_at_the_side_that_is_none_is_refused(change: dict[str, object], s
         Study.model_validate({**BARREL, **change})
 
 
+def test_a_wrong_number_of_a_wall_at_the_side_is_the_only_error() -> None:
+    with pytest.raises(ValidationError) as caught:
+        Study.model_validate({**BARREL, "side_wall": {"dept": 1}})
+    assert [error["loc"][0] for error in caught.value.errors()] == ["side_wall"]
+
+
 def test_a_wall_at_the_side_needs_tilts_of_its_own() -> None:
     without = {name: value for name, value in BARREL.items() if name != "tilts_deg"}
     with pytest.raises(ValidationError, match="give it tilts_deg from 60 to 120"):
