@@ -16,7 +16,6 @@ from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
 from palpate.core.store_care import Stored, check_store, clean_store, list_store
 from palpate.core.version import __version__
-from palpate.core.worker_process import serve_parent, single_threaded
 
 __all__ = [
     "PAPER",
@@ -49,8 +48,6 @@ __all__ = [
     "provenance",
     "refuse_outside_links",
     "renamed",
-    "serve_parent",
-    "single_threaded",
     "spec_of_kind",
     "words_of_kind",
     "writing",

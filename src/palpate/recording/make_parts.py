@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import ArtefactStore, PalpateError, Recipe, serve_parent, single_threaded
+from palpate.core import ArtefactStore, PalpateError, Recipe, worker_process
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.course import CourseSpec, load_torch
 from palpate.recording.lesson import Lesson, fit_ridge_part
@@ -174,7 +174,7 @@ def _train_beside(
                 job, (here, there) = queue.pop(0), context.Pipe(duplex=False)
                 arguments = (job, threads, _draft(store, job), there, os.getpid())
                 process = context.Process(target=_work, args=arguments, daemon=True)
-                with single_threaded():
+                with worker_process.single_threaded():
                     process.start()
                 there.close()
                 busy[here] = job, process, time.monotonic()
@@ -208,5 +208,5 @@ def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[A
 
 def _work(job: PartJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
     """What a process does."""
-    serve_parent(parent)
+    worker_process.serve_parent(parent)
     pipe.send(dict(job.train(threads, kept, pipe.send)))

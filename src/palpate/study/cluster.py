@@ -12,7 +12,7 @@ import re
 from contextlib import suppress
 from typing import Any
 
-from palpate.core import ArtefactStore, PalpateError, load_extra, single_threaded
+from palpate.core import ArtefactStore, PalpateError, load_extra, worker_process
 from palpate.study.task import EstimatorTask, Task
 from palpate.study.worker import TaskEnd, TaskOutcome, perform
 from palpate.study.worker_pool import WORKER_DIED, WorkerPool
@@ -127,7 +127,7 @@ def _connect(where: str) -> tuple[Any, Any]:
     check_place(where)
     distributed = _distributed()
     if where.startswith("local:"):
-        with single_threaded():
+        with worker_process.single_threaded():
             cluster = distributed.LocalCluster(
                 n_workers=int(where.removeprefix("local:")),
                 threads_per_worker=1,

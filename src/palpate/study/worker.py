@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from palpate.core import ArtefactStore, PalpateError, StoreError, serve_parent
+from palpate.core import ArtefactStore, PalpateError, StoreError, worker_process
 from palpate.study.task import MissingArtefactError, Task
 
 ASK_WHERE: signal.Signals | None = getattr(signal, "SIGUSR1", None)
@@ -67,7 +67,7 @@ def begin_worker(parent: int, traces: Path | None = None) -> None:
     Where the interpreter breaks down, or is asked by the signal `ASK_WHERE`, it writes to the file `traces` where the
     program stood.
     """
-    serve_parent(parent)
+    worker_process.serve_parent(parent)
     if traces is not None:
         file = traces.open("w")  # open as long as the process lives
         faulthandler.enable(file)

@@ -17,7 +17,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Self
 
-from palpate.core import ArtefactStore, single_threaded
+from palpate.core import ArtefactStore, worker_process
 from palpate.study.task import Task
 from palpate.study.worker import ASK_WHERE, TaskEnd, TaskOutcome, begin_worker, perform
 
@@ -132,7 +132,7 @@ class _Member:
             with suppress(BrokenProcessPool):  # it may have died while it had nothing to do
                 return self._executor.submit(perform, task, store)
             self.leave()
-        with _STARTING, single_threaded():
+        with _STARTING, worker_process.single_threaded():
             self._executor = ProcessPoolExecutor(
                 1,
                 mp_context=multiprocessing.get_context("spawn"),
