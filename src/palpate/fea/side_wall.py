@@ -21,7 +21,7 @@ from typing import Literal, final
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError, parameter
-from palpate.design import PoseSpace, Skin, rotation_vector, wall_normal
+from palpate.design import PoseSpace, Rim, Skin, rotation_vector, wall_normal
 from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import Plane
 from palpate.mechanics import Obstacle
@@ -74,21 +74,21 @@ class SideWallSpec(ObstacleSpec):
         PalpateError
             If the skin is no barrel, or the wall touches a clamped end first.
         """
-        self.refuse_skin(mesh.skin)
-        most = np.degrees(mesh.skin.rim_slope(mesh.spec.rim))
-        if not 180 - most < self.tilt_deg < most:
-            raise PalpateError(
-                f"A wall tilted by {self.tilt_deg:.3g}° touches a clamped end of {mesh.skin.name} first.",
-                f"Tilt it by more than {180 - most:.1f}° and less than {most:.1f}°.",
-            )
+        self.refuse_skin(mesh.skin, mesh.spec.rim)
         azimuth = np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0
         return wall_normal(*rotation_vector(np.radians(self.tilt_deg), azimuth))
 
-    def refuse_skin(self, skin: Skin) -> None:
+    def refuse_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
         if not skin.hole:
             raise PalpateError(
                 f"A wall comes to the side of a barrel, and {skin.name} is none.",
                 "Press it along its axis: a wall of a tilt up to 30°.",
+            )
+        most = np.degrees(skin.rim_slope(rim))
+        if not 180 - most < self.tilt_deg < most:
+            raise PalpateError(
+                f"A wall tilted by {self.tilt_deg:.3g}° touches a clamped end of {skin.name} first.",
+                f"Tilt it by more than {180 - most:.1f}° and less than {most:.1f}°.",
             )
 
     def clamp_depth(self, mesh: Mesh) -> float:

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, PalpateError, Spec, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace, Skin, Symmetry, turn_about_axis
+from palpate.design import OFFSET_DEPTH, PoseSpace, Rim, Skin, Symmetry, turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
@@ -137,8 +137,8 @@ class ObstacleSpec(Spec, ABC):
         """Unit vector (3,) against which it moves, in the frame of the mesh; None: the skin's axis."""
         return None
 
-    def refuse_skin(self, skin: Skin) -> None:
-        """Refuse, with a `PalpateError`, a skin that it cannot come to."""
+    def refuse_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
+        """Refuse, with a `PalpateError`, a skin that it cannot come to, or one whose rim it would touch first."""
         if skin.hole:
             raise PalpateError(
                 f"{skin.name} is open at both ends: nothing touches it that comes down along its axis.",
@@ -163,7 +163,7 @@ class ObstacleSpec(Spec, ABC):
 
 def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
     """Refuse, with a `PalpateError`, a skin that an obstacle cannot come to, or half a one not symmetric about it."""
-    obstacle.refuse_skin(mesh.skin)
+    obstacle.refuse_skin(mesh.skin, mesh.spec.rim)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
     if mesh.spec.whole or symmetry is Symmetry.REVOLVED:
         return

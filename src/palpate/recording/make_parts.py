@@ -122,7 +122,7 @@ def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say:
     Raises
     ------
     PalpateError
-        If a training process dies.
+        If a training process dies, or finds what the user can mend.
     """
     missing = [job for job in jobs if job.is_network and store.find(job.recipe) is None]
     workers = min(threads, len(missing))
@@ -195,7 +195,7 @@ def _train_beside(
 def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
     """How far a process is, or at its end the arrays of its part."""
     try:
-        told: str | Mapping[str, NDArray[Any]] = pipe.recv()
+        told: str | PalpateError | Mapping[str, NDArray[Any]] = pipe.recv()
     except (EOFError, OSError) as error:
         process.join()
         raise PalpateError(
@@ -203,10 +203,15 @@ def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[A
             "Start again, it goes on where it was; with --threads 1 one network is trained at a time. In a script of "
             'your own, call it under `if __name__ == "__main__":`.',
         ) from error
+    if isinstance(told, PalpateError):
+        raise told
     return told
 
 
 def _work(job: PartJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
-    """What a process does."""
+    """What a process does; what the user can mend is handed on."""
     worker_process.serve_parent(parent)
-    pipe.send(dict(job.train(threads, kept, pipe.send)))
+    try:
+        pipe.send(dict(job.train(threads, kept, pipe.send)))
+    except PalpateError as error:
+        pipe.send(PalpateError(error.what, error.remedy))

@@ -108,7 +108,8 @@ def plan_study(study: Study) -> Plan:
 
 def _refuse_unfit(study: Study, skin: Skin) -> None:
     """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
-    study.obstacle.refuse_skin(skin)
+    for tilt_deg in study.tilts_deg:
+        study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).refuse_skin(skin, study.mesh.rim)
     if skin.hole and study.material.gel:
         raise PalpateError(f"{skin.name} is open at both ends: what fills it is not meshed.", "Leave the gel out.")
     if study.forces:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from palpate.camera import CameraSpec, build_camera
+from palpate.camera import build_camera
 from palpate.core import PalpateError
 from palpate.design import (
     Dome,
@@ -19,6 +19,7 @@ from palpate.design import (
     wall_normal,
 )
 from palpate.design.barrel import Barrel, BarrelSpec
+from palpate.study import read_study
 
 TACLINK = BarrelSpec().build()
 SHORT = BarrelSpec(height=60, base_radius=20, middle_radius=28, thickness=2).build()
@@ -149,17 +150,7 @@ def test_a_barrel_that_hardly_bulges_is_a_cylinder() -> None:
 
 
 def test_all_markers_are_in_sight_of_a_fisheye_and_rays_through_their_pixels_meet_them() -> None:
-    spec = CameraSpec(
-        lens="kannala-brandt",
-        width_px=1280,
-        height_px=960,
-        fx_px=440,
-        fy_px=440,
-        cx_px=639.5,
-        cy_px=479.5,
-        distance=10,
-    )
-    camera, layout = build_camera(spec), place_markers(TACLINK, ROWS)
+    camera, layout = build_camera(read_study("barrel").camera), place_markers(TACLINK, ROWS)
     assert camera.visible(layout.positions, TACLINK).all()
     starts, rays = camera.sight(camera.project(layout.positions))
     assert TACLINK.hit(starts, rays) == pytest.approx(layout.positions, abs=1e-6)

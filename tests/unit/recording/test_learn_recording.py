@@ -379,6 +379,18 @@ class _Dying(PartJob):
         os._exit(7)
 
 
+class _Refusing(PartJob):
+    def train(self, threads: int, kept: Path, say: object) -> NoReturn:
+        raise PalpateError("The disk is full.", "Make room.")
+
+
+def test_what_a_training_process_finds_is_told_as_if_it_were_found_here(tmp_path: Path) -> None:
+    needs("torch")
+    with pytest.raises(PalpateError, match="The disk is full") as found:
+        list(make_parts(_small_jobs(_Refusing)[1:], 2, ArtefactStore(tmp_path), quiet))
+    assert found.value.remedy == "Make room."
+
+
 def test_a_training_process_that_dies_is_told_of(tmp_path: Path) -> None:
     needs("torch")
     with pytest.raises(PalpateError, match="ended with code 7"):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.camera import Camera, CameraSpec, build_camera
+from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError
 from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import MarkerSpec, place_markers, rotation_vector
@@ -15,6 +15,7 @@ from palpate.fea.side_wall import SideWallSpec
 from palpate.learn import find_limits
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.study import read_study
 from palpate.twin import MarkerField, build_field, build_force_field, build_twin
 from palpate.viewer.pressed_dome import gather_presses
 
@@ -42,18 +43,7 @@ def field(presses: list[Press]) -> MarkerField:
 
 @pytest.fixture(scope="module")
 def camera() -> Camera:
-    return build_camera(
-        CameraSpec(
-            lens="kannala-brandt",
-            width_px=1280,
-            height_px=960,
-            fx_px=440,
-            fy_px=440,
-            cx_px=639.5,
-            cy_px=479.5,
-            distance=10,
-        )
-    )
+    return build_camera(read_study("barrel").camera)
 
 
 def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azimuth(field: MarkerField) -> None:
