@@ -40,11 +40,13 @@ def draw_module_section(module: Module, window: WindowPlate | None = None) -> Fi
     _dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
     _dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
     _dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
-    said = f"inner radius at the apex {skin.radius:.4g}"
-    if not skin.plan.is_round:
-        axis.set_title(f"along x; along y {skin.plan.stretch:.4g} times as long", fontsize=9)
-        said = f"inner radius of the edge {skin.radius:.4g}"
-    axis.text(0, skin.height / 2, said, ha="center", va="center", fontsize=9)
+    if skin.plan.is_round:
+        axis.text(
+            0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", va="center", fontsize=9
+        )
+    else:  # too low for a line of text
+        said = f"along x; along y {skin.plan.stretch:.4g} times as long; inner radius of the edge {skin.radius:.4g}"
+        axis.set_title(said, fontsize=9)
     axis.set_xlim(-side - 14, side + 14)
     axis.set_ylim(foot - 14, top + 5)
     return figure
