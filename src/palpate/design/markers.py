@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray
 
@@ -40,6 +39,8 @@ class MarkerLayout:
 
     def closest_pair(self) -> tuple[int, int, float] | None:
         """Numbers of the two nearest markers on the dome and their distance, mm; `None` below two."""
+        from scipy.spatial import cKDTree
+
         index = np.flatnonzero(self.on_dome)
         if len(index) < 2:
             return None

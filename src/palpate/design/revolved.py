@@ -11,16 +11,18 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
 from palpate.cad import Outline, SmoothCurve
 from palpate.core import FloatArray
 from palpate.design.ray import trace_rays
 from palpate.design.skin import Rim, Skin, Symmetry
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 _TABLE = 2001
 """Points of the tables along the meridian."""
@@ -93,6 +95,8 @@ class RevolvedSkin(Skin):
     @cached_property
     def _near(self) -> cKDTree:
         """Finds the nearest of every tenth point of the table."""
+        from scipy.spatial import cKDTree
+
         return cKDTree(self._table[1][::10])
 
     @property

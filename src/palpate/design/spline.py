@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import chain
-from typing import Any, Literal, Self, final
+from typing import TYPE_CHECKING, Any, Literal, Self, final
 
 import numpy as np
 from pydantic import field_validator
 from pydantic_core import PydanticCustomError
-from scipy.interpolate import CubicSpline
 
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design.revolved import RevolvedSkin, plain_numbers
 from palpate.design.spec import TaperedSpec
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 _SAMPLES = 400
 _FLAT = 0.01
@@ -108,6 +110,8 @@ class Spline(RevolvedSkin):
 
     @cached_property
     def _splines(self) -> tuple[CubicSpline, CubicSpline]:
+        from scipy.interpolate import CubicSpline
+
         between = np.array(self.points).reshape(-1, 2) * [self.base_radius, self.height]
         knots = np.vstack([[0.0, self.height], between, [self.base_radius, 0.0]])
         chords = np.linalg.norm(np.diff(knots, axis=0), axis=1)
