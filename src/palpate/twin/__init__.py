@@ -8,11 +8,14 @@ from palpate.twin.jacobian import image_jacobian
 from palpate.twin.marker_field import MarkerField
 from palpate.twin.measure_off import measure_off
 from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
+from palpate.twin.turned_presses import MIRRORS
+from palpate.twin.turned_series import TurnedSeries, TurnedTable
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin
 from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, twin_relaxation, write_twin
 
 __all__ = [
     "BUILD_VERSION",
+    "MIRRORS",
     "TWIN_DERIVATIVES",
     "TWIN_VERSION",
     "BatchTwin",
@@ -21,6 +24,8 @@ __all__ = [
     "MovedDots",
     "PrintedTwin",
     "TiltRuns",
+    "TurnedSeries",
+    "TurnedTable",
     "Twin",
     "build_field",
     "build_force_field",

@@ -22,7 +22,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
     ----------
     presses
         At least one, of a body of revolution one a tilt of the wall, or offset of the obstacle; of a skin with two
-        mirrors, such as a pad, one at every azimuth of each tilt (see `palpate.twin.turned_field`). The images must
+        mirrors, such as a pad, one at every azimuth of each tilt (see `palpate.twin.turned_series`). The images must
         be the same distance apart.
     markers
         Layout of undeformed markers on the inner surface.

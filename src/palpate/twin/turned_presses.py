@@ -19,8 +19,8 @@ from palpate.core import FloatArray, PalpateError
 from palpate.fea import Press
 from palpate.twin.tilt_runs import SAME_DEPTH_MM
 
-_MIRRORS = np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1], [-1, -1, 1]])
-"""Nothing, x → −x, y → −y, and both."""
+MIRRORS = np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1], [-1, -1, 1]])
+"""(4, 3) factors of x, y and z: nothing, x → −x, y → −y, and both."""
 _DECIMALS = 6
 """Of an azimuth in degrees."""
 Table = Mapping[tuple[float, float], Press]
@@ -69,22 +69,26 @@ def _azimuths(presses: Sequence[Press]) -> tuple[float, ...]:
     return found
 
 
-def follow_levels(press: Press, points: FloatArray, depths_mm: FloatArray) -> FloatArray:
-    """Displacements (4, d, m, 3) mm of points (m, 3) mm in a press and in its mirror images, at any depths (d,) mm.
+def mirror_points(press: Press, points: FloatArray) -> FloatArray:
+    """Displacements (i, 4, m, 3) mm of points (m, 3) mm of the inner surface in the images of a press, mirrored."""
+    moved = press.moved((MIRRORS[:, None] * points).reshape(-1, 3))
+    return np.asarray(moved.reshape(len(moved), 4, *points.shape) * MIRRORS[:, None])
 
-    By the cubic spline through the images on the way down; zero before first touch, NaN beyond the last image.
+
+def at_depths(press: Press, values: FloatArray, depths_mm: FloatArray) -> FloatArray:
+    """Values (i, 4, …) of a press's images at any depths (d,) mm, as (4, d, …).
+
+    By the cubic spline through the images on the way down; as at rest before first touch, NaN beyond the last image.
     """
     down = int(np.argmax(press.depth)) + 1
-    moved = press.moved((_MIRRORS[:, None] * points).reshape(-1, 3))[:down]
-    seen = np.full((len(depths_mm), *moved.shape[1:]), np.nan)
+    seen = np.full((len(depths_mm), *values.shape[1:]), np.nan)
     reached = depths_mm <= press.depth[down - 1] + SAME_DEPTH_MM
-    seen[reached] = CubicSpline(press.depth[:down], moved)(np.maximum(depths_mm[reached], 0.0))
-    mirrored = np.moveaxis(seen.reshape(len(depths_mm), 4, *points.shape), 1, 0)
-    return np.asarray(mirrored * _MIRRORS[:, None, None])
+    seen[reached] = CubicSpline(press.depth[:down], values[:down])(np.maximum(depths_mm[reached], 0.0))
+    return np.moveaxis(seen, 1, 0)
 
 
 def all_azimuths(quarter: Sequence[FloatArray]) -> FloatArray:
-    """Displacements (d, n, m, 3) mm at n azimuths around from those (4, d, m, 3) at azimuths of 0 to 90°."""
+    """Values (d, n, …) at n azimuths around from those (4, d, …) of presses at 0 to 90° and their mirror images."""
     half = 2 * (len(quarter) - 1)
     around = np.empty((quarter[0].shape[1], 2 * half, *quarter[0].shape[2:]))
     for number, seen in enumerate(quarter):

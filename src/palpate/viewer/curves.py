@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from palpate.grid import Row, SpecificationGrid, rows_of
 from palpate.viewer.charts import FIRST, LIMIT, SECOND, ChartCurve
-from palpate.viewer.pressed_dome import SurfaceMotion
+from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 
 

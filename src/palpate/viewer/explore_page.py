@@ -18,7 +18,7 @@ from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.library import Library
 from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns, read_link, write_link
 from palpate.viewer.page_head import Head, complain, complaint, heading
-from palpate.viewer.pressed_dome import SurfaceMotion
+from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 from palpate.viewer.words import column_label, jitter_words
 
@@ -209,7 +209,7 @@ class ExplorePage:
                 designs.append(self._library.design(number))
                 pressed = self._library.specimen(designs[-1]).pressed
                 tilt = min(max(self._view.tilt, pressed.tilts_deg[0]), pressed.tilts_deg[-1])
-                shown.append((designs[-1], pressed.at(tilt)))
+                shown.append((designs[-1], pressed.at(tilt, self._view.azimuth)))
             except PalpateError as error:
                 faults.append(str(error))
         complain(self._fault, " ".join(faults))

@@ -11,19 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design import rotation_vector, turn_about_axis, wall_normal
+from palpate.design import rotation_vector, turn_about_axis
 from palpate.fea import Plane
 from palpate.viewer.charts import VIRIDIS
 from palpate.viewer.gltf import Part
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import follow_markers
-from palpate.viewer.pressed_dome import SurfaceMotion
+from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 
 
 def marker_rows(design: Design, specimen: Specimen, tilt_deg: float, azimuth_deg: float) -> list[dict[str, Any]]:
     """One row a depth and marker: pose (degrees, mm), position (mm), pixel, and whether it is seen."""
-    motion = specimen.pressed.at(tilt_deg)
+    motion = specimen.pressed.at(tilt_deg, azimuth_deg)
     seen = follow_markers(specimen.pressed, motion, design.layout, design.camera, azimuth_deg)
     rx, ry = rotation_vector(tilt_deg, np.radians(azimuth_deg))
     rows = []
@@ -47,7 +47,7 @@ def write_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, float]) -> list[Part]:
-    """Dome, markers and wall at a pose (depth mm, tilt and azimuth in degrees), in the dome's frame.
+    """Skin, markers and wall at a pose (depth mm, tilt and azimuth in degrees), in the skin's frame.
 
     Raises
     ------
@@ -55,24 +55,26 @@ def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, flo
         If the depth is not reached at this tilt.
     """
     depth, tilt_deg, azimuth_deg = pose
-    motion = specimen.pressed.at(tilt_deg)
+    motion = specimen.pressed.at(tilt_deg, azimuth_deg)
     if not 0 <= depth <= motion.depths_mm[-1] + 1e-6:
         raise PalpateError(
             f"{depth:g} mm is not reached at {tilt_deg:g}°.", f"It ends at {motion.depths_mm[-1]:g} mm."
         )
-    turn = turn_about_axis(np.radians(azimuth_deg))
-    shell, nodes = specimen.shell, specimen.pressed.mesh.nodes
+    turn = turn_about_axis(np.radians(azimuth_deg - motion.azimuth_deg))
+    shell, nodes = specimen.shell, specimen.pressed.nodes
     moved = _between(motion, motion.displacement, depth)
     first, _ = shell.parts["cut"]
     seen = shell.nodes[: shell.triangles[:first].max() + 1]  # all but the cut, which a whole dome does not show
-    half, size = (nodes + moved)[seen], np.linalg.norm(moved[seen], axis=1)
-    points = np.concatenate([half, half * [-1.0, 1.0, 1.0]]) @ turn.T
-    triangles = np.concatenate([shell.triangles[:first], shell.triangles[:first, ::-1] + len(half)])
-    colours = _colours(np.concatenate([size, size]) / max(float(np.abs(motion.displacement).max()), 1e-9))
+    points, size = (nodes + moved)[seen], np.linalg.norm(moved[seen], axis=1)
+    triangles = shell.triangles[:first]
+    if not specimen.pressed.mesh.spec.whole:
+        triangles = np.concatenate([triangles, triangles[:, ::-1] + len(points)])
+        points, size = np.concatenate([points, points * [-1.0, 1.0, 1.0]]), np.tile(size, 2)
+    colours = _colours(size / max(float(np.abs(motion.displacement).max()), 1e-9))
     return [
-        Part("dome", points, triangles, colours),
+        Part("dome", points @ turn.T, triangles, colours),
         _markers(design, specimen, motion, pose),
-        _wall(specimen, pose, turn),
+        _wall(specimen, motion, depth, turn),
     ]
 
 
@@ -96,10 +98,9 @@ def _markers(design: Design, specimen: Specimen, motion: SurfaceMotion, pose: tu
     return Part("markers", points, triangles, np.tile([0.1, 0.1, 0.12, 1.0], (len(points), 1)))
 
 
-def _wall(specimen: Specimen, pose: tuple[float, float, float], turn: FloatArray) -> Part:
-    skin, normal = specimen.pressed.mesh.skin, wall_normal(np.radians(pose[1]), 0.0)
-    at = skin.touch(normal) - np.array([0.0, 0.0, pose[0]])
-    points, _ = Plane(normal, at).patch(at, 1.2 * skin.outer_widest[0])
+def _wall(specimen: Specimen, motion: SurfaceMotion, depth: float, turn: FloatArray) -> Part:
+    at = motion.touch - depth * motion.way
+    points, _ = Plane(motion.normal, at).patch(at, 1.2 * specimen.pressed.mesh.skin.outer_widest[0])
     return Part("wall", points @ turn.T, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.6, 0.65, 0.7, 0.5], (4, 1)))
 
 

@@ -6,7 +6,8 @@ import threading
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
-from palpate.viewer.pressed_dome import PressedDome, gather_presses
+from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.pressed_skin import PressedSkin
 from palpate.viewer.results import Design, Results, read_design, read_presses
 from palpate.viewer.shell import Shell, build_shell
 
@@ -24,7 +25,7 @@ class Specimen:
         Its presses and what is drawn of its mesh.
     """
 
-    pressed: PressedDome
+    pressed: PressedSkin
     shell: Shell
 
 

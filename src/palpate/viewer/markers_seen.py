@@ -9,7 +9,7 @@ import numpy as np
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray
 from palpate.design import MarkerLayout
-from palpate.viewer.pressed_dome import PressedDome, SurfaceMotion
+from palpate.viewer.pressed_skin import PressedSkin, SurfaceMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,14 +35,14 @@ class MarkersSeen:
 
 
 def follow_markers(
-    pressed: PressedDome, motion: SurfaceMotion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
+    pressed: PressedSkin, motion: SurfaceMotion, layout: MarkerLayout, camera: Camera, azimuth_deg: float
 ) -> MarkersSeen:
     """Follow markers through a press whose wall is turned to an azimuth.
 
     Parameters
     ----------
     pressed, motion
-        A pressed half dome, and its press at one tilt.
+        A pressed skin, and its press at one pose.
     layout
         Undeformed markers, dome's frame.
     camera

@@ -29,15 +29,16 @@ def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> AP
         return Response(describe_shell(specimen, design.layout, design.camera), media_type=BINARY)
 
     @router.get("/motion/{name}")
-    def motion(name: str, tilt: float = 0.0, stress: bool = False) -> Response:
+    def motion(name: str, tilt: float = 0.0, azimuth: float = 0.0, stress: bool = False) -> Response:
         _, specimen = shelf.find(name)
-        return Response(describe_motion(specimen, specimen.pressed.at(tilt), stress=stress), media_type=BINARY)
+        seen = specimen.pressed.at(tilt, azimuth)
+        return Response(describe_motion(specimen, seen, stress=stress), media_type=BINARY)
 
     @router.get("/markers/{name}")
     def markers(name: str, tilt: float = 0.0, azimuth: float = 0.0) -> Response:
         design, specimen = shelf.find(name)
         pressed = specimen.pressed
-        seen = follow_markers(pressed, pressed.at(tilt), design.layout, design.camera, azimuth)
+        seen = follow_markers(pressed, pressed.at(tilt, azimuth), design.layout, design.camera, azimuth)
         return Response(describe_markers(seen), media_type=BINARY)
 
     @router.get("/markers.csv")

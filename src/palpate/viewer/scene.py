@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from palpate.camera import Camera
-from palpate.design import MarkerLayout, wall_normal
+from palpate.core import FloatArray
+from palpate.design import MarkerLayout, Skin
 from palpate.viewer.library import Specimen
 from palpate.viewer.markers_seen import MarkersSeen
 from palpate.viewer.message import write_message
-from palpate.viewer.pressed_dome import SurfaceMotion
+from palpate.viewer.pressed_skin import SurfaceMotion
+
+_EDGE = 97
+"""Points of an edge, the first and the last in one place."""
 
 
 def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> bytes:
-    """What does not change with the pose: rest (v, 3) mm, triangles (k, 3), seam (v,), dots at rest; dome and camera.
+    """What does not change with the pose: rest (v, 3) mm, triangles (k, 3), seam (v,), dots at rest; skin and camera.
 
-    The triangles lie part after part, see `palpate.viewer.shell.PARTS`.
+    The triangles lie part after part, see `palpate.viewer.shell.PARTS`; clamps (c, r, 3) mm are the outer edges of
+    what is clamped.
     """
     pressed, shell = specimen.pressed, specimen.shell
     skin = pressed.mesh.skin
@@ -29,6 +33,7 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
         "thickness_mm": skin.thickness,
         "outer_radius_mm": skin.outer_widest[0],
         "outer_base_radius_mm": skin.outer_base_radius,
+        "turned": pressed.turned,
         "tilts_deg": pressed.tilts_deg.tolist(),
         "depth_mm": float(pressed.depths_mm[-1]),
         "marker_diameter_mm": layout.diameter,
@@ -39,18 +44,22 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
         "rest": pressed.mesh.nodes[shell.nodes],
         "triangles": shell.triangles,
         "seam": shell.seam,
+        "clamps": _clamps(skin),
         "rest_px": camera.project(layout.positions),
     }
     return write_message(meta, {**arrays, "rest_px": np.nan_to_num(arrays["rest_px"], nan=-1e4)})
 
 
 def describe_motion(specimen: Specimen, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
-    """The press at one tilt: displacement (k, v, 3) mm in the tilt frame and, if asked for, stress (k, v) MPa."""
+    """The press at one pose: displacement (k, v, 3) mm and, if asked for, stress (k, v) MPa.
+
+    Of a skin of revolution in the tilt frame, for all azimuths.
+    """
     nodes = specimen.shell.nodes
     arrays = {"displacement": motion.displacement[:, nodes]}
     if stress:
         arrays["stress"] = specimen.pressed.stress(motion)[:, nodes]
-    return write_message(_say_motion(specimen, motion), arrays)
+    return write_message(_say_motion(motion), arrays)
 
 
 def describe_markers(seen: MarkersSeen) -> bytes:
@@ -66,15 +75,21 @@ def describe_markers(seen: MarkersSeen) -> bytes:
     )
 
 
-def _say_motion(specimen: Specimen, motion: SurfaceMotion) -> dict[str, Any]:
-    normal = wall_normal(math.radians(motion.tilt_deg), 0.0)
-    touch = specimen.pressed.mesh.skin.touch(normal)
+def _clamps(skin: Skin) -> FloatArray:
+    """Outer edges (c, r, 3) mm of the base, and of the far end where the skin is open there."""
+    angle = np.linspace(0.0, 2 * np.pi, _EDGE)
+    circle = np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.stack([skin.point(size * circle, 1.0) for size in ([1.0, skin.hole] if skin.hole else [1.0])])
+
+
+def _say_motion(motion: SurfaceMotion) -> dict[str, Any]:
     return {
         "tilt_deg": motion.tilt_deg,
         "depths_mm": motion.depths_mm.tolist(),
         "force_n": motion.force_n.tolist(),
         "branch": list(motion.branch),
         "ended": motion.ended,
-        "normal": normal.tolist(),
-        "touch_mm": touch.tolist(),
+        "normal": motion.normal.tolist(),
+        "touch_mm": motion.touch.tolist(),
+        "way": motion.way.tolist(),
     }

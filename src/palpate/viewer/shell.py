@@ -1,4 +1,4 @@
-"""What of a half mesh is drawn: its two surfaces, the base, and the cut in the mirror plane, as triangles."""
+"""What of a mesh is drawn: the wall's two surfaces, what is clamped and the cut in the mirror plane, as triangles."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TRIANGLES = np.concatenate([_QUADS[:, [0, 1, 2]], _QUADS[:, [0, 2, 3]]])
 
 @dataclass(frozen=True, eq=False)
 class Shell:
-    """Triangles of a half dome; its other half is the mirror image x → −x.
+    """Triangles of a skin's wall; of a half one the other half is the mirror image x → −x, a whole one has no cut.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Shell:
 
 
 def build_shell(mesh: Mesh) -> Shell:
-    """Triangulate what is seen of a half mesh; nodes of faces and mid-points all become vertices."""
+    """Triangulate what is seen of a mesh; nodes of faces and mid-points all become vertices."""
     faces = _cell_faces(mesh)
     pieces = (
         mesh.outer_faces,
@@ -66,14 +66,16 @@ def _turn_outward(mesh: Mesh, nodes: IntArray, triangles: IntArray, part: str) -
     """The same triangles (k, 3), numbers of `nodes`, each counter-clockwise for whoever looks at the silicone."""
     a, b, c = mesh.nodes[nodes][triangles].transpose(1, 0, 2)
     arm = mesh.skin.normal((a + b + c) / 3.0)
-    away = {"outer": arm, "inner": -arm, "base": [0.0, 0.0, -1.0], "cut": [-1.0, 0.0, 0.0]}[part]
+    below = a[:, 2:] < mesh.skin.height / 2  # where a skin is open at its far end, that is clamped as well
+    ends = np.where(below, -1.0, 1.0) * [0.0, 0.0, 1.0]
+    away = {"outer": arm, "inner": -arm, "base": ends, "cut": [-1.0, 0.0, 0.0]}[part]
     wrong = (np.cross(b - a, c - a) * away).sum(axis=1) < 0
     turned: IntArray = np.where(wrong[:, None], triangles[:, ::-1], triangles)
     return turned
 
 
 def _cell_faces(mesh: Mesh) -> IntArray:
-    """(6 c, 9) faces of all cells, each with its nodes in lexicographic order."""
+    """(6 c, 9) faces of the wall's cells, each with its nodes in lexicographic order."""
     number = np.arange(27).reshape(3, 3, 3)
     sides = [number[0], number[2], number[:, 0], number[:, 2], number[:, :, 0], number[:, :, 2]]
-    return np.concatenate([mesh.cells[:, side.reshape(-1)] for side in sides])
+    return np.concatenate([mesh.cells[mesh.filling :, side.reshape(-1)] for side in sides])

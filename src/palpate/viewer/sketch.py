@@ -25,8 +25,8 @@ from palpate.fea import WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study import MaterialSpec
 from palpate.viewer.library import Specimen
-from palpate.viewer.pressed_dome import rest_dome
 from palpate.viewer.results import Design
+from palpate.viewer.revolved_presses import rest_skin
 from palpate.viewer.shell import build_shell
 
 REST_CELLS = 16
@@ -79,7 +79,7 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     order = list(Severity)
     findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
     design = Design(-1, sketch_row(sketch), skin, layout, camera, ())
-    return Drawn(design, Specimen(rest_dome(mesh, sketch.wall.tilt_deg), build_shell(mesh)), findings)
+    return Drawn(design, Specimen(rest_skin(mesh, sketch.wall.tilt_deg), build_shell(mesh)), findings)
 
 
 def sketch_row(sketch: Sketch) -> dict[str, float | int | str | None]:

@@ -20,11 +20,11 @@ from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
+from palpate.viewer.gather_presses import gather_presses
 from palpate.viewer.job import Job
 from palpate.viewer.library import Specimen
 from palpate.viewer.number_field import NumberField
 from palpate.viewer.page_head import Head, complain, complaint, heading
-from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.shell import build_shell
 from palpate.viewer.sketch import Sketch, draw_sketch
 from palpate.viewer.specimen_cache import SpecimenCache

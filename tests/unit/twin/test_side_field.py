@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from palpate.camera import Camera, build_camera
 from palpate.core import PalpateError
@@ -14,10 +15,10 @@ from palpate.fea import Press, SolverSpec, solve_press
 from palpate.fea.side_wall import SideWallSpec
 from palpate.learn import find_limits
 from palpate.material import get_material
-from palpate.mesh import MeshSpec, mesh_skin
+from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.study import read_study
 from palpate.twin import MarkerField, build_field, build_force_field, build_twin
-from palpate.viewer.pressed_dome import gather_presses
+from palpate.viewer.gather_presses import gather_presses
 
 SKIN = BarrelSpec().build()
 LAYOUT = place_markers(SKIN, MarkerSpec(rows=8, around=12, pitch=28))
@@ -90,9 +91,35 @@ def test_limits_are_told_of_poses_in_the_ring(field: MarkerField, camera: Camera
     assert all(limit.floor_deg < limit.least_squares_deg for limit in limits)
 
 
-def test_forces_twins_and_drawn_presses_are_refused(presses: list[Press]) -> None:
-    for make in (build_force_field, gather_presses):
+def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: list[Press]) -> None:
+    drawn = gather_presses(presses)
+    motion = drawn.at(90.75)
+    assert motion.depths_mm.tolist() == pytest.approx([0.0, 1.0, 2.0, 3.0])
+    assert motion.way == pytest.approx(motion.normal)
+    assert motion.touch @ motion.normal == pytest.approx(SKIN.touch(motion.normal) @ motion.normal)
+    ahead = LAYOUT.positions[:, 0] >= 0
+    surface = locate_inner(drawn.mesh, LAYOUT.positions[ahead]).interpolate(motion.displacement)
+    seen = drawn.markers(LAYOUT, motion, 0.0)[:, ahead] - LAYOUT.positions[ahead]
+    moved = np.linalg.norm(seen, axis=-1)
+    assert np.linalg.norm(surface - seen, axis=-1).max() < 0.15 * moved.max()  # ten coarse cells, fewer at the wall
+    outer = (
+        drawn.mesh.nodes[np.unique(drawn.mesh.outer_faces)]
+        + motion.displacement[:, np.unique(drawn.mesh.outer_faces)]
+    )
+    beyond = (outer - motion.touch) @ motion.normal + motion.depths_mm[:, None]
+    assert beyond.max() < 0.4  # of 3 mm; at rest no point is beyond the place of first touch
+    assert beyond[0].max() == pytest.approx(0.0, abs=0.1)
+
+
+def test_the_press_drawn_at_one_end_is_the_mirror_image_of_that_at_the_other(presses: list[Press]) -> None:
+    drawn = gather_presses(presses)
+    one, other = drawn.at(88.0), drawn.at(92.0)
+    _, across = cKDTree(drawn.nodes).query([0.0, 0.0, 260.0] + drawn.nodes * [1.0, 1.0, -1.0])
+    assert other.displacement == pytest.approx(one.displacement[:, across] * [1.0, 1.0, -1.0], abs=2e-3)
+    assert other.force_n == pytest.approx(one.force_n, rel=1e-3)
+
+
+def test_forces_and_twins_are_refused(presses: list[Press]) -> None:
+    for make in (build_force_field, build_twin):
         with pytest.raises(PalpateError, match="as yet a barrel is pressed, seen and learnt, no more"):
             make(presses)
-    with pytest.raises(PalpateError, match="as yet a barrel is pressed, seen and learnt, no more"):
-        build_twin(presses)

@@ -30,7 +30,7 @@ def moved(points, tilt_deg, depth):
     return clamp * (-depth * nearness * np.array([0, 0, 1.0]) + 0.02 * depth * outward * (1 - nearness))
 
 
-def made_up_press(tilt_deg=0.0, reached=4.0, inverted_from=np.inf, mesh=MESH):
+def made_up_press(tilt_deg=0.0, reached=4.0, inverted_from=np.inf, mesh=MESH, move=moved, azimuth_deg=0.0):
     depth = STEP * np.arange(int(reached / STEP + 1e-9) + 1)
     if reached - depth[-1] > 1e-6:
         depth = np.append(depth, reached)
@@ -40,10 +40,10 @@ def made_up_press(tilt_deg=0.0, reached=4.0, inverted_from=np.inf, mesh=MESH):
     return Press(
         mesh=mesh,
         material=get_material("zaid_2024_ecoflex_00_30"),
-        wall=WallSpec(tilt_deg=tilt_deg, depth=4.0),
+        wall=WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0),
         solver=SolverSpec(),
         depth=depth,
-        displacement=np.stack([moved(mesh.nodes, tilt_deg, d) for d in depth]),
+        displacement=np.stack([move(mesh.nodes, tilt_deg, d) for d in depth]),
         force=force,
         **{name: np.zeros(n) for name in ("energy", "contact_energy", "dissipation", "work", "peak_stress")},
         **{name: np.zeros(n) for name in ("contact_area", "apex_gap", "hold_tension")},

@@ -12,8 +12,8 @@ from palpate.design import MarkerSpec, place_markers
 from palpate.grid import SpecificationGrid
 from palpate.viewer.charts import LIGHT, Chosen, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
+from palpate.viewer.gather_presses import gather_presses
 from palpate.viewer.link import Coloured, View, first_view, kept_rows, numeric_columns, read_link, write_link
-from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.results import Design
 from palpate.viewer.words import cell_words, column_label, jitter_words
 

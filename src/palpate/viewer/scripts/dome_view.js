@@ -1,4 +1,4 @@
-// The dome in 3-D: half of it is drawn and mirrored, so that the other half can be cut away.
+// The skin in 3-D: half of it is drawn and mirrored, so that the other half can be cut away; a whole one is clipped.
 import { OrbitControls, THREE } from "nicegui-scene";
 import { between, changed, CIVIDIS, listen, mix, placeOf, save, stage, VIRIDIS } from "palpate-stage";
 
@@ -6,6 +6,8 @@ const TABLE = 256;
 const TABLES = { displacement: VIRIDIS, stress: VIRIDIS, contact: CIVIDIS };
 const NAMES = { displacement: "displacement (mm)", stress: "von Mises stress (MPa)", contact: "distance to the wall (mm)" };
 const FAR_MM = 2;
+const CLAMP_MM = 4;
+const HALF = new THREE.Plane(new THREE.Vector3(1, 0, 0), 0);
 
 export default {
   props: { slotName: String, label: String },
@@ -81,9 +83,11 @@ export default {
       placeWall(three, slot, place.depth);
       placeMarkers(three, slot, place);
       three.pivot.visible = true;
-      three.pivot.rotation.z = (stage.pose.azimuth * Math.PI) / 180;
-      three.other.visible = !stage.look.cut;
-      three.cut.visible = stage.look.cut;
+      const { turned } = slot.shell.meta;
+      three.pivot.rotation.z = turned ? (stage.pose.azimuth * Math.PI) / 180 : 0;
+      three.other.visible = turned && !stage.look.cut;
+      three.cut.visible = turned && stage.look.cut;
+      three.skin.clippingPlanes = !turned && stage.look.cut ? [HALF] : [];
       this.say(slot, place);
     },
     say(slot, place) {
@@ -108,7 +112,7 @@ export default {
       if (!meta) return;
       const way = { side: [-2.6, -1.9, 1.6], top: [0, -0.01, 1], below: [0, -0.3, -1], front: [-1, 0, 0.15] }[from];
       const { camera, controls } = this.three;
-      const reach = Math.max(meta.outer_base_radius_mm + 4, meta.outer_radius_mm) * 1.12;
+      const reach = Math.max(meta.outer_base_radius_mm + 4, meta.outer_radius_mm, 0.62 * meta.height_mm) * 1.12;
       const half = Math.tan((camera.fov * Math.PI) / 360);
       const arm = new THREE.Vector3(...way).setLength(reach / (half * Math.min(1, camera.aspect)));
       controls.target.set(0, 0, meta.height_mm * 0.42);
@@ -147,6 +151,7 @@ export default {
 function buildScene(canvas) {
   const soft = drawnBySoftware();
   const renderer = new THREE.WebGLRenderer({ canvas, antialias: !soft, alpha: true, preserveDrawingBuffer: true });
+  renderer.localClippingEnabled = true;
   const scene = new THREE.Scene();
   const camera = new THREE.PerspectiveCamera(32, 1, 1, 2000);
   camera.up.set(0, 0, 1);
@@ -191,11 +196,12 @@ function loadShell(three, shell) {
   geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(triangles), 1));
   geometry.computeVertexNormals();
   three.geometry = geometry;
-  three.cutFrom = triangles.subarray(3 * parts.cut[0]).reduce((least, vertex) => Math.min(least, vertex), Infinity);
+  three.cutFrom = triangles.subarray(3 * parts.cut[0]).reduce((least, vertex) => Math.min(least, vertex), rest.length / 3);
   const skin = new THREE.MeshPhongMaterial({ vertexColors: true, side: THREE.DoubleSide, shininess: 18, specular: 0x222222 });
   const whole = new THREE.Mesh(share(geometry, 0, 3 * parts.cut[0]), skin);
   const cutSkin = new THREE.MeshPhongMaterial({ color: 0xd4d4d4, vertexColors: true, side: THREE.DoubleSide, shininess: 0,
     polygonOffset: true, polygonOffsetFactor: -1 });
+  three.skin = skin;
   three.cut = new THREE.Mesh(share(geometry, 3 * parts.cut[0], 3 * parts.cut[1]), cutSkin);
   three.other = new THREE.Mesh(whole.geometry, skin);
   three.other.visible = false;
@@ -203,7 +209,7 @@ function loadShell(three, shell) {
   [whole, three.cut, three.other].forEach((mesh) => (mesh.frustumCulled = false));
   three.pivot.add(whole, three.cut, three.other, buildWall(three, shell.meta));
   buildMarkers(three, shell);
-  three.fixed.add(buildBase(shell.meta));
+  three.fixed.add(buildClamps(shell.arrays.clamps));
 }
 
 // The same points and colours, of which only a part of the triangles is drawn.
@@ -229,12 +235,23 @@ function buildWall(three, meta) {
   return pane;
 }
 
-function buildBase(meta) {
-  const ring = new THREE.RingGeometry(meta.outer_base_radius_mm, meta.outer_base_radius_mm + 4, 96);
-  const material = new THREE.MeshLambertMaterial({ color: 0x9aa8b5, side: THREE.DoubleSide, transparent: true, opacity: 0.55 });
-  const base = new THREE.Mesh(ring, material);
-  base.position.z = -0.02;
-  return base;
+// A strip outward from every outer edge that is clamped.
+function buildClamps(edges) {
+  const [count, size] = edges.shape;
+  const points = [];
+  const corners = [];
+  for (let i = 0; i < count * size; i++) {
+    const [x, y, z] = edges.subarray(3 * i, 3 * i + 3);
+    const out = 1 + CLAMP_MM / Math.hypot(x, y);
+    points.push(x, y, z - 0.02, out * x, out * y, z - 0.02);
+    if (i % size) corners.push(2 * i - 2, 2 * i - 1, 2 * i, 2 * i, 2 * i - 1, 2 * i + 1);
+  }
+  const strip = new THREE.BufferGeometry();
+  strip.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+  strip.setIndex(corners);
+  strip.computeVertexNormals();
+  return new THREE.Mesh(strip, new THREE.MeshLambertMaterial(
+    { color: 0x9aa8b5, side: THREE.DoubleSide, transparent: true, opacity: 0.55 }));
 }
 
 function buildMarkers(three, shell) {
@@ -250,11 +267,11 @@ function buildMarkers(three, shell) {
 }
 
 function placeWall(three, slot, depth) {
-  const { normal, touch_mm: touch } = slot.motion.meta;
+  const { normal, touch_mm: touch, way } = slot.motion.meta;
   three.pane.visible = stage.look.wall;
   // a hair above the surface, or pane and skin would flicker through each other
   const lift = 0.08;
-  three.pane.position.set(touch[0] + lift * normal[0], touch[1] + lift * normal[1], touch[2] + lift * normal[2] - depth);
+  three.pane.position.set(...touch.map((at, i) => at + lift * normal[i] - depth * way[i]));
   three.pane.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(...normal));
 }
 
@@ -267,7 +284,7 @@ function placeMarkers(three, slot, place) {
   const at = { image, next: Math.min(place.next, images - 1), share: place.share };
   const now = between(positions, count * 3, at, new Float32Array(count * 3));
   const matrix = new THREE.Matrix4();
-  const away = cutAway(positions, count);
+  const away = cutAway(positions, count, slot.shell.meta.turned ? stage.pose.azimuth : 0);
   for (let m = 0; m < count; m++) {
     if (away(m)) {
       three.balls.setMatrixAt(m, matrix.makeScale(0, 0, 0));
@@ -303,9 +320,9 @@ function roomFor(geometry, size) {
 }
 
 // Whether a marker sits on the half that is cut away: on the far side of the mirror plane at rest.
-function cutAway(positions, count) {
+function cutAway(positions, count, azimuth) {
   if (!stage.look.cut) return () => false;
-  const angle = (stage.pose.azimuth * Math.PI) / 180;
+  const angle = (azimuth * Math.PI) / 180;
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
   return (m) => m < count && positions[3 * m] * cos + positions[3 * m + 1] * sin < -0.1;
 }
@@ -347,9 +364,9 @@ function colour(three, slot, place, top) {
   if (name === "stress" && slot.motion.arrays.stress) {
     between(slot.motion.arrays.stress, field.length, place, field);
   } else if (name === "contact") {
-    const { normal: n, touch_mm: t } = slot.motion.meta;
+    const { normal: n, touch_mm: touch, way } = slot.motion.meta;
     const at = three.positions.array;
-    const level = n[0] * t[0] + n[1] * t[1] + n[2] * (t[2] - place.depth);
+    const level = n.reduce((sum, part, i) => sum + part * (touch[i] - place.depth * way[i]), 0);
     for (let i = 0; i < field.length; i++) {
       field[i] = level - (n[0] * at[3 * i] + n[1] * at[3 * i + 1] + n[2] * at[3 * i + 2]);
     }

@@ -1,5 +1,6 @@
 // The stage: one pose and one look that every drawing on the page shares, and the designs that are shown.
-// A design's triangles are fetched once, its motion once a tilt, its markers once a pose; depths are gone through here.
+// A design's triangles are fetched once, its motion once a tilt (of a skin that is not of revolution once a pose), its
+// markers once a pose; depths are gone through here.
 
 export const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c", "#22a884", "#44bf70",
   "#7ad151", "#bddf26", "#fde725"];
@@ -88,14 +89,15 @@ async function fetchPose(slot) {
   const tilts = slot.shell.meta.tilts_deg;
   const tilt = Math.min(Math.max(stage.pose.tilt, tilts[0]), tilts[tilts.length - 1]);
   const azimuth = stage.pose.azimuth;
+  const way = slot.shell.meta.turned ? 0 : azimuth;
   const stress = stage.look.colour === "stress";
-  const known = slot.motion && slot.motion.tilt === tilt && (!stress || slot.motion.arrays.stress);
+  const known = slot.motion && slot.motion.tilt === tilt && slot.motion.way === way && (!stress || slot.motion.arrays.stress);
   const [motion, markers] = await Promise.all([
-    known ? slot.motion : ask(`/data/motion/${name}?tilt=${tilt}&stress=${stress}`),
+    known ? slot.motion : ask(`/data/motion/${name}?tilt=${tilt}&azimuth=${way}&stress=${stress}`),
     ask(`/data/markers/${name}?tilt=${tilt}&azimuth=${azimuth}`),
   ]);
   if (slot.name !== name || !motion || !markers) return;
-  motion.tilt = tilt;
+  Object.assign(motion, { tilt, way });
   Object.assign(slot, { motion, markers, azimuth });
   changed();
 }

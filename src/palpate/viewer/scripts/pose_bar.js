@@ -68,10 +68,11 @@ export default {
       const tilts = shown.map((slot) => slot.shell.meta.tilts_deg);
       this.deepest = deepest;
       this.tilts = [Math.min(...tilts.map((all) => all[0])), Math.max(...tilts.map((all) => all.at(-1)))];
-      const reachable = Math.min(this.values.depth, deepest);
-      if (reachable !== this.values.depth) {
-        this.values.depth = reachable;
-        setPose({ depth: reachable });
+      const [low, high] = this.tilts;
+      const reached = { depth: Math.min(this.values.depth, deepest), tilt: Math.min(Math.max(this.values.tilt, low), high) };
+      if (reached.depth !== this.values.depth || reached.tilt !== this.values.tilt) {
+        Object.assign(this.values, reached);
+        setPose(reached);
       }
     },
     play() {

@@ -1,5 +1,6 @@
 """A dome between its solved tilts: exact at them, smooth between, honest where nothing was solved."""
 
+from math import gamma
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,14 +9,16 @@ from made_up_presses import MESH, made_up_press, moved
 
 from palpate.camera import build_camera
 from palpate.core import PalpateError
-from palpate.design import MarkerSpec, place_markers, turn_about_axis
+from palpate.design import MarkerSpec, place_markers, rotation_vector, turn_about_axis, wall_normal
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fea import WallSpec
+from palpate.fea import BallSpec
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.twin import build_field
+from palpate.viewer.gather_presses import gather_presses
 from palpate.viewer.markers_seen import follow_markers
-from palpate.viewer.pressed_dome import gather_presses
 from palpate.viewer.shell import PARTS, build_shell
+
+PAD = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, flat_radius=7.5, stretch=1.2).build()
 
 
 @pytest.fixture(scope="module")
@@ -131,9 +134,60 @@ def test_the_shell_is_closed_and_lies_on_the_two_spheres():
     assert (times == 2).all()  # every edge of the half dome is shared by two triangles: nothing is open
 
 
-def test_presses_of_a_pad_are_not_drawn() -> None:
-    pad = FlatPadSpec(height=3.5, base_radius=10.4, thickness=0.5, flat_radius=7.5).build()
-    mesh = mesh_skin(pad, MeshSpec(filled=True, cells=6, core=1))
-    press = SimpleNamespace(mesh=mesh, wall=WallSpec())
-    with pytest.raises(PalpateError, match="no body of revolution: its presses are not drawn"):
+def pad_moved(points, tilt_deg, azimuth_deg, depth):
+    """Displacement (n, 3) mm under a wall: by how far each point would lie beyond it, less towards the base."""
+    normal = wall_normal(*rotation_vector(np.radians(tilt_deg), np.radians(azimuth_deg)))
+    height = PAD.touch_height(normal[None])[0] - depth - points[:, :2] @ normal[:2] / normal[2]
+    deep = (4.0 - height) * points[:, 2] / 4.0
+    return np.column_stack([0.02 * points[:, 0] * deep, 0.01 * points[:, 1] * deep, -0.5 * deep])
+
+
+@pytest.fixture(scope="module")
+def pad():
+    def press(tilt, azimuth):
+        mesh = mesh_skin(PAD, MeshSpec(filled=True, cells=6, core=1, whole=azimuth > 0))
+        return made_up_press(
+            tilt, mesh=mesh, azimuth_deg=azimuth, move=lambda points, tilt, d: pad_moved(points, tilt, azimuth, d)
+        )
+
+    return gather_presses([press(0.0, 0.0), *(press(t, a) for t in (1.0, 2.0) for a in (0.0, 45.0, 90.0))])
+
+
+@pytest.mark.parametrize("pose", [(2.0, 0.0), (1.0, 45.0), (2.0, 90.0), (1.5, 20.0), (1.2, 200.0), (0.7, 305.0)])
+def test_a_pad_is_drawn_whole_at_every_azimuth_in_its_own_frame(pad, pose):
+    motion = pad.at(*pose)
+    assert len(pad.nodes) < len(pad.mesh.nodes)  # the gel is not drawn
+    assert motion.depths_mm[:4].tolist() == pytest.approx([0, 0.8, 1.6, 2.4])
+    assert not motion.displacement[0].any()
+    assert motion.displacement[3] == pytest.approx(pad_moved(pad.nodes, *pose, 2.4), abs=0.02)
+    assert motion.displacement[3] != pytest.approx(pad_moved(pad.nodes, pose[0], pose[1] + 30, 2.4), abs=0.02)
+    assert motion.normal == pytest.approx(wall_normal(*np.radians(rotation_vector(pose[0], np.radians(pose[1])))))
+    assert motion.force_n[3] == pytest.approx(0.24, rel=0.05)
+
+
+def test_the_surface_of_a_pad_that_is_drawn_carries_its_markers(pad):
+    layout = place_markers(PAD, MarkerSpec(ring_diameters=(5.0, 10.0)))
+    motion = pad.at(1.4, 75.0)
+    drawn = layout.positions + locate_inner(pad.mesh, layout.positions).interpolate(motion.displacement)
+    assert drawn[1:] == pytest.approx(pad.markers(layout, motion, 75.0)[1:], abs=1e-3)
+
+
+def test_the_shell_of_a_whole_filled_pad_is_its_wall_alone_and_closed():
+    mesh = mesh_skin(PAD, MeshSpec(filled=True, cells=16, core=3, whole=True))
+    shell = build_shell(mesh)
+    corners = mesh.nodes[shell.nodes[shell.triangles]]
+    volume = np.einsum("ki,ki->k", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
+    along = np.column_stack([np.linspace(0, 1, 2001), np.zeros(2001)])
+    half = [PAD.point(along, layer)[:, [0, 2]] for layer in (0.0, 1.0)]  # each section, carried round the plan
+    under = [-np.trapezoid(section[:, 0] ** 2, section[:, 1]) for section in half]
+    plan = 4 * PAD.stretch * gamma(1 + 1 / PAD.squareness) ** 2 / gamma(1 + 2 / PAD.squareness)
+    assert shell.parts["cut"][1] == 0
+    edges = np.sort(np.concatenate([shell.nodes[shell.triangles][:, pair] for pair in ([0, 1], [1, 2], [2, 0])]))
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    assert volume == pytest.approx(plan * (under[1] - under[0]), rel=0.01)
+
+
+def test_presses_by_a_ball_are_not_drawn_as_those_of_a_wall() -> None:
+    press = SimpleNamespace(mesh=MESH, wall=BallSpec())
+    with pytest.raises(PalpateError, match=r"by other than walls are not drawn: ball 5 mm, 0 mm off the axis"):
         gather_presses([press])
