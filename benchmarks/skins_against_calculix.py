@@ -4,11 +4,11 @@
     python benchmarks/skins_against_calculix.py RESULTS.csv published   every published sensor
 
 Frictionless, 5°, 91 markers (published sensors: their own markers, half of their depth, pads 2°, a barrel from its
-side, 2° from its middle), 20-node bricks
-(C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh under the point of first touch in both. What
-is flat or filled has more cells around (`core`), and a filled one a contact that is stiffer by its wall's modulus in
-CalculiX: docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes
-on where it was.
+side at 92°), 20-node bricks (C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh under the point
+of first touch in both. Forces are those along the way of the wall. What is flat or filled has more cells around
+(`core`), a barrel along, and a filled one a contact that is stiffer by its wall's modulus in CalculiX:
+docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes on where
+it was.
 """
 
 import csv
@@ -31,7 +31,7 @@ from palpate.study import plan_study, read_study
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 RUBBER = get_material("neo-hooke:0.1")
 HOLLOW, FLAT, FILLED = MeshSpec(core=2), MeshSpec(cells=32, core=4), MeshSpec(cells=14, core=4, filled=True)
-TUBE = MeshSpec()
+TUBE = MeshSpec(cells=48, core=4)
 CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
     "cone": (ConeSpec(height=22, base_radius=18, edge_radius=8), SILICONE, HOLLOW, 6.0),
     "cone with a flat": (ConeSpec(height=18, base_radius=18, flat_radius=5, edge_radius=8), SILICONE, FLAT, 6.0),
