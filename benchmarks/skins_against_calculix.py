@@ -3,11 +3,12 @@
     python benchmarks/skins_against_calculix.py RESULTS.csv             every kind of skin
     python benchmarks/skins_against_calculix.py RESULTS.csv published   every published sensor
 
-Frictionless, 5°, 91 markers (published sensors: their own markers, half of their depth, pads 2°), 20-node bricks
-(C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh under the point of first touch in both. What
-is flat or filled has more cells around (`core`), and a filled one a contact that is stiffer by its wall's modulus in
-CalculiX: docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes
-on where it was.
+Frictionless, 5°, 91 markers (published sensors: their own markers, half of their depth, pads 2°, a barrel from its
+side at 92°), 20-node bricks (C3D20R) in CalculiX where palpate has 27-node ones, the pole of the mesh under the point
+of first touch in both. Forces are those along the way of the wall. What is flat or filled has more cells around
+(`core`), a barrel along, and a filled one a contact that is stiffer by its wall's modulus in CalculiX:
+docs/theory/skins.md says why. A skin is written when both programs have finished it, so a stopped run goes on where
+it was.
 """
 
 import csv
@@ -22,7 +23,7 @@ from palpate.core import FloatArray
 from palpate.deck import DeckSpec, Dialect, solve_press_calculix
 from palpate.deck.calculix import CalculixSpec
 from palpate.design import ConeSpec, DomeSpec, EllipsoidSpec, MarkerSpec, Skin, SkinSpec, SplineSpec, place_markers
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import ObstacleSpec, Press, WallSpec, solve_press
 from palpate.material import Material, get_material
 from palpate.mesh import MeshSpec, centre_mesh, mesh_skin
 from palpate.study import plan_study, read_study
@@ -30,6 +31,7 @@ from palpate.study import plan_study, read_study
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
 RUBBER = get_material("neo-hooke:0.1")
 HOLLOW, FLAT, FILLED = MeshSpec(core=2), MeshSpec(cells=32, core=4), MeshSpec(cells=14, core=4, filled=True)
+TUBE = MeshSpec(cells=48, core=4)
 CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
     "cone": (ConeSpec(height=22, base_radius=18, edge_radius=8), SILICONE, HOLLOW, 6.0),
     "cone with a flat": (ConeSpec(height=18, base_radius=18, flat_radius=5, edge_radius=8), SILICONE, FLAT, 6.0),
@@ -38,7 +40,7 @@ CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
     "tapered": (EllipsoidSpec(height=18, thickness=1.5, aspect=0.9, taper=1.8), SILICONE, HOLLOW, 3.2),
     "filled dome": (DomeSpec(thickness=1), replace(RUBBER, gel=get_material("neo-hooke:0.01")), FILLED, 3.2),
 }
-PUBLISHED = "hemisphere_397", "small_tactip", "tactip_127", "filled_hemisphere", "gel_pad", "flat_pad"
+PUBLISHED = "hemisphere_397", "small_tactip", "tactip_127", "filled_hemisphere", "gel_pad", "flat_pad", "barrel"
 ALIKE = {"tactip_127": "tactip_331"}
 """Published sensors of the same wall and gel, but other pins: one press serves both."""
 STIFFER = 50.0
@@ -58,7 +60,7 @@ class Case:
     skin: Skin
     material: Material
     mesh: MeshSpec
-    wall: WallSpec
+    wall: ObstacleSpec
     markers: Mapping[str, tuple[Skin, FloatArray]]
     """Skin with its pins and markers (n, 3) mm by the name of the sensor that has them."""
 
@@ -74,11 +76,12 @@ def published_case(name: str) -> Case:
     """One press of a study of the package, its mesh refined around (docs/theory/skins.md)."""
     designs = {one: plan_study(read_study(one)).designs[0].dataset for one in (name, ALIKE.get(name, name))}
     press = designs[name].presses[0]
-    skin, filled = press.skin.build(), press.mesh.filled
+    skin = press.skin.build()
+    mesh = FILLED if press.mesh.filled else TUBE if skin.hole else HOLLOW
     markers = {one: _marked(design.presses[0].skin.build(), design.markers) for one, design in designs.items()}
-    tilt, depth = 5.0 if skin.height > PAD_MM else 2.0, press.wall.depth / 2
-    wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=depth, image_step=depth / IMAGES)
-    return Case(skin, press.material, FILLED if filled else HOLLOW, wall, markers)
+    tilt, depth = 92.0 if press.wall.sideways else 5.0 if skin.height > PAD_MM else 2.0, press.wall.depth / 2
+    travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "image_step": depth / IMAGES}
+    return Case(skin, press.material, mesh, press.wall.model_copy(update=travel), markers)
 
 
 def _marked(skin: Skin, markers: MarkerSpec) -> tuple[Skin, FloatArray]:
@@ -98,15 +101,16 @@ def compare(case: Case) -> list[dict[str, object]]:
 def rows_of(name: str, ours: Press, theirs: Press, skin: Skin, markers: FloatArray) -> list[dict[str, object]]:
     ours, theirs = (replace(press, mesh=replace(press.mesh, skin=skin)) for press in (ours, theirs))
     count = min(len(ours.depth), len(theirs.depth))
+    force, other = _thrust(ours), _thrust(theirs)
     away = np.linalg.norm(ours.positions(markers)[:count] - theirs.positions(markers)[:count], axis=-1)
     return [
         {
             "skin": name,
             "cells": len(ours.mesh.cells),
             "depth_mm": round(float(ours.depth[k]), 4),
-            "force_palpate_n": f"{ours.force[k, 2]:.6f}",
-            "force_calculix_n": f"{theirs.force[k, 2]:.6f}",
-            "force_deviation_percent": f"{100 * (ours.force[k, 2] / theirs.force[k, 2] - 1):.3f}",
+            "force_palpate_n": f"{force[k]:.6f}",
+            "force_calculix_n": f"{other[k]:.6f}",
+            "force_deviation_percent": f"{100 * (force[k] / other[k] - 1):.3f}",
             "energy_deviation_percent": f"{100 * (ours.energy[k] / theirs.energy[k] - 1):.3f}",
             "marker_rms_percent": f"{100 * np.sqrt((away[k] ** 2).mean()) / ours.depth[k]:.3f}",
             "marker_max_percent": f"{100 * away[k].max() / ours.depth[k]:.3f}",
@@ -116,6 +120,11 @@ def rows_of(name: str, ours: Press, theirs: Press, skin: Skin, markers: FloatArr
         for k in range(1, count)
         if abs(ours.depth[k] - theirs.depth[k]) < 1e-6
     ]
+
+
+def _thrust(press: Press) -> FloatArray:
+    """Force (n,) N against the way of the obstacle."""
+    return np.asarray(press.force @ press.wall.turn(press.mesh) @ press.wall.way(press.mesh))
 
 
 def main() -> None:

@@ -3,8 +3,8 @@
 The elements are 20-node bricks with 2 × 2 × 2 points (C3D20R), the contact is node to surface by a penalty. What
 CalculiX does not give is nan: contact energy, tension of the hold. Stored energy is that of its displacement at the
 2 × 2 × 2 points (what it prints itself, ELSE, is far from the work of the wall on coarse meshes), work that
-of the increments' axial force by monotone cubics. Contact area and apex gap are measured on its displaced surface, as
-for our own solver.
+of the increments' force along the wall's way by monotone cubics. Contact area and apex gap are measured on its
+displaced surface, as for our own solver.
 """
 
 from __future__ import annotations
@@ -190,17 +190,17 @@ def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: Obs
     depth = np.concatenate([[0.0], found.depth])
     moved = fill_nodes(mesh.cells, found.displacement)
     displacement = np.concatenate([np.zeros((1, *mesh.nodes.shape)), moved])
-    force = np.concatenate([np.zeros((1, 3)), parts * side * found.wall_force]) @ wall.turn(mesh).T
+    force = np.concatenate([np.zeros((1, 3)), parts * side * found.wall_force])
     gap, area = _contact(mesh, wall, depth, displacement)
     nothing = np.full(len(depth), np.nan)
     return {
         "depth": depth,
         "displacement": displacement,
-        "force": force,
+        "force": force @ wall.turn(mesh).T,
         "energy": parts * np.array([stored_energy(mesh, material, u) for u in displacement]),
         "contact_energy": nothing,
         "dissipation": nothing,
-        "work": PchipInterpolator(depth, force[:, 2]).antiderivative()(depth),
+        "work": PchipInterpolator(depth, force @ wall.way(mesh)).antiderivative()(depth),
         "branch": np.where(gap > _INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], found.peak_stress]),
         "contact_area": parts * area,
@@ -216,11 +216,11 @@ def _contact(
     """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every increment."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
-    obstacle, touched = wall.at_touch(mesh)
+    path, touched = wall.path(mesh), wall.at_touch(mesh)[1]
     probe = np.argmin(np.linalg.norm(surface.points - touched, axis=1))
     gap, area = [], []
     for d, u in zip(depth, displacement, strict=True):
-        reach = obstacle.moved(np.array([0.0, 0.0, -d])).reach(surface.interpolate(mesh.nodes + u))
+        reach = path(d).reach(surface.interpolate(mesh.nodes + u))
         gap.append(-reach[probe])
         area.append(surface.current_area(mesh.nodes + u, reach > 0))
     return np.array(gap), np.array(area)

@@ -77,7 +77,7 @@ def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
             "BASE": np.intersect1d(mesh.base, used),
             "INNER": np.intersect1d(mesh.inner_faces, used),
             "OUTER": np.intersect1d(mesh.outer_faces, used),
-            "APEX": np.array([mesh.pole_inner, mesh.pole_outer]),
+            "APEX": _apex(mesh, mesh.pole_inner, mesh.pole_outer),
             "MIRROR": np.intersect1d(mesh.mirror, used),
         },
         element_sets={
@@ -107,12 +107,17 @@ def _shell(mesh: Mesh) -> DeckMesh:
             "BASE": np.intersect1d(mesh.base, used),
             "INNER": used,
             "OUTER": used,
-            "APEX": np.array([mesh.pole_inner + level]),
+            "APEX": _apex(mesh, mesh.pole_inner + level),
             "MIRROR": np.intersect1d(mesh.mirror, used),
         },
         element_sets={"DOME": np.arange(len(elements))},
         surfaces={"INNER_FACE": ("DOME", "SNEG"), "OUTER_FACE": ("DOME", "SPOS")},
     )
+
+
+def _apex(mesh: Mesh, *numbers: int) -> IntArray:
+    """Those node numbers; none of a skin that is open where an apex would be."""
+    return np.array([] if mesh.skin.hole else numbers, int)
 
 
 def mesh_lines(deck: DeckMesh) -> Iterator[str]:

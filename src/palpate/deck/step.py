@@ -1,10 +1,17 @@
-"""Step and outputs of a deck: the wall moves along -z, pseudo-time is its travel in mm."""
+"""Step and outputs of a deck: the wall moves against its way, pseudo-time is its travel in mm."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import groupby
 
+import numpy as np
+
+from palpate.core import FloatArray
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
+
+_NOTHING = 1e-12
+"""Share of a direction below which it is rounding."""
 
 
 def image_lines(depths: list[float]) -> Iterator[str]:
@@ -28,24 +35,43 @@ def boundary_lines(spec: DeckSpec, *, half: bool) -> Iterator[str]:
             yield "MIRROR, 5, 6"
 
 
-def step_lines(spec: DeckSpec, depths: list[float]) -> Iterator[str]:
-    """Lines of the one step to the last of `depths` (mm), with its outputs."""
+def step_lines(spec: DeckSpec, depths: list[float], way: FloatArray) -> Iterator[str]:
+    """Lines of the one step to the last of `depths` (mm), against the unit vector `way` (3,), with its outputs."""
     travel = depths[-1]
     first = min(spec.increment, depths[0])
-    yield f"** The wall moves by {travel:.6g} mm along -z, in increments of at most {spec.increment:g} mm"
+    along = _in_words(-way)
+    yield f"** The wall moves by {travel:.6g} mm along {along}, in increments of at most {spec.increment:g} mm"
     yield "*STEP, NLGEOM, INC=100000" if spec.dialect is Dialect.CALCULIX else "*STEP, NLGEOM=YES, INC=100000"
     yield "*STATIC"
     yield f"{first:.10g}, {travel:.10g}, {spec.smallest_increment:g}, {spec.increment:.10g}"
     yield "*BOUNDARY"
     wall = "WALL_NODES" if spec.dialect is Dialect.CALCULIX else "WALL_REF"
-    yield f"{wall}, 1, 2"
-    yield f"{wall}, 3, 3, {-travel:.10g}"
+    yield from (f"{wall}, {line}" for line in _moves(-travel * way))
     if spec.dialect is Dialect.CALCULIX:
         yield from _calculix_outputs()
     else:
         yield f"{wall}, 4, 6"
         yield from _abaqus_outputs()
     yield "*END STEP"
+
+
+def _moves(by: FloatArray) -> Iterator[str]:
+    """Lines of ``*BOUNDARY`` that move a set by a vector (3,) mm, without the set: where it stays, and where not."""
+    still = np.abs(by) <= _NOTHING * np.abs(by).max()
+    for stays, group in groupby(range(3), key=lambda k: bool(still[k])):
+        axes = [k + 1 for k in group]
+        if stays:
+            yield f"{axes[0]}, {axes[-1]}"
+        else:
+            yield from (f"{k}, {k}, {by[k - 1]:.10g}" for k in axes)
+
+
+def _in_words(along: FloatArray) -> str:
+    """A unit vector (3,) as text: ``-z`` where it is along an axis."""
+    (axes,) = np.nonzero(np.abs(along) > _NOTHING)
+    if len(axes) == 1:
+        return ("-" if along[axes[0]] < 0 else "+") + "xyz"[axes[0]]
+    return "(" + ", ".join(f"{part:.6g}" for part in along + 0.0) + ")"
 
 
 def _calculix_outputs() -> Iterator[str]:

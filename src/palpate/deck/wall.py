@@ -51,23 +51,24 @@ def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -
     """The obstacle over a mesh; `elements` are already numbered."""
     if wall.drifts:
         raise PalpateError(
-            f"A deck's obstacle only descends along the skin's axis, and this one does not: {wall.words}.",
+            f"A deck's obstacle moves along one way, and this one drifts or turns besides: {wall.words}.",
             "Leave out drift and twist, or press with a wall instead of a route.",
-        )
-    if wall.sideways:
-        raise PalpateError(
-            f"A deck's obstacle descends along the skin's axis, and this one comes to its side: {wall.words}.",
-            "Press it by palpate's own solver: leave out --solver.",
         )
     if isinstance(wall, WallSpec) and wall.bend:
         raise PalpateError("A deck has no wall that is nearly flat.", "Leave the bend out, or press with a ball.")
     obstacle, touched = wall.at_touch(mesh)
-    half = 2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness)
+    half = max(2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness), _farthest(mesh, touched, wall.way(mesh)))
     points, facets = obstacle.patch(touched, half)
     if dialect is Dialect.CALCULIX:
         inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
         points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
     return DeckWall(ascii_words(wall), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
+
+
+def _farthest(mesh: Mesh, touched: FloatArray, way: FloatArray) -> float:
+    """Distance in mm of the skin's farthest point from the line on which a point (3,) of the obstacle moves."""
+    arm = mesh.nodes - touched
+    return float(np.linalg.norm(arm - np.outer(arm @ way, way), axis=1).max())
 
 
 def wall_lines(wall: DeckWall, dialect: Dialect) -> Iterator[str]:

@@ -55,7 +55,8 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
     Raises
     ------
     PalpateError
-        If the dialect has not the element or the law, or the wall would touch the clamped rim first.
+        If the dialect has not the element or the law, the obstacle moves other than along one way, or it would touch
+        the clamped rim first.
     """
     spec = spec or DeckSpec()
     if spec.dialect is Dialect.CALCULIX and spec.element is DeckElement.SHELL:
@@ -75,7 +76,7 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
         *contact_lines(wall, spec),
         *boundary_lines(spec, half=not mesh.spec.whole),
         *image_lines(depths),
-        *step_lines(spec, depths),
+        *step_lines(spec, depths, wall.way(mesh)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -91,7 +92,8 @@ def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) 
     yield "*HEADING"
     yield f"palpate {provenance()['palpate']}: {skin.name}, pressed by a rigid obstacle"
     yield "** Units: mm, N, MPa, mJ; pseudo-time is the travel of the wall in mm"
-    yield "** Frame: origin in the middle of the base plane, z along the axis to the apex"
+    top = "far end" if skin.hole else "apex"
+    yield f"** Frame: origin in the middle of the base plane, z along the axis to the {top}"
     yield f"** Made by palpate {provenance()['palpate']} for {spec.dialect}, element {spec.element}"
     yield (
         f"** skin: {skin.name}, height {skin.height:g} mm, base radius {skin.base_radius:g} mm, thickness "

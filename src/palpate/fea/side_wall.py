@@ -14,8 +14,6 @@ normal.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import Literal, final
 
 import numpy as np
@@ -63,9 +61,6 @@ class SideWallSpec(ObstacleSpec):
         touched = mesh.skin.touch(normal)
         return Plane(normal, touched), touched
 
-    def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
-        return partial(_pushed, self.at_touch(mesh)[0], self.way(mesh))
-
     def way(self, mesh: Mesh) -> FloatArray:
         """See `ObstacleSpec`.
 
@@ -93,8 +88,3 @@ class SideWallSpec(ObstacleSpec):
 
     def clamp_depth(self, mesh: Mesh) -> float:
         return mesh.skin.clamp_depth(np.radians(self.tilt_deg), mesh.spec.rim)
-
-
-def _pushed(wall: Obstacle, normal: FloatArray, depth: float) -> Obstacle:
-    """A wall that touches the skin, moved by a depth in mm against its outward normal (3,)."""
-    return wall.moved(-depth * normal)

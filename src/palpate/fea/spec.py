@@ -130,12 +130,12 @@ class ObstacleSpec(Spec, ABC):
         """
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
-        """The obstacle at a depth in mm: brought down along the skin's axis, unless it says otherwise."""
-        return partial(descended, self.at_touch(mesh)[0])
+        """The obstacle at a depth in mm: moved against its way, unless it says otherwise."""
+        return partial(descended, self.at_touch(mesh)[0], self.way(mesh))
 
-    def way(self, mesh: Mesh) -> FloatArray | None:
-        """Unit vector (3,) against which it moves, in the frame of the mesh; None: the skin's axis."""
-        return None
+    def way(self, mesh: Mesh) -> FloatArray:
+        """Unit vector (3,) against which it moves, in the frame of the mesh: the skin's axis by default."""
+        return np.array([0.0, 0.0, 1.0])
 
     def refuse_skin(self, skin: Skin, rim: Rim = Rim.FLAT) -> None:
         """Refuse, with a `PalpateError`, a skin that it cannot come to, or one whose rim it would touch first."""
@@ -174,6 +174,6 @@ def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
         )
 
 
-def descended(obstacle: Obstacle, depth: float) -> Obstacle:
-    """An obstacle that touches the skin, brought down by a depth in mm."""
-    return obstacle.moved(np.array([0.0, 0.0, -depth]))
+def descended(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
+    """An obstacle that touches the skin, moved by a depth in mm against a unit vector (3,)."""
+    return obstacle.moved(-depth * way)

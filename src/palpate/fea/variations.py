@@ -179,7 +179,7 @@ def _vary_wall(made: Made, name: str) -> Variation:
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
         touched = Plane(normal, made.mesh.skin.touch(normal), bend=1e-3 * made.wall.bend)
-        sides.append(replace(made.loading, obstacle=partial(descended, touched)))
+        sides.append(replace(made.loading, obstacle=partial(descended, touched, made.wall.way(made.mesh))))
     return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
 
 

@@ -81,8 +81,9 @@ class WallSpec(ObstacleSpec):
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         touched, _ = self.at_touch(mesh)
+        down = partial(descended, touched, self.way(mesh))
         if not self.drifts:
-            return partial(descended, touched)
+            return down
         if not mesh.spec.whole and (self.drift_across or self.twist_rate_deg):
             raise PalpateError(
                 f"A wall that drifts by {self.drift_across:g} mm/mm across its slope, or turns by "
@@ -92,7 +93,7 @@ class WallSpec(ObstacleSpec):
         assert isinstance(touched, Plane)
         along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)
         way = self.drift * along + self.drift_across * across
-        return partial(drifting, partial(descended, touched), way, np.radians(self.twist_rate_deg))
+        return partial(drifting, down, way, np.radians(self.twist_rate_deg))
 
     def normal(self, mesh: Mesh) -> FloatArray:
         """Outward normal (3,) in the frame of the mesh: a half model lies in the tilt plane.

@@ -164,5 +164,5 @@ def test_a_wall_that_tilts_once_it_is_down_is_refused_where_it_cuts_the_rim() ->
 
 
 def test_a_route_is_refused_by_a_deck() -> None:
-    with pytest.raises(PalpateError, match=r"only descends .* route of 2 waypoints"):
+    with pytest.raises(PalpateError, match=r"moves along one way, .* route of 2 waypoints"):
         deck_text(MESH, ECOFLEX, RouteSpec())

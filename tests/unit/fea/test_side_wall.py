@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from palpate.core import PalpateError
-from palpate.deck import deck_text
 from palpate.design import Dome, MarkerSpec, place_markers
 from palpate.design.barrel import BarrelSpec
 from palpate.fea import (
@@ -181,7 +180,7 @@ def test_what_comes_down_along_the_axis_is_refused(obstacle: WallSpec | BallSpec
         solve_press(mesh_skin(SKIN, COARSE), SILICONE, obstacle)
 
 
-def test_other_skins_steep_tilts_other_states_derivatives_and_decks_are_refused() -> None:
+def test_other_skins_steep_tilts_other_states_and_derivatives_are_refused() -> None:
     mesh = mesh_skin(SKIN, COARSE)
     with pytest.raises(PalpateError, match=r"comes to the side of a barrel, and H20 T2 is none"):
         solve_press(mesh_skin(Dome(20.0, 20.0, 2.0), MeshSpec(cells=6)), SILICONE, SideWallSpec())
@@ -191,5 +190,3 @@ def test_other_skins_steep_tilts_other_states_derivatives_and_decks_are_refused(
         solve_press(mesh, SILICONE, SideWallSpec(), branch=Branch.INVERTED)
     with pytest.raises(PalpateError, match="no derivative by 'tilt_deg'"):
         solve_press(mesh, SILICONE, SideWallSpec(depth=0.5), SolverSpec(derivatives=("tilt_deg",)))
-    with pytest.raises(PalpateError, match="this one comes to its side"):
-        deck_text(mesh, SILICONE, SideWallSpec())
