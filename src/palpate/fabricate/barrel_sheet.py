@@ -14,7 +14,7 @@ DENSITY = 1.07
 """Of Ecoflex, g/mL (Smooth-On technical bulletin)."""
 
 
-def describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold, spec: ProcessSpec) -> list[str]:
+def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold, spec: ProcessSpec) -> list[str]:
     """Write what is made."""
     return [
         f"{skin.shape}: {skin.height:g} mm between the clamps, inner radius {skin.base_radius:g} mm at both ends and "
@@ -26,7 +26,7 @@ def describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold, spec: 
     ]
 
 
-def list_material(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -> list[str]:
+def list_for_barrel(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -> list[str]:
     """Write the bill: `mixed` mL of elastomer in all."""
     ink = mold.pins_mm3 / 1000
     return [
@@ -44,7 +44,7 @@ def list_material(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -> 
     ]
 
 
-def cast(mixed: float, mold: Mold, skin: Skin) -> list[str]:
+def cast_barrel(mixed: float, mold: Mold, skin: Skin) -> list[str]:
     """Write the steps from the printed mold to the skin."""
     stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
     return [
@@ -70,7 +70,7 @@ def cast(mixed: float, mold: Mold, skin: Skin) -> list[str]:
     ]
 
 
-def inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
+def inspect_barrel(skin: Skin, layout: MarkerLayout) -> list[str]:
     """Write what is measured."""
     return [
         f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
@@ -83,7 +83,7 @@ def inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def assemble(frame: Frame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+def assemble_barrel(frame: Frame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     """Write how skin, rods and far end come onto the housing."""
     high = frame.module.top
     mark = place_orientation_mark(frame.module.dome, layout)

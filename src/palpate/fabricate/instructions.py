@@ -20,7 +20,13 @@ from palpate.design import (
     Rim,
     Skin,
 )
-from palpate.fabricate import barrel_sheet
+from palpate.fabricate.barrel_sheet import (
+    assemble_barrel,
+    cast_barrel,
+    describe_barrel,
+    inspect_barrel,
+    list_for_barrel,
+)
 from palpate.fabricate.enclosure import Enclosure
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
@@ -81,10 +87,10 @@ def write_instructions(
         marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
     else:
         told = (
-            barrel_sheet.describe(skin, layout, material, mold, spec),
-            barrel_sheet.list_material(mixed, mold, frame, spec),
-            barrel_sheet.cast(mixed, mold, skin),
-            barrel_sheet.inspect(skin, layout),
+            describe_barrel(skin, layout, material, mold, spec),
+            list_for_barrel(mixed, mold, frame, spec),
+            cast_barrel(mixed, mold, skin),
+            inspect_barrel(skin, layout),
         )
         marks = []
     what, needed, cast, measured = (tuple(lines) for lines in told)
@@ -222,7 +228,7 @@ def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: 
         *([] if enclosure.frame else [seen]),
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
         *([window] if "window" in enclosure.parts else []),
-        *(barrel_sheet.assemble(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
+        *(assemble_barrel(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
         "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",
     ]
 
