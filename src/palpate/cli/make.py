@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from palpate.camera import CameraSpec, read_window
+from palpate.camera import CameraSpec, read_calibration, read_window
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json
 from palpate.cli.unit import DesignFlags
@@ -17,6 +17,7 @@ from palpate.fabricate import FabricationPack, PackSpec, ProcessSpec, write_pack
 from palpate.study import MaterialSpec
 
 _OUT = "New folder for the pack."
+_LENS = "YAML file of `palpate calibrate`; without it, the nominal camera's lens."
 _WINDOW = "Window that a filled skin stands on, as THICKNESS,INDEX,GEL_INDEX; without it, none."
 
 
@@ -30,14 +31,15 @@ class PackFlags:
     material: Annotated[MaterialSpec, flags_of(MaterialSpec, only="name gel", group="Material")] = MaterialSpec()
     process: Annotated[ProcessSpec, flags_of(ProcessSpec, group="Process")] = ProcessSpec()
     camera: Annotated[CameraSpec, flags_of(CameraSpec, only="distance", group="Camera")] = CameraSpec()
+    lens: Annotated[Path | None, Parameter(help=_LENS, group="Camera")] = None
     window: Annotated[str, Parameter(help=_WINDOW, group="Camera")] = ""
 
     def spec(self) -> PackSpec:
         """The spec of these flags."""
         material = self.material.material()
-        camera = self.camera
-        if self.window:
-            camera = CameraSpec.model_validate(camera.model_dump() | {"window": read_window(self.window)})
+        lens = read_calibration(self.lens).camera_spec() if self.lens else self.camera
+        own = {"distance": self.camera.distance} | ({"window": read_window(self.window)} if self.window else {})
+        camera = CameraSpec.model_validate(lens.model_dump() | own)
         return PackSpec(self.design.skin_spec(), self.design.markers, self.mount, material, self.process, camera)
 
 

@@ -20,7 +20,7 @@ from typing import Any, ClassVar, Literal, Self, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from palpate.cad import Outline
+from palpate.cad import Arc, Outline
 from palpate.core import FloatArray, PalpateError, parameter
 from palpate.design.ray import trace_rays
 from palpate.design.skin import Rim, Skin, Symmetry
@@ -234,10 +234,11 @@ class Barrel(Skin):
         return float(touch[[0, 2]] @ normal - edges.max())
 
     def meridian(self, offset: float, *, down: bool) -> Outline:
-        raise PalpateError(
-            f"{self.name} is open at both ends: its section is not drawn as that of a dome.",
-            "Press it and read its presses; parts to make it are not there yet.",
-        )
+        """See `Skin`: from the far end to the base, or back; both ends are as wide."""
+        layer = offset / self.thickness
+        end = self._place(np.array([self.end_angle(layer)]), layer)[0, 0]
+        middle = (self.middle_radius + offset, self.height / 2)
+        return [Arc(middle, (float(end), 0.0 if down else self.height))]
 
 
 def _across(angle: FloatArray, direction: FloatArray) -> FloatArray:

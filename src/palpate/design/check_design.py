@@ -65,7 +65,7 @@ def _check_wall(skin: Skin) -> Iterator[Finding]:
             Severity.WARNING,
             "undercut",
             f"The barrel bulges: {2 * skin.widest[0]:.4g} mm wide halfway, {2 * skin.base_radius:g} mm at its ends.",
-            "A rigid core cannot be pulled: use a soft or split one.",
+            "A rigid core cannot be pulled straight: stretch the skin off it, or use a soft or split one.",
         )
     elif skin.bulges:
         yield Finding(

@@ -8,7 +8,8 @@
    /___|          |___\\      flange, its edges drafted
        <--- B --->
 
-All of it is the section along x, carried round the plan of the skin: turned, or stretched round a pad's.
+All of it is the section along x, carried round the plan of the skin: turned, or stretched round a pad's. A barrel,
+open at its far end too, has the same flange there, upside down.
 """
 
 from __future__ import annotations
@@ -18,8 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.cad import CadSolid, Outline, Point
-from palpate.core import PalpateError
-from palpate.design.skin import Skin
+from palpate.design.skin import Skin, Symmetry
 from palpate.design.spec import MountSpec
 
 
@@ -58,8 +58,14 @@ class Module:
 
     @property
     def widest(self) -> float:
-        """Greatest distance of the section's outer surface from the axis, mm."""
-        return self.dome.outer_widest[0] / self.farthest
+        """Greatest distance from the axis of the section's outer surface over the flange, mm."""
+        skin = self.dome
+        return (skin.outer_base_radius if skin.hole else skin.outer_widest[0]) / self.farthest
+
+    @property
+    def top(self) -> float:
+        """Height of the apex, or of the far face of the far end's flange, mm."""
+        return self.dome.outer_height + (self.flange_thickness if self.dome.hole else 0.0)
 
     def place(self, reach: float, azimuth_deg: float) -> Point:
         """Where a point of the section, so far from the axis (mm), is carried: at an angle of the plan."""
@@ -76,31 +82,40 @@ class Module:
 
     def outline(self) -> Outline:
         """Half the section of the module, (x, z) mm."""
+        far = [(self.opening_foot, self.top)] if self.dome.hole else []
         return [
             *self._upper(),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
             *self.dome.meridian(0.0, down=False),
+            *far,
         ]
 
     def _upper(self) -> Outline:
-        """The outer surface from its apex, and the flange's edge down to its foot."""
+        """The outer surface from its apex, or from the far flange's face, and the flange's edge down to its foot."""
         skin = self.dome
         outer = skin.meridian(skin.thickness, down=True)
-        return [(0.0, skin.outer_height), *outer, (self.flange_radius, 0.0), (self.flange_foot, self.foot)]
+        far: Outline = [(0.0, skin.outer_height)]
+        if skin.hole:
+            far = [
+                (self.flange_foot, self.top),
+                (self.flange_radius, skin.height),
+                (skin.outer_base_radius, skin.height),
+            ]
+        return [*far, *outer, (self.flange_radius, 0.0), (self.flange_foot, self.foot)]
 
     def outside(self) -> Outline:
         """Half the section of all that lies within the outer surface."""
-        return [*self._upper(), (0.0, self.foot)]
+        far = [(0.0, self.top)] if self.dome.hole else []
+        return [*far, *self._upper(), (0.0, self.foot)]
 
     def inside(self) -> Outline:
         """Half the section of the hollow."""
-        return [
-            (0.0, self.dome.height),
-            *self.dome.meridian(0.0, down=True),
-            (self.opening_foot, self.foot),
-            (0.0, self.foot),
-        ]
+        skin = self.dome
+        far: Outline = [(0.0, skin.height)]
+        if skin.hole:
+            far = [(0.0, self.top), (self.opening_foot, self.top), (self.opening_radius, skin.height)]
+        return [*far, *skin.meridian(0.0, down=True), (self.opening_foot, self.foot), (0.0, self.foot)]
 
 
 def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
@@ -118,7 +133,7 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     Raises
     ------
     PalpateError
-        If the skin is open at both ends, or no body of revolution and without a plan.
+        If the skin is no body of revolution and without a plan.
 
     Examples
     --------
@@ -127,12 +142,7 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
-    if skin.hole:
-        raise PalpateError(
-            f"{skin.name} is open at both ends: molds, flange and pack of it are not there yet.",
-            "Press it and learn from it: `palpate run barrel`.",
-        )
-    if type(skin).plan is Skin.plan:
+    if type(skin).plan is Skin.plan and skin.symmetry is not Symmetry.REVOLVED:
         skin.require_revolution("its flange and its mold would be turned", "Give its class a `plan`.")
     skin = skin.scaled(scale)
     thickness = scale * mount.flange_thickness

@@ -251,5 +251,5 @@ class Skin(ABC):
             raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)
         if self.hole:
             raise PalpateError(
-                f"{self.name} has no apex: as yet a barrel is pressed, seen and learnt, no more.", remedy
+                f"{self.name} has no apex: as yet a barrel is pressed, seen, learnt and made, no more.", remedy
             )

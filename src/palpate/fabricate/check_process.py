@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
 
 import numpy as np
 
-from palpate.cad import CadSolid
 from palpate.camera import Camera
-from palpate.core import PalpateError
 from palpate.design import (
     Finding,
     MarkerLayout,
-    Module,
     Severity,
     Skin,
     check_design,
 )
 from palpate.fabricate.artwork import flatten
-from palpate.fabricate.enclosure import Enclosure, free_travel
-from palpate.fabricate.mold import Mold
 from palpate.fabricate.spec import ProcessSpec
-from palpate.fabricate.window_plate import WindowPlate
 from palpate.material import Material
 
 _SAGITTA = 0.03
@@ -33,8 +26,10 @@ _SLENDER = 5.0
 """Length of a pin over its diameter that still comes out of the core whole; our choice."""
 _PEEL = 0.5
 """Share of the material's greatest stretch that peeling may ask for."""
-_TOUCH_MM3 = 1e-3
-"""Shared volume below which two parts only touch."""
+_UNEVEN, _TOUCHES = 0.1, 0.5
+"""Play of the core over the wall beyond which the wall comes out uneven, or the core may touch the cavity."""
+_DEEPER = 1.5
+"""Depth of a dimple over that by which the core bends away from it at its edge, at least."""
 _PEEL_UNKNOWN = 2.0
 """Stretch that every soft silicone bears, where the material gives no range."""
 
@@ -48,53 +43,12 @@ def check_process(
         *_check_wall(skin),
         *_check_peeling(skin, material),
         *_check_dots(skin, layout, camera, spec),
-        *(_check_pins(skin, layout) if skin.pin else _check_pad(skin, layout, spec)),
+        *(_check_dimples(skin, layout, spec) if skin.hole else ()),
+        *(_check_pins(skin, layout) if skin.pin else ()),
+        *(() if skin.hole or skin.pin else _check_pad(skin, layout, spec)),
     ]
     order = list(Severity)
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
-
-
-def check_mold(mold: Mold, spec: ProcessSpec) -> Iterator[Finding]:
-    """Report what is known once the mold is built: elastomer, and the highest point of the hollow."""
-    volume = mold.hollow() / 1000
-    yield Finding(
-        Severity.NOTE,
-        "elastomer",
-        f"The mold holds {volume:.2f} mL.",
-        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL: {spec.excess_percent:g} % stay in cup and sprues.",
-    )
-    yield Finding(
-        Severity.NOTE,
-        "vents",
-        f"{spec.vents} vents and the pour hole end on the flange, the highest part of the hollow.",
-        "Pour slowly into the hole until elastomer stands in every vent.",
-    )
-
-
-def check_window(
-    window: WindowPlate, layout: MarkerLayout, gel: str, camera: Camera, spec: ProcessSpec
-) -> Iterator[Finding]:
-    """Report how much gel fills a skin, and which markers the ledge of its window hides."""
-    volume = window.gel_mm3 / 1000
-    yield Finding(
-        Severity.NOTE,
-        "gel",
-        f"Between skin and window are {volume:.2f} mL of {gel}.",
-        f"Mix {volume * (1 + spec.excess_percent / 100):.1f} mL: {spec.excess_percent:g} % stay in the cup and "
-        "around the window.",
-    )
-    way = camera.back_project(camera.project(layout.positions[layout.on_dome]))
-    below = -window.thickness - camera.origin[2]
-    enters = camera.origin[:2] + below * way[:, :2] / way[:, 2:]
-    hidden = int((window.skin.plan.pseudo_radius(enters) > window.opening).sum())
-    if hidden:
-        yield Finding(
-            Severity.WARNING,
-            "marker-behind-ledge",
-            f"The ledge under the window, open to {window.opening:.4g} mm along x, hides {hidden} of {len(layout)} "
-            "markers.",
-            "Move them inward, or the camera back.",
-        )
 
 
 def _check_wall(skin: Skin) -> Iterator[Finding]:
@@ -114,20 +68,29 @@ def _check_peeling(skin: Skin, material: Material) -> Iterator[Finding]:
     known = np.isfinite(material.stretch_range[1])
     limit = 1 + _PEEL * (material.stretch_range[1] - 1) if known else _PEEL_UNKNOWN
     where = f"the part must stretch {stretch:.3g} times to be peeled off the core (undercut {depth:.3g} mm)"
+    what = "The barrel bulges" if skin.hole else "The dome bulges over its base"
     if stretch > limit:
-        yield Finding(
-            Severity.ERROR,
-            "peel-stretch",
-            f"The dome bulges over its base, so {where}; it bears {limit:.3g} safely.",
-            f"Take a height below {skin.height * limit / stretch:.3g} mm or a wider base.",
+        smaller = (
+            f"Take a radius halfway below {skin.base_radius * limit:.3g} mm or wider ends."
+            if skin.hole
+            else f"Take a height below {skin.height * limit / stretch:.3g} mm or a wider base."
         )
+        yield Finding(Severity.ERROR, "peel-stretch", f"{what}, so {where}; it bears {limit:.3g} safely.", smaller)
     else:
+        off = "push it off over the far end" if skin.hole else "peel from the flange"
         yield Finding(
             Severity.WARNING,
             "peel-stretch",
-            f"The dome bulges over its base, so {where}.",
-            "The cavity is made in halves; wet the core with soapy water and peel from the flange.",
+            f"{what}, so {where}; it bears {limit:.3g} safely." if skin.hole else f"{what}, so {where}.",
+            f"The cavity is made in halves; wet the core with soapy water and {off}.",
         )
+
+
+def _sagitta(skin: Skin, layout: MarkerLayout) -> float:
+    """Greatest distance in mm of the inner surface from the middle's tangent plane under the edge of a dot."""
+    points = layout.positions[layout.on_dome]
+    _, along, around = skin.tangents(points)
+    return float(np.abs([skin.distance(points + layout.diameter / 2 * way) for way in (along, around)]).max())
 
 
 def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessSpec) -> Iterator[Finding]:
@@ -136,13 +99,13 @@ def _check_dots(skin: Skin, layout: MarkerLayout, camera: Camera, spec: ProcessS
         yield Finding(
             Severity.ERROR,
             "dot-too-small",
-            f"Dots are {diameter:g} mm wide, the pad prints from {spec.smallest_dot:g} mm on.",
+            f"Dots are {diameter:g} mm wide, {'ink fills dimples' if skin.hole else 'the pad prints'} from "
+            f"{spec.smallest_dot:g} mm on.",
             f"Take dots of at least {spec.smallest_dot:g} mm.",
         )
     points = layout.positions[layout.on_dome]
-    _, along, around = skin.tangents(points)
-    sagitta = float(np.abs([skin.distance(points + diameter / 2 * way) for way in (along, around)]).max())
-    if sagitta > _SAGITTA * diameter and not skin.pin:
+    sagitta = _sagitta(skin, layout)
+    if sagitta > _SAGITTA * diameter and not (skin.pin or skin.hole):
         yield Finding(
             Severity.WARNING,
             "dot-on-curve",
@@ -187,6 +150,38 @@ def _check_pins(skin: Skin, layout: MarkerLayout) -> Iterator[Finding]:
         )
 
 
+def _check_dimples(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
+    """Limits of a barrel's core: its dimples, and how evenly it stands in the cavity."""
+    points, sagitta = layout.positions[layout.on_dome], _sagitta(skin, layout)
+    if _DEEPER * sagitta > spec.dot_depth:
+        yield Finding(
+            Severity.ERROR,
+            "dimple-too-shallow",
+            f"Under a dot of {layout.diameter:g} mm the core bends away by {sagitta:.2g} mm, too much for a dimple "
+            f"{spec.dot_depth:g} mm deep.",
+            f"Take a depth of at least {_DEEPER * sagitta:.2g} mm (--dot-depth), or smaller dots.",
+        )
+    floors = MarkerLayout(points - spec.dot_depth * skin.normal(points), layout.diameter)
+    pair = floors.closest_pair()
+    web = np.inf if pair is None else pair[2] - layout.diameter
+    if web < spec.printer_wall:
+        yield Finding(
+            Severity.ERROR,
+            "dimples-too-near",
+            f"Two dimples of the core stand {web:.2g} mm apart, the printer makes walls of {spec.printer_wall:g} mm.",
+            f"Take dots below {layout.diameter + web - spec.printer_wall:.2g} mm, or fewer of them.",
+        )
+    share = spec.clearance / skin.thickness
+    if share > _UNEVEN:
+        yield Finding(
+            Severity.ERROR if share > _TOUCHES else Severity.WARNING,
+            "wall-uneven",
+            f"The core stands in the cavity within {spec.clearance:g} mm, {100 * share:.0f} % of a wall of "
+            f"{skin.thickness:g} mm.",
+            f"Take a wall of at least {spec.clearance / _UNEVEN:g} mm, or less clearance.",
+        )
+
+
 def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[Finding]:
     points = layout.positions[layout.on_dome]
     slope = float(np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1, 1))).max())
@@ -208,33 +203,4 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
                 "dots-too-near",
                 f"Two dots of the artwork stand {gap:.2g} mm apart, the pad keeps {spec.smallest_gap:g} mm.",
                 f"Take dots below {layout.diameter + gap - spec.smallest_gap:.2g} mm, or the mapping arc.",
-            )
-
-
-def check_enclosure(module: Module, enclosure: Enclosure, spec: ProcessSpec) -> Iterator[Finding]:
-    """Report where the wall meets the clamp ring before the sensor's working depth."""
-    travel = free_travel(module, enclosure, spec.working_tilt_deg)
-    if travel < spec.working_depth:
-        yield Finding(
-            Severity.WARNING,
-            "ring-in-the-way",
-            f"A wall inclined by {spec.working_tilt_deg:g}° meets the clamp ring after {travel:.3g} mm of "
-            f"{spec.working_depth:g} mm.",
-            "Work less deep or less inclined, or take a higher dome or a narrower flange.",
-        )
-
-
-def refuse_interference(parts: dict[str, CadSolid], intended: frozenset[str] = frozenset()) -> None:
-    """Stop where two parts of an assembly share volume; the pair `intended` may.
-
-    Raises
-    ------
-    PalpateError
-        With the pair and the volume.
-    """
-    for (one, a), (other, b) in combinations(parts.items(), 2):
-        if frozenset((one, other)) != intended and (shared := a.overlap(b)) > _TOUCH_MM3:
-            raise PalpateError(
-                f"{one} and {other} share {shared:.3g} mm³ when they are put together.",
-                "Change the dimensions of the process.",
             )

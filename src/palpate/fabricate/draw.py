@@ -18,12 +18,14 @@ from palpate.fabricate.window_plate import WindowPlate
 _EYE = (300.0, -500.0, 400.0)
 """Where bodies are looked at from, mm."""
 _ARC_POINTS = 60
+_ABREAST = 6
+"""Bodies beside each other, at most."""
 SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
 
 
 def draw_module_section(module: Module, window: WindowPlate | None = None) -> Figure:
     """Draw the section of a module with its dimensions, and of a filled one gel and window."""
-    figure, axis = _sheet((6.4, 4.6))
+    figure, axis = blank_sheet((6.4, 4.6))
     skin, foot = module.dome, module.foot
     if window is not None:
         _fill(axis, follow_outline([(0.0, skin.height), *skin.meridian(0.0, down=True), (0.0, 0.0)]), GEL)
@@ -32,14 +34,16 @@ def draw_module_section(module: Module, window: WindowPlate | None = None) -> Fi
         axis.text(0, low / 2, f"window {window.thickness:g}", ha="center", va="center", fontsize=9)
     _fill(axis, follow_outline(module.outline()), SILICONE)
     top = skin.height + skin.thickness
-    _dimension(axis, (-skin.base_radius, foot - 5), (skin.base_radius, foot - 5), f"2 B = {2 * skin.base_radius:.4g}")
-    _dimension(
+    draw_dimension(
+        axis, (-skin.base_radius, foot - 5), (skin.base_radius, foot - 5), f"2 B = {2 * skin.base_radius:.4g}"
+    )
+    draw_dimension(
         axis, (-module.flange_foot, foot - 10), (module.flange_foot, foot - 10), f"{2 * module.flange_foot:.4g}"
     )
     side = module.flange_foot + 5
-    _dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
-    _dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
-    _dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
+    draw_dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
+    draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
+    draw_dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
     if skin.plan.is_round:
         axis.text(
             0, skin.height / 2, f"inner radius at the apex {skin.radius:.4g}", ha="center", va="center", fontsize=9
@@ -54,7 +58,7 @@ def draw_module_section(module: Module, window: WindowPlate | None = None) -> Fi
 
 def draw_mold_section(module: Module, radius: float, floor: float, plate: float) -> Figure:
     """Draw the closed mold in section, as it stands when it is poured: apex down."""
-    figure, axis = _sheet((6.4, 4.6))
+    figure, axis = blank_sheet((6.4, 4.6))
     foot, top = module.foot, module.dome.height + module.dome.thickness + floor
     down = np.array([1.0, -1.0])
     _fill(axis, down * [[0, foot], [radius, foot], [radius, top], [0, top]], PLASTIC)
@@ -70,9 +74,13 @@ def draw_mold_section(module: Module, radius: float, floor: float, plate: float)
 
 def draw_bodies(bodies: Sequence[tuple[str, CadSolid]]) -> Figure:
     """Draw the visible edges of bodies side by side, seen from above at an angle, to one scale."""
-    figure = Figure(figsize=(3.4 * len(bodies), 3.4), layout="constrained")
-    axes = figure.subplots(1, len(bodies), squeeze=False, sharex=True, sharey=True)[0]
-    for axis, (name, body) in zip(axes, bodies, strict=True):
+    rows = -(-len(bodies) // _ABREAST)
+    columns = -(-len(bodies) // rows)
+    figure = Figure(figsize=(3.4 * columns, 3.4 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    for axis in axes[len(bodies) :]:
+        axis.set_axis_off()
+    for axis, (name, body) in zip(axes, bodies, strict=False):
         middle = body.bounds.mean(axis=0)
         lines = body.moved(*(-middle)).look(_EYE)
         axis.add_collection(LineCollection(lines, colors="black", linewidths=0.7))
@@ -109,7 +117,8 @@ def _follow_arc(start: FloatArray, arc: Arc) -> FloatArray:
     return np.asarray(center + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
 
 
-def _sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
+def blank_sheet(size: tuple[float, float]) -> tuple[Figure, Axes]:
+    """Make a figure of a size in inches, and its axes, to one scale and without frame."""
     figure = Figure(figsize=size, layout="constrained")
     axis = figure.add_subplot()
     axis.set_aspect("equal")
@@ -127,7 +136,7 @@ def _fill(axis: Axes, right: FloatArray, colour: str) -> None:
     axis.add_collection(LineCollection([*lines, *(lines * [-1.0, 1.0])], colors="black", linewidths=1.0))
 
 
-def _dimension(
+def draw_dimension(
     axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, beside: bool = False
 ) -> None:
     """Draw an arrow between two points with a text in mm."""

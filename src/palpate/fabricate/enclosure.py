@@ -11,7 +11,8 @@
        |___|__|___|       robot plate, ISO 9409-1-50-4-M6
 
 It is round for every skin; what touches the module, the opening, the ring's recess and its opening, has the module's
-plan. A filled skin stands on its window, which rests on a boss of the housing within the flange.
+plan. A filled skin stands on its window, which rests on a boss of the housing within the flange. A barrel is clamped
+at its far end as well, see `palpate.fabricate.frame`; smaller screws keep what clamps it narrower than its bulge.
 
 The bodies of cameras: the DAVIS 346 is 60 mm x 40 mm x 25 mm without its lens (maker's data sheet); a 28 mm board
 camera is a 32 mm square board whose holes for M2 screws stand 28 mm apart.
@@ -26,6 +27,7 @@ import numpy as np
 from palpate.cad import CadSolid, box, cylinder, revolve
 from palpate.core import PalpateError
 from palpate.design import Module, rotation_vector, wall_normal
+from palpate.fabricate.frame import CAP_THREAD, Frame
 from palpate.fabricate.spec import CameraBody, ProcessSpec
 from palpate.fabricate.window_plate import WindowPlate
 
@@ -37,11 +39,13 @@ LED_WIDTH, LED_HEIGHT = 6.0, 4.0
 """Room for a ring of LEDs about the opening, mm."""
 SQUEEZE = 0.2
 """How much the clamp ring compresses the flange, mm."""
-M3_CORE, M3_CLEAR, M3_HEAD, M6_CLEAR = 2.5, 3.4, 6.2, 6.6
-"""Diameters of holes, mm: a self-cut M3 thread in plastic, M3 passing, its head, M6 passing (ISO 273, medium)."""
+M3_CORE, M3_CLEAR, M6_CLEAR = 2.5, 3.4, 6.6
+"""Diameters of holes, mm: a self-cut M3 thread in plastic, M3 passing, M6 passing (ISO 273, medium)."""
 SCREWS = 6
 _LAND = 0.5
 """Level width of the clamp ring beyond the corners of an opening that is not round, mm: no slope cuts them."""
+_THREAD = 10.0
+"""Depth of a self-cut thread, mm."""
 _TURNS = 31
 """Azimuths, from 0 to 90°, at which a wall is looked at; of a body of revolution all are the same."""
 ISO_PITCH, ISO_BOSS, ISO_BOSS_HEIGHT, ISO_PIN, ISO_PLATE = 50.0, 31.5, 5.0, 6.0, 8.0
@@ -77,6 +81,29 @@ class BodySizes:
     screw: float
 
 
+@dataclass(frozen=True)
+class Screw:
+    """Screws of a clamp ring, mm.
+
+    Attributes
+    ----------
+    core, clear, head, beside
+        Diameters of the self-cut thread in plastic, of the hole that is passed and of its head; plastic beside it.
+    """
+
+    core: float
+    clear: float
+    head: float
+    beside: float
+
+
+M3, M2 = Screw(M3_CORE, M3_CLEAR, 6.2, WALL), Screw(1.6, 2.4, 4.4, 1.8)
+
+
+def _screw(module: Module) -> Screw:
+    return M2 if module.dome.hole else M3
+
+
 def _corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
     return ((-x, -y), (x, -y), (-x, y), (x, y))
 
@@ -94,20 +121,28 @@ class Enclosure:
     Attributes
     ----------
     parts
-        Solids by name: ``housing``, ``clamp_ring``, ``robot_plate``, and ``window`` of a filled skin.
+        Solids by name: ``housing``, ``clamp_ring``, ``robot_plate``, ``window`` of a filled skin, and of a barrel
+        ``end_ring``, ``end_cap`` and ``rods``.
     camera_distance
         From the pinhole up to the base plane, mm.
     ring
         (radius, z) mm of the edges of the clamp ring that a wall may meet.
+    frame
+        What carries the far end of a barrel.
     """
 
     parts: dict[str, CadSolid]
     camera_distance: float
     ring: tuple[tuple[float, float], ...]
+    frame: Frame | None = None
 
 
 def build_enclosure(
-    module: Module, camera_distance: float, spec: ProcessSpec, window: WindowPlate | None = None
+    module: Module,
+    camera_distance: float,
+    spec: ProcessSpec,
+    window: WindowPlate | None = None,
+    frame: Frame | None = None,
 ) -> Enclosure:
     """Build the enclosure of a module for a camera whose pinhole is `camera_distance` mm below the base.
 
@@ -121,11 +156,13 @@ def build_enclosure(
         How it is made.
     window
         What a filled skin stands on.
+    frame
+        What carries the far end of a barrel.
 
     Raises
     ------
     PalpateError
-        If the camera would stand in the light's seat.
+        If the camera would stand in the light's seat, or the printer makes no part so long.
     """
     body = BODIES[spec.camera_body]
     shelf = -camera_distance - body.pinhole
@@ -137,22 +174,34 @@ def build_enclosure(
         )
     far = module.farthest
     bore = max(far * module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
-    outer = max(bore + WALL, far * module.flange_foot + M3_CLEAR + 2 * WALL, ISO_RADIUS)
+    outer = max(bore + WALL, far * module.flange_foot + _screw(module).clear + 2 * _screw(module).beside, ISO_RADIUS)
     low = shelf - body.depth - WALL
     ring = ((_ring_top(module), RING_TOP), (outer, RING_EDGE))
+    housing = _housing(module, body, (bore, outer, shelf, low), window)
     parts = {
-        "housing": _housing(module, body, (bore, outer, shelf, low), window),
+        "housing": housing if frame is None else housing.join(*frame.posts()).cut(*frame.sockets(spec)),
         "clamp_ring": _clamp_ring(module, spec, outer),
         "robot_plate": _robot_plate((bore + outer) / 2, outer, low),
     }
+    for name, part in parts.items():
+        spec.require_room(name, part.bounds)
     if window is not None:
         parts["window"] = window.solid
-    return Enclosure(parts, camera_distance, ring)
+    if frame is not None:
+        screws = [cylinder(M2.core / 2, 0.0, CAP_THREAD, at) for at in _screw_places(module, outer)]
+        parts |= frame.far_end(parts["clamp_ring"], outer, screws)
+    return Enclosure(parts, camera_distance, ring, frame)
 
 
 def free_travel(module: Module, enclosure: Enclosure, tilt_deg: float) -> float:
-    """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring."""
+    """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring.
+
+    Along the axis; of a barrel's wall, inclined against the axis towards its nearer end, along the wall's normal.
+    """
     tilt = np.radians(tilt_deg)
+    if module.dome.hole:
+        normal = np.array([np.cos(tilt), 0.0, -np.sin(tilt)])
+        return float(module.dome.touch(normal) @ normal - max(np.array(enclosure.ring) @ normal[::2]))
     turns = rotation_vector(tilt, np.linspace(0.0, np.pi / 2, _TURNS))
     normals = np.array([wall_normal(*turn) for turn in turns.tolist()])
     touch = module.dome.touch_height(normals).min()  # of the wall over the axis at first touch
@@ -189,7 +238,8 @@ def _housing(
     plate = cylinder(bore + WALL / 2, shelf, shelf + SHELF)
     tube = tube.join(plate).cut(cylinder(body.lens / 2, shelf - 1, shelf + SHELF + 1))
     holes = [cylinder(body.screw / 2, shelf - 1, shelf + SHELF + 1, at) for at in body.screws]
-    screws = [cylinder(M3_CORE / 2, seat - 10, seat + 1, at) for at in _screw_places(module, outer)]
+    core = _screw(module).core / 2
+    screws = [cylinder(core, seat - _THREAD, seat + 1, at) for at in _screw_places(module, outer)]
     under = [cylinder(M3_CORE / 2, low - 1, low + 10, at) for at in _circle(4, (bore + outer) / 2, 0.0)]
     cable = box((-6.0, 0.0, low + WALL), (6.0, outer + 1, low + WALL + 8.0))
     return tube.cut(*holes, *screws, *under, cable)
@@ -218,9 +268,12 @@ def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
         (opening, RING_TOP + 1),
         (0.0, RING_TOP + 1),
     ]
-    places = _screw_places(module, outer)
-    screws = [cylinder(M3_CLEAR / 2, module.foot - 1, RING_TOP + 1, at) for at in places]
-    heads = [cylinder(M3_HEAD / 2, module.foot / 3, RING_TOP + 1, at) for at in places]
+    places, screw = _screw_places(module, outer), _screw(module)
+    screws = [cylinder(screw.clear / 2, module.foot - 1, RING_TOP + 1, at) for at in places]
+    heads = [cylinder(screw.head / 2, module.foot / 3, RING_TOP + 1, at) for at in places]
+    if module.dome.hole:  # in halves, for the skin is wider than its opening
+        kerf = (spec.clearance, outer + 1)
+        heads.append(box((-kerf[0], -kerf[1], module.foot - 1), (*kerf, RING_TOP + 1)))
     return revolve(section).cut(module.solid(room), *screws, *heads)
 
 

@@ -20,6 +20,13 @@ from palpate.design import (
     Rim,
     Skin,
 )
+from palpate.fabricate.barrel_sheet import (
+    assemble_barrel,
+    cast_barrel,
+    describe_barrel,
+    inspect_barrel,
+    list_for_barrel,
+)
 from palpate.fabricate.enclosure import Enclosure
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import CameraBody, PadMapping, ProcessSpec
@@ -69,13 +76,31 @@ def write_instructions(
     mold, enclosure, camera, spec = made
     volume = mold.hollow() / 1000
     mixed = volume * (1 + spec.excess_percent / 100)
+    frame = enclosure.frame
+    if frame is None:
+        told = (
+            _describe(skin, layout, material, mold),
+            _list_material(mixed, mold, spec),
+            _cast(mixed, mold),
+            _inspect(skin, layout),
+        )
+        marks = [_mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings))]
+    else:
+        told = (
+            describe_barrel(skin, layout, material, mold, spec),
+            list_for_barrel(mixed, mold, frame, spec),
+            cast_barrel(mixed, mold, skin),
+            inspect_barrel(skin, layout),
+        )
+        marks = []
+    what, needed, cast, measured = (tuple(lines) for lines in told)
     return [
-        Section("Contact module", tuple(_describe(skin, layout, material, mold))),
-        Section("Material", tuple(_list_material(mixed, mold, spec))),
-        Section("Cast", tuple(_cast(mixed, mold)), steps=True),
-        _mark(skin, layout, spec, has_template=all(item.code != "no-template" for item in findings)),
-        Section("Inspect", tuple(_inspect(skin, layout))),
-        Section("Enclosure", tuple(_assemble(enclosure, camera, spec)), steps=True),
+        Section("Contact module", what),
+        Section("Material", needed),
+        Section("Cast", cast, steps=True),
+        *marks,
+        Section("Inspect", measured),
+        Section("Enclosure", tuple(_assemble(enclosure, camera, layout, spec)), steps=True),
         Section("Limits", tuple(f"{item.severity}: {item.message} {item.remedy}" for item in findings) or ("None.",)),
     ]
 
@@ -187,22 +212,23 @@ def _inspect(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def _assemble(enclosure: Enclosure, camera: Camera, spec: ProcessSpec) -> list[str]:
+def _assemble(enclosure: Enclosure, camera: Camera, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     view = camera.spec
     half = [0.5 * size / focal for size, focal in ((view.width_px, view.fx_px), (view.height_px, view.fy_px))]
     wide = [2 * tangent * enclosure.camera_distance for tangent in half]
+    seen = f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm."
+    flange = (
+        "Set the module's flange on the seat, the orientation mark 75° from the cable slot; "
+        "screw the clamp ring on, crosswise."
+    )
+    window = "The window rests on the boss within the seat: do not press the skin down on it."
     return [
         f"Screw the camera ({_BODIES[spec.camera_body]}) under the shelf; its pinhole stands "
-        f"{enclosure.camera_distance:g} mm below the base of the dome.",
-        f"Its field of view at the base is {wide[0]:.3g} mm by {wide[1]:.3g} mm.",
+        f"{enclosure.camera_distance:g} mm below the base of the {'barrel' if enclosure.frame else 'dome'}.",
+        *([] if enclosure.frame else [seen]),
         "Lay the ring of LEDs into its recess under the flange; lead the cables through the slot.",
-        *(
-            ["The window rests on the boss within the seat: do not press the skin down on it."]
-            if "window" in enclosure.parts
-            else []
-        ),
-        "Set the module's flange on the seat, the orientation mark 75° from the cable slot; "
-        "screw the clamp ring on, crosswise.",
+        *([window] if "window" in enclosure.parts else []),
+        *(assemble_barrel(enclosure.frame, layout, spec) if enclosure.frame else [flange]),
         "Screw the robot plate to the robot (ISO 9409-1-50-4-M6), then the housing to the plate.",
     ]
 
@@ -219,14 +245,15 @@ def write_markdown(path: Path, sections: Sequence[Section], pictures: Sequence[s
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
-def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], artwork: Figure) -> None:
-    """Write the sheet as PDF, all on A4: pages of text, one of drawings, and the artwork 1:1."""
+def write_sheet(path: Path, sections: Sequence[Section], drawings: Sequence[Figure], more: Sequence[Figure]) -> None:
+    """Write the sheet as PDF, all on A4: pages of text, one of drawings, and more, as the artwork 1:1."""
     with PdfPages(path, metadata={"CreationDate": None}) as pages:
         lines = [line for section in sections for line in _lay_out(section)]
         for start in range(0, len(lines), _LINES):
             pages.savefig(_page(lines[start : start + _LINES]))
         pages.savefig(_page_of_drawings(drawings))
-        pages.savefig(artwork)
+        for page in more:
+            pages.savefig(page)
 
 
 def _page_of_drawings(drawings: Sequence[Figure]) -> Figure:

@@ -13,6 +13,10 @@ The flange is the highest part of the hollow, so pour hole and vents end on it. 
 30°, 150° and 280°: the mold closes one way only. The plug and the flange's edge are drafted. A dome that bulges over
 its base cannot leave a cavity of one piece: its cavity is cut in halves along the axis, held by dowels and a band.
 The mold of a pad has the pad's plan, and walls no thinner than along x; azimuths are angles of the plan.
+
+A barrel's stands rim up. Its core goes through to the far end, where a spigot centres it in the floor, and stays
+whole: in segments it would leave seams among the dots, and the elastomer bears what it must stretch to come off. The
+dots are dimples of the core, which ink fills before the elastomer is cast over it.
 """
 
 from __future__ import annotations
@@ -33,6 +37,8 @@ DOWEL_DIAMETER, DOWEL_DEPTH = 2.0, 6.0
 """Steel dowels in the halves of a split cavity, mm."""
 _BLIND = 0.5
 """How much deeper than its pin a hole is, mm."""
+_SPIGOT = 0.6
+"""Radius of the spigot at the end of a barrel's core, over that of its opening; the ring beside it seals."""
 
 
 @dataclass(frozen=True)
@@ -48,13 +54,18 @@ class Mold:
     radius
         Outer radius, mm; half the width along x of a pad's.
     pins_mm3
-        Volume of the pins in the core.
+        Volume of the holes in the core that pins fill, or of a barrel's dimples, which ink fills.
     """
 
     module: Module
     parts: dict[str, CadSolid]
     radius: float
     pins_mm3: float = 0.0
+
+    @property
+    def spigot(self) -> float:
+        """Radius of the spigot at the end of a barrel's core, mm."""
+        return _SPIGOT * self.module.opening_radius
 
     @property
     def is_split(self) -> bool:
@@ -64,7 +75,8 @@ class Mold:
     def hollow(self) -> float:
         """Volume between cavity and core, mm³: what the elastomer fills."""
         module = self.module
-        return module.solid(module.outside()).volume - module.solid(module.inside()).volume + self.pins_mm3
+        wall = module.solid(module.outside()).volume - module.solid(module.inside()).volume
+        return wall + (0.0 if module.dome.hole else self.pins_mm3)
 
 
 def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
@@ -73,7 +85,7 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
     Raises
     ------
     PalpateError
-        If pour hole or pins do not fit.
+        If pour hole or pins do not fit, or the printer makes no part so long.
     """
     flange = float(np.hypot(*module.place(module.flange_foot - module.opening_foot, POUR_AZIMUTH_DEG)))
     if spec.pour_diameter > flange - 2 * spec.printer_wall:
@@ -91,9 +103,10 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
             f"A pin {spec.pin_height:g} mm high goes through a plate of {spec.plate:g} mm.",
             f"Take at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm of plate.",
         )
-    radius = module.flange_foot + spec.mold_wall
+    widest = module.dome.outer_widest[0]
+    radius = max(module.flange_foot, widest if module.dome.hole else 0.0) + spec.mold_wall
     dowel = DOWEL_DIAMETER + 2 * spec.printer_wall
-    if module.dome.bulges and min(spec.mold_floor, radius - module.dome.outer_widest[0]) < dowel:
+    if module.dome.bulges and min(spec.mold_floor, radius - widest) < dowel:
         raise PalpateError(
             f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
             f"{spec.mold_floor:g} mm.",
@@ -101,13 +114,13 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
         )
     cavity = _build_cavity(module, spec, radius)
     core = _build_core(module, spec, radius)
+    for name, part in (("mold_core", core), ("mold_cavity", cavity)):
+        spec.require_room(name, part.bounds)
+    whole = core.volume
     if pins:
-        whole = core.volume
         core = core.cut(*pins)
-        return Mold(module, {"mold_core": core, "mold_cavity": cavity}, radius, whole - core.volume)
-    if not module.dome.bulges:
-        return Mold(module, {"mold_core": core, "mold_cavity": cavity}, radius)
-    return Mold(module, {"mold_core": core, **_split(cavity, module, radius, spec)}, radius)
+    halves = _split(cavity, module, radius, spec) if module.dome.bulges else {"mold_cavity": cavity}
+    return Mold(module, {"mold_core": core, **halves}, radius, whole - core.volume)
 
 
 def _pins(module: Module, spec: ProcessSpec) -> list[Point]:
@@ -116,8 +129,10 @@ def _pins(module: Module, spec: ProcessSpec) -> list[Point]:
 
 
 def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
-    top = module.dome.height + module.dome.thickness + spec.mold_floor
+    top = module.top + spec.mold_floor
     block = module.prism(radius, module.foot, top).cut(module.solid(module.outside()))
+    if module.dome.hole:
+        block = block.cut(cylinder(_SPIGOT * module.opening_radius + spec.clearance, module.top - 1, top + 1))
     root = module.foot + spec.mold_floor / 4
     pins = [cylinder(spec.pin_diameter / 2, module.foot - spec.pin_height, root, at) for at in _pins(module, spec)]
     return block.join(*pins)
@@ -126,6 +141,8 @@ def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
 def _build_core(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
     foot, low = module.foot, module.foot - spec.plate
     core = module.prism(radius, low, foot).join(module.solid(module.inside()))
+    if module.dome.hole:
+        core = core.join(cylinder(_SPIGOT * module.opening_radius, module.top - 1, module.top + spec.mold_floor))
     hole = spec.pin_diameter / 2 + spec.clearance
     holes = [cylinder(hole, foot - spec.pin_height - _BLIND, foot, at) for at in _pins(module, spec)]
     middle = (module.opening_foot + module.flange_foot) / 2
@@ -144,11 +161,17 @@ def vent_azimuths(count: int) -> list[float]:
 
 def _split(cavity: CadSolid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
     """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
-    low, high = module.foot - spec.pin_height, module.dome.height + module.dome.thickness + spec.mold_floor
+    low, high = module.foot - spec.pin_height, module.top + spec.mold_floor
     across = (module.dome.outer_widest[0] + radius) / 2
-    floor = high - spec.mold_floor / 2
-    height = module.dome.outer_widest[1]
-    places = [(-across, height), (across, height + 2 * DOWEL_DIAMETER), (0.0, floor)]
+    height, offset = module.dome.outer_widest[1], 2 * DOWEL_DIAMETER
+    places = [(-across, height), (across, height + offset), (0.0, high - spec.mold_floor / 2)]
+    if module.dome.hole:  # a spigot goes through the floor
+        places = [
+            (-across, height / 3),
+            (across, height / 3 + offset),
+            (-across, 5 * height / 3),
+            (across, 5 * height / 3),
+        ]
     dowels = [_dowel(x, z, (DOWEL_DIAMETER + spec.clearance) / 2) for x, z in places]
     margin = 2 * radius
     front = box((-margin, -margin, low - 1), (margin, 0.0, high + 1))

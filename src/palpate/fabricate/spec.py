@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Any
 
-from palpate.core import PAPER, Spec, parameter
+from pydantic import SerializerFunctionWrapHandler, model_serializer
+
+from palpate.core import PAPER, FloatArray, PalpateError, Spec, parameter
 
 ECOFLEX = "Smooth-On technical bulletin, Ecoflex series"
 
@@ -21,6 +24,9 @@ class CameraBody(StrEnum):
 
     DAVIS346 = "davis346"
     BOARD28 = "board28"
+
+
+_SINCE_BARRELS = ("dot_depth", "printer_size")
 
 
 class ProcessSpec(Spec):
@@ -64,3 +70,31 @@ class ProcessSpec(Spec):
     excess_percent: float = parameter(
         30.0, unit="%", meaning="elastomer mixed beyond the module's volume, for cup and sprues", ge=0, le=300
     )
+    dot_depth: float = parameter(
+        0.4, unit="mm", meaning="depth of a barrel's dots, dimples of its core that ink fills", ge=0.1, le=2
+    )
+    printer_size: float = parameter(
+        300.0, unit="mm", meaning="longest edge of a part that the printer makes", ge=50, le=2000
+    )
+
+    def require_room(self, name: str, bounds: FloatArray) -> None:
+        """Refuse a part, of least and greatest coordinates (2, 3) mm, that the printer does not make.
+
+        Raises
+        ------
+        PalpateError
+            With its longest edge.
+        """
+        longest = float((bounds[1] - bounds[0]).max())
+        if longest > self.printer_size:
+            raise PalpateError(
+                f"The part {name} is {longest:.4g} mm long, the printer makes {self.printer_size:g} mm.",
+                f"Make the design smaller, or name the size of a larger printer: --printer-size {longest + 0.5:.0f}.",
+            )
+
+    @model_serializer(mode="wrap")
+    def _leave_out_what_is_usual(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """What came with barrels is written only where it is another: what was kept before keeps its key."""
+        content: dict[str, Any] = dump(self)
+        usual = {name: type(self).model_fields[name].default for name in _SINCE_BARRELS}
+        return {name: value for name, value in content.items() if name not in usual or value != usual[name]}

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from palpate.cad import CadSolid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
@@ -25,21 +26,24 @@ from palpate.design import (
     refuse_errors,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
-from palpate.fabricate.check_process import (
+from palpate.fabricate.check_parts import (
     check_enclosure,
+    check_frame,
     check_mold,
-    check_process,
     check_window,
     refuse_interference,
 )
+from palpate.fabricate.check_process import check_process
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
+from palpate.fabricate.draw_barrel import draw_barrel_mold, draw_barrel_section, draw_cut_open
 from palpate.fabricate.enclosure import Enclosure, build_enclosure
 from palpate.fabricate.folder import hash_files
+from palpate.fabricate.frame import plan_frame
 from palpate.fabricate.instructions import write_filling, write_instructions, write_markdown, write_sheet
 from palpate.fabricate.mesh_file import write_mesh
 from palpate.fabricate.mold import Mold, build_mold
 from palpate.fabricate.pack import FabricationPack, PackSpec
-from palpate.fabricate.pins import build_pins
+from palpate.fabricate.pins import build_dimples, build_pins
 from palpate.fabricate.spec import ProcessSpec
 from palpate.fabricate.template import build_template
 from palpate.fabricate.window_plate import WindowPlate, build_window
@@ -48,8 +52,9 @@ from palpate.fabricate.write_artwork import draw_page, write_cut, write_dxf, wri
 MANIFEST = "manifest.json"
 _HOLLOW = 1e-3
 """Share by which the hollow of a mold, shrunk, may miss the volume of its module."""
-_TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring")
+_TURNED = ("mold_cavity", "mold_cavity_front", "mold_cavity_back", "clamp_ring", "end_cap")
 """Parts that are printed upside down."""
+_CLAMPED = [frozenset((ring, "module")) for ring in ("clamp_ring", "end_ring")]
 _UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 
 
@@ -62,7 +67,7 @@ class _Made:
     module: Module
     mold: Mold
     enclosure: Enclosure
-    artwork: Artwork
+    artwork: Artwork | None
     camera: Camera
     solids: dict[str, CadSolid]
     gel: str
@@ -102,6 +107,7 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
             *check_enclosure(made.module, made.enclosure, spec.process),
             *check_mold(made.mold, spec.process),
             *_check_filling(made, spec.process),
+            *(check_frame(made.enclosure.frame, layout, camera) if made.enclosure.frame else ()),
         )
         meshes, findings = _write_solids(work, made, spec, findings)
         _write_print(work, made)
@@ -123,19 +129,20 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
     window = _build_window(spec, module)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
     marked = spec.process.orientation_mark
-    mold = build_mold(
-        build_module(skin, spec.mount, scale), spec.process, build_pins(skin, layout, scale, mark=marked)
-    )
+    scaled, depth = build_module(skin, spec.mount, scale), spec.process.dot_depth
+    holes = [*build_pins(skin, layout, scale, mark=marked), *build_dimples(skin, layout, depth, scale, mark=marked)]
+    frame = plan_frame(module, layout) if skin.hole else None
+    enclosure = build_enclosure(module, spec.camera.distance, spec.process, window, frame)
+    mold = build_mold(scaled, spec.process, holes)
     body = build_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
             f"The mold's hollow misses the module's volume by {100 * missed:.2g} %.", "Report this design."
         )
-    enclosure = build_enclosure(module, spec.camera.distance, spec.process, window)
     refuse_interference(mold.parts)
-    refuse_interference({**enclosure.parts, "module": body}, intended=frozenset(("clamp_ring", "module")))
-    artwork = draw_artwork(skin, layout, spec.process.mapping, mark=marked)
+    refuse_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
+    artwork = None if skin.hole else draw_artwork(skin, layout, spec.process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
     gel = spec.material.gel.name if spec.material.gel else ""
     return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids, gel, window)
@@ -162,10 +169,11 @@ def _write_solids(
     write_step(work / "mold.step", "mold", made.mold.parts)
     write_step(work / "enclosure.step", "enclosure", {**made.enclosure.parts, "module": made.solids["module"]})
     meshes = {name: _for_printer(name, solid.mesh()) for name, solid in made.solids.items()}
-    try:
-        meshes["template"] = build_template(made.skin, made.layout, spec.process)
-    except PalpateError as error:
-        findings = (*findings, Finding(Severity.NOTE, "no-template", error.what, error.remedy))
+    if made.artwork is not None:
+        try:
+            meshes["template"] = build_template(made.skin, made.layout, spec.process)
+        except PalpateError as error:
+            findings = (*findings, Finding(Severity.NOTE, "no-template", error.what, error.remedy))
     for name, mesh in meshes.items():
         for suffix in ("stl", "3mf"):
             write_mesh(work / f"{name}.{suffix}", mesh)
@@ -182,15 +190,18 @@ def _as_printed(name: str, solid: CadSolid) -> CadSolid:
 
 
 def _write_print(work: Path, made: _Made) -> None:
-    write_dxf(work / "artwork.dxf", made.artwork)
-    write_svg(work / "artwork.svg", made.artwork)
-    write_pdf(work / "artwork.pdf", made.artwork, _title(made))
+    artwork = made.artwork
+    if artwork is not None:
+        write_dxf(work / "artwork.dxf", artwork)
+        write_svg(work / "artwork.svg", artwork)
+        write_pdf(work / "artwork.pdf", artwork, _title(made))
     if made.window is not None:
         write_cut(work / "window.dxf", made.window.line)
     with (work / "markers.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["marker", "x_mm", "y_mm", "z_mm", "page_x_mm", "page_y_mm"])
-        for number, (place, page) in enumerate(zip(made.layout.positions, made.artwork.dots, strict=True)):
+        writer.writerow(["marker", "x_mm", "y_mm", "z_mm", *([] if artwork is None else ["page_x_mm", "page_y_mm"])])
+        pages = np.empty((len(made.layout), 0)) if artwork is None else artwork.dots
+        for number, (place, page) in enumerate(zip(made.layout.positions, pages, strict=True)):
             writer.writerow([number, *(f"{value:.4f}" for value in (*place, *page))])
 
 
@@ -202,27 +213,42 @@ def _title(made: _Made) -> str:
 def _write_sheets(
     work: Path, made: _Made, meshes: dict[str, SurfaceMesh], spec: PackSpec, findings: tuple[Finding, ...]
 ) -> None:
-    process = spec.process
-    mold = made.mold
-    assembly = [made.solids["module"], *made.enclosure.parts.values()]
+    mold, enclosure = made.mold, made.enclosure
+    assembly = [made.solids["module"], *enclosure.parts.values()]
     figures = {
-        "module_section": draw_module_section(made.module, made.window),
-        "mold_section": draw_mold_section(mold.module, mold.radius, process.mold_floor, process.plate),
+        **_draw_sections(made, spec.process),
         "mold_parts": draw_bodies([(name, _as_printed(name, solid)) for name, solid in mold.parts.items()]),
         "enclosure_parts": draw_bodies(
-            [("module", made.solids["module"]), *made.enclosure.parts.items(), ("assembled", gather(assembly))]
+            [("module", made.solids["module"]), *enclosure.parts.items(), ("assembled", gather(assembly))]
         ),
     }
+    if enclosure.frame is not None:
+        figures["assembly_section"] = draw_cut_open(assembly, enclosure.frame.azimuths[0])
     for name, figure in figures.items():
         figure.savefig(work / f"{name}.png", dpi=120)
     sections = write_instructions(
-        made.skin, made.layout, spec.material.name, (mold, made.enclosure, made.camera, process), findings
+        made.skin, made.layout, spec.material.name, (mold, enclosure, made.camera, spec.process), findings
     )
     if made.window is not None:
         place = next(k for k, section in enumerate(sections) if section.title == "Inspect")
-        sections.insert(place, write_filling(made.window, made.gel, process))
+        sections.insert(place, write_filling(made.window, made.gel, spec.process))
     write_markdown(work / "instructions.md", sections, [f"{name}.png" for name in figures])
-    write_sheet(work / "instructions.pdf", sections, [*figures.values()], draw_page(made.artwork, _title(made)))
+    pages = [] if made.artwork is None else [draw_page(made.artwork, _title(made))]
+    write_sheet(work / "instructions.pdf", sections, [*figures.values()], pages)
+
+
+def _draw_sections(made: _Made, process: ProcessSpec) -> dict[str, Figure]:
+    """Sections of module and mold."""
+    mold, sizes = made.mold, (process.mold_floor, process.plate)
+    if made.skin.hole:
+        return {
+            "module_section": draw_barrel_section(made.module),
+            "mold_section": draw_barrel_mold(mold, *sizes, mold.spigot),
+        }
+    return {
+        "module_section": draw_module_section(made.module, made.window),
+        "mold_section": draw_mold_section(mold.module, mold.radius, *sizes),
+    }
 
 
 def _write_manifest(

@@ -120,7 +120,10 @@ ROWS = {
     ),
     "claims": Row("{results} --out new.md", ("RESULTS",), ("--out",), ("--out new.txt",)),
     "make": Row(
-        "--out new", ("--layout",), ("--out",), ("--markers 8", "--camera x", "--mapping x", "--material cheese")
+        "--out new",
+        ("--layout", "--lens"),
+        ("--out",),
+        ("--markers 8", "--camera x", "--mapping x", "--material cheese"),
     ),
     "export": Row(
         "--to mjcf --out new --cells 4",

@@ -121,5 +121,5 @@ def test_the_press_drawn_at_one_end_is_the_mirror_image_of_that_at_the_other(pre
 
 def test_forces_and_twins_are_refused(presses: list[Press]) -> None:
     for make in (build_force_field, build_twin):
-        with pytest.raises(PalpateError, match="as yet a barrel is pressed, seen and learnt, no more"):
+        with pytest.raises(PalpateError, match="as yet a barrel is pressed, seen, learnt and made, no more"):
             make(presses)
