@@ -43,8 +43,12 @@ CASES: dict[str, tuple[SkinSpec, Material, MeshSpec, float]] = {
 PUBLISHED = "hemisphere_397", "small_tactip", "tactip_127", "filled_hemisphere", "gel_pad", "flat_pad", "barrel"
 ALIKE = {"tactip_127": "tactip_331"}
 """Published sensors of the same wall and gel, but other pins: one press serves both."""
-STIFFER = 50.0
-"""Stiffness of the contact of a filled skin in CalculiX over the shear modulus of its wall, 1/mm."""
+SOFT, STIFFER = 1.0, 50.0
+"""Stiffness of the contact in CalculiX, MPa/mm, and of a filled skin over the shear modulus of its wall, 1/mm."""
+CONFINED = 1000.0
+"""The same of a published skin with a wall as soft as its gel, which comes under many times that as pressure."""
+SOFT_WALL_MPA = 1.0
+"""Shear modulus below which a wall is as soft as a gel."""
 PAD_MM = 5.0
 """Height below which a skin is a pad."""
 IMAGES = 4
@@ -63,13 +67,16 @@ class Case:
     wall: ObstacleSpec
     markers: Mapping[str, tuple[Skin, FloatArray]]
     """Skin with its pins and markers (n, 3) mm by the name of the sensor that has them."""
+    penalty: float
+    """Stiffness of the contact in CalculiX, MPa/mm."""
 
 
 def skin_case(name: str) -> Case:
     spec, material, mesh, depth = CASES[name]
     wall = WallSpec(tilt_deg=5, contact="frictionless", depth=depth)
     skin = spec.build()
-    return Case(skin, material, mesh, wall, {name: _marked(skin, MarkerSpec(count=91))})
+    penalty = STIFFER * material.law.shear_modulus if mesh.filled else SOFT
+    return Case(skin, material, mesh, wall, {name: _marked(skin, MarkerSpec(count=91))}, penalty)
 
 
 def published_case(name: str) -> Case:
@@ -81,7 +88,9 @@ def published_case(name: str) -> Case:
     markers = {one: _marked(design.presses[0].skin.build(), design.markers) for one, design in designs.items()}
     tilt, depth = 92.0 if press.wall.sideways else 5.0 if skin.height > PAD_MM else 2.0, press.wall.depth / 2
     travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "image_step": depth / IMAGES}
-    return Case(skin, press.material, mesh, press.wall.model_copy(update=travel), markers)
+    modulus = press.material.law.shear_modulus
+    penalty = modulus * (CONFINED if modulus < SOFT_WALL_MPA else STIFFER) if mesh.filled else SOFT
+    return Case(skin, press.material, mesh, press.wall.model_copy(update=travel), markers, penalty)
 
 
 def _marked(skin: Skin, markers: MarkerSpec) -> tuple[Skin, FloatArray]:
@@ -92,7 +101,7 @@ def compare(case: Case) -> list[dict[str, object]]:
     skin, material, meshing, wall = case.skin, case.material, case.mesh, case.wall
     mesh = mesh_skin(skin, meshing)
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1])
-    deck = DeckSpec(dialect=Dialect.CALCULIX, penalty=STIFFER * material.law.shear_modulus if meshing.filled else 1.0)
+    deck = DeckSpec(dialect=Dialect.CALCULIX, penalty=case.penalty)
     ours = solve_press(mesh, material, wall)
     theirs = solve_press_calculix(mesh, material, wall, CalculixSpec(deck=deck))
     return [row for name, marked in case.markers.items() for row in rows_of(name, ours, theirs, *marked)]
