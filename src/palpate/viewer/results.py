@@ -171,12 +171,12 @@ def _keys(row: Mapping[str, Cell], kind: str) -> tuple[str, ...]:
 def _read_layout(results: Results, row: Mapping[str, Cell], skin: Skin) -> MarkerLayout:
     """Markers as the dataset has them; without a dataset, as the design's spec says, or rings of as many markers."""
     spec = json.loads(str(row.get("spec") or "{}"))
-    markers = MarkerSpec.model_validate({"count": row["markers"], **spec.get("markers", {})})
+    markers = spec.get("markers", {})
     for key in _keys(row, "dataset"):
         path = ArtefactStore(results.folder / "store").locate("dataset", key, ".manifest.json")
         if path.is_file() and path.stat().st_size <= _LARGEST_MANIFEST:
             found: Any = json.loads(path.read_bytes()).get("spec", {}).get("markers_mm")
             positions = np.asarray(found, float)
             if positions.ndim == 2 and positions.shape[1] == 3 and len(positions) == row["markers"]:
-                return MarkerLayout(positions, markers.diameter)
-    return place_markers(skin, markers)
+                return MarkerLayout(positions, float(markers.get("diameter", MarkerSpec().diameter)))
+    return place_markers(skin, MarkerSpec.model_validate({"count": row["markers"], **markers}))

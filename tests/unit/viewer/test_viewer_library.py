@@ -1,5 +1,7 @@
 """A result folder as the explorer reads it."""
 
+import json
+
 import numpy as np
 import pytest
 from made_up_presses import KEYS, write_results
@@ -8,7 +10,7 @@ from palpate.core import PalpateError
 from palpate.viewer.library import Library
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.message import read_message, write_message
-from palpate.viewer.results import artefact_path, model_path, read_results
+from palpate.viewer.results import artefact_path, model_path, read_design, read_results
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
 
 
@@ -91,3 +93,16 @@ def test_a_message_is_read_back():
     assert meta == {"a": "ä"}
     assert arrays["x"].tolist() == [[1, 0], [0, 1]]
     assert arrays["n"].tolist() == [0, 1, 2]
+
+
+def test_markers_are_the_datasets_whatever_their_number(tmp_path):
+    """Rows of a barrel, or a file of points: no number of rings has so many."""
+    folder, key = write_results(tmp_path), "d" * 32
+    grid = json.loads((folder / "grid.json").read_text())
+    grid["designs"][0] |= {"markers": 20, "dataset_key": key}
+    (folder / "grid.json").write_text(json.dumps(grid))
+    places = np.column_stack([np.linspace(-5, 5, 20), np.zeros(20), np.full(20, 19.0)])
+    manifest = folder / "store" / "dataset" / key[:2] / f"{key}.manifest.json"
+    manifest.parent.mkdir(parents=True)
+    manifest.write_text(json.dumps({"spec": {"markers_mm": places.tolist()}}))
+    assert read_design(read_results(folder), 0).layout.positions == pytest.approx(places)
