@@ -7,7 +7,6 @@ Markers are those of the dataset: `build_field` at the same depths.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
@@ -23,7 +22,6 @@ from palpate.twin import MarkerField, TiltRuns, build_field
 
 Array32 = NDArray[np.float32]
 SAME_DEG = 1e-9
-_STRAIGHT_DOWN = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +116,6 @@ class PressedSkin(ABC):
             update={"tilt_deg": float(np.clip(tilt_deg, first, last)), "azimuth_deg": azimuth}
         )
         obstacle, touch = wall.at_touch(self.mesh)
-        way = wall.way(self.mesh)
         return SurfaceMotion(
             tilt_deg=float(tilt_deg),
             azimuth_deg=azimuth,
@@ -129,7 +126,7 @@ class PressedSkin(ABC):
             ended=str(labels[deep][1][0]) if deep < len(labels) else self._end(tilt_deg),
             normal=obstacle.gap(touch[None]).normal[0],
             touch=touch,
-            way=_STRAIGHT_DOWN if way is None else way,
+            way=wall.way(self.mesh),
         )
 
     @abstractmethod
@@ -182,12 +179,3 @@ def _finite(azimuth_deg: float) -> float:
     if not np.isfinite(azimuth_deg):
         raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.")
     return float(azimuth_deg)
-
-
-def common_depths(presses: Sequence[Press], images: FloatArray, same_mm: float) -> FloatArray:
-    """Depths of rest, of all images and of full depth; of one press alone, of its end as well."""
-    reached = max(float(press.depth.max()) for press in presses) + same_mm
-    # where a press ended early is an image of it alone; full depth is one of all that came so far
-    ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
-    depths: FloatArray = np.unique(np.round(np.concatenate([[0.0], images, ends[ends <= reached]]), 6))
-    return depths

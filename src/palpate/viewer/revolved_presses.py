@@ -24,7 +24,7 @@ from palpate.core import FloatArray, PalpateError, TextArray
 from palpate.fea import Press, WallSpec
 from palpate.mesh import Mesh
 from palpate.twin import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
-from palpate.viewer.pressed_skin import Array32, PressedSkin, SurfaceMotion, common_depths, nodal_stress_on
+from palpate.viewer.pressed_skin import Array32, PressedSkin, SurfaceMotion, nodal_stress_on
 
 SAME_MM = 1e-6
 
@@ -112,7 +112,7 @@ class RevolvedPresses(PressedSkin):
 def gather_revolved(presses: Sequence[Press], mesh: Mesh) -> RevolvedPresses:
     """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.gather_presses`."""
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
-    depths = common_depths(presses, shared_depths(presses), SAME_MM)
+    depths = _depths(presses)
     tilts = np.array([press.wall.radial for press in presses], float)
     runs = _weigh(tilts, label_presses(presses, depths), [str(press.ended) for press in presses])
     return RevolvedPresses(mesh, presses[0].wall, presses, depths, runs)
@@ -131,3 +131,13 @@ def _weigh(tilts_deg: FloatArray, branch: TextArray, ended: Sequence[str]) -> Ti
     own[:, 0] = np.eye(count)
     shape = (len(branch), *own.shape)
     return cut_into_runs(tilts_deg, branch, ended, np.broadcast_to(own, shape), np.broadcast_to(own[:, ::-1], shape))
+
+
+def _depths(presses: Sequence[Press]) -> FloatArray:
+    """Depths of rest, of all images and of full depth; of one press alone, of its end as well."""
+    images = shared_depths(presses)
+    reached = max(float(press.depth.max()) for press in presses) + SAME_MM
+    # where a press ended early is an image of it alone; full depth is one of all that came so far
+    ends = presses[0].depth if len(presses) == 1 else np.array([press.wall.depth for press in presses])
+    depths: FloatArray = np.unique(np.round(np.concatenate([[0.0], images, ends[ends <= reached]]), 6))
+    return depths
