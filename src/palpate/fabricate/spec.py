@@ -27,6 +27,7 @@ class CameraBody(StrEnum):
 
 
 _SINCE_BARRELS = ("dot_depth", "printer_size")
+"""Fields that came with barrels' packs."""
 
 
 class ProcessSpec(Spec):

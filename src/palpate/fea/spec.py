@@ -131,7 +131,7 @@ class ObstacleSpec(Spec, ABC):
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         """The obstacle at a depth in mm: moved against its way, unless it says otherwise."""
-        return partial(descended, self.at_touch(mesh)[0], self.way(mesh))
+        return partial(advanced, self.at_touch(mesh)[0], self.way(mesh))
 
     def way(self, mesh: Mesh) -> FloatArray:
         """Unit vector (3,) against which it moves, in the frame of the mesh: the skin's axis by default."""
@@ -174,6 +174,6 @@ def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
         )
 
 
-def descended(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
+def advanced(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
     """An obstacle that touches the skin, moved by a depth in mm against a unit vector (3,)."""
     return obstacle.moved(-depth * way)

@@ -32,7 +32,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.design import build_skin, rotation_vector, skin_from_data, turn_about_axis, wall_normal
-from palpate.fea.spec import ObstacleSpec, descended
+from palpate.fea.spec import ObstacleSpec, advanced
 from palpate.fea.wall import Plane, WallSpec, drifting, slope_ways
 from palpate.material import Material, material_from_data
 from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
@@ -179,7 +179,7 @@ def _vary_wall(made: Made, name: str) -> Variation:
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
         touched = Plane(normal, made.mesh.skin.touch(normal), bend=1e-3 * made.wall.bend)
-        sides.append(replace(made.loading, obstacle=partial(descended, touched, made.wall.way(made.mesh))))
+        sides.append(replace(made.loading, obstacle=partial(advanced, touched, made.wall.way(made.mesh))))
     return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
 
 

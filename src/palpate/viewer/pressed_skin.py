@@ -13,15 +13,16 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, PalpateError
+from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import MarkerLayout, rotation_vector
 from palpate.fea import ObstacleSpec, Press, nodal_von_mises
 from palpate.mesh import Mesh, locate_nodes
 from palpate.twin import MarkerField, TiltRuns, build_field
 
 Array32 = NDArray[np.float32]
-SAME_DEG = 1e-9
+SAME_MM, _SAME_DEG = 1e-6, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +107,7 @@ class PressedSkin(ABC):
             If the tilt is not finite or beyond them, or the azimuth is no angle.
         """
         first, last = float(self.tilts_deg[0]), float(self.tilts_deg[-1])
-        if not first - SAME_DEG <= tilt_deg <= last + SAME_DEG:
+        if not first - _SAME_DEG <= tilt_deg <= last + _SAME_DEG:
             raise PalpateError(f"{tilt_deg:g}° was not pressed.", f"Choose a tilt from {first:g} to {last:g}°.")
         azimuth = 0.0 if self.turned else _finite(azimuth_deg)
         labels = [self.runs.labels(np.array([tilt_deg]), image) for image in range(len(self.depths_mm))]
@@ -167,6 +168,23 @@ class PressedSkin(ABC):
         """Why the presses next to a tilt go no deeper: the reason of the one that ended first."""
         known = (self.runs.branch != "").sum(axis=0)
         return self.runs.ended[min(self.runs.neighbours(tilt_deg), key=lambda number: known[number])]
+
+
+def find_nodes(nodes: FloatArray, places: FloatArray) -> IntArray:
+    """Numbers (m,) of the nodes, of (n, 3) mm, at places (m, 3) mm.
+
+    Raises
+    ------
+    PalpateError
+        If there is no node at one: the mesh has not the mirrors of its skin.
+    """
+    distance, found = cKDTree(nodes).query(places)
+    if distance.max() > SAME_MM:
+        raise PalpateError(
+            f"The mesh is not symmetric: a mirror image of a node lies {distance.max():.2g} mm from the nearest one.",
+            "Solve the presses again with this version.",
+        )
+    return np.asarray(found)
 
 
 def nodal_stress_on(press: Press, mesh: Mesh) -> FloatArray:

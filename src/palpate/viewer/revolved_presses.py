@@ -17,16 +17,12 @@ from functools import cached_property
 from typing import ClassVar, final
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from palpate.core import FloatArray, PalpateError, TextArray
+from palpate.core import FloatArray, IntArray, TextArray
 from palpate.fea import Press, WallSpec
 from palpate.mesh import Mesh
 from palpate.twin import TiltRuns, cut_into_runs, label_presses, match_depths, shared_depths
-from palpate.viewer.pressed_skin import Array32, PressedSkin, SurfaceMotion, nodal_stress_on
-
-SAME_MM = 1e-6
+from palpate.viewer.pressed_skin import SAME_MM, Array32, PressedSkin, SurfaceMotion, find_nodes, nodal_stress_on
 
 
 @final
@@ -37,12 +33,9 @@ class RevolvedPresses(PressedSkin):
     turned: ClassVar[bool] = True
 
     @cached_property
-    def mirrored(self) -> NDArray[np.intp]:
+    def mirrored(self) -> IntArray:
         """(n,) for each node the one across y = 0."""
-        distance, mirrored = cKDTree(self.nodes).query(self.nodes * [1.0, -1.0, 1.0])
-        if distance.max() > SAME_MM:
-            raise PalpateError("The mesh is not symmetric about y = 0.", "Solve the presses again with this version.")
-        return np.asarray(mirrored)
+        return find_nodes(self.nodes, self.nodes * [1.0, -1.0, 1.0])
 
     @cached_property
     def displacement(self) -> Array32:

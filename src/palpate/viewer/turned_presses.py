@@ -12,13 +12,12 @@ from functools import cached_property
 from typing import ClassVar, final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, IntArray
 from palpate.fea import Press
 from palpate.mesh import Mesh, mesh_skin
 from palpate.twin import MIRRORS, TurnedSeries, TurnedTable
-from palpate.viewer.pressed_skin import Array32, PressedSkin, SurfaceMotion, nodal_stress_on
+from palpate.viewer.pressed_skin import Array32, PressedSkin, SurfaceMotion, find_nodes, nodal_stress_on
 
 
 @final
@@ -39,14 +38,14 @@ class TurnedPresses(PressedSkin):
     @cached_property
     def images(self) -> IntArray:
         """(4, n) numbers of the nodes at the mirror images of every node."""
-        return np.stack([self._find(mirror * self.nodes) for mirror in MIRRORS])
+        return np.stack([find_nodes(self.nodes, mirror * self.nodes) for mirror in MIRRORS])
 
     @cached_property
     def half(self) -> tuple[Mesh, IntArray]:
         """The half mesh, and for every node (n,) the number of the one on it at x or −x."""
         half = mesh_skin(self.mesh.skin, self.mesh.spec.model_copy(update={"whole": False}))
         folded = np.column_stack([np.abs(self.nodes[:, 0]), self.nodes[:, 1:]])
-        return half, cKDTree(half.nodes[: len(half.inner_disc)]).query(folded)[1]
+        return half, find_nodes(half.nodes[: len(half.inner_disc)], folded)
 
     @cached_property
     def moved(self) -> TurnedSeries:
@@ -93,9 +92,6 @@ class TurnedPresses(PressedSkin):
         if values.shape[-1] == 3:
             whole[:, self.nodes[:, 0] < 0] *= MIRRORS[1]
         return whole
-
-    def _find(self, points: FloatArray) -> IntArray:
-        return np.asarray(cKDTree(self.nodes).query(points)[1])
 
 
 def gather_turned(presses: Sequence[Press], mesh: Mesh) -> TurnedPresses:
