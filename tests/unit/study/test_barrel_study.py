@@ -58,8 +58,8 @@ def test_units_of_other_friction_are_pressed_at_the_side_as_well() -> None:
         ({"side_wall": None, "tilts_deg": [0, 2]}, "open at both ends: nothing touches it"),
         ({"designs": {}}, "comes to the side of a barrel, and H20 T2 is none"),
         ({"tilts_deg": [70, 92]}, "A wall tilted by 70° touches a clamped end of barrel 50 .* first"),
-        ({"forces": True}, "has no apex: as yet a barrel is pressed, seen and learnt"),
-        ({"built": {}}, "has no apex: as yet a barrel is pressed, seen and learnt"),
+        ({"forces": True}, "has no apex: as yet a barrel is pressed, seen, learnt and made"),
+        ({"built": {}}, "has no apex: as yet a barrel is pressed, seen, learnt and made"),
         ({"material": {"gel": "neo-hooke:0.03"}}, "what fills it is not meshed"),
     ],
 )
