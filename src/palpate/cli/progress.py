@@ -20,7 +20,7 @@ class Lines(Observer):
 
     def planned(self, tasks: int, reused: int, cost: float) -> None:
         """Say how much is to be done."""
-        self._tasks = tasks
+        self._tasks, self._done = tasks, 0
         _say(f"{tasks} artefacts to make, {reused} found")
 
     def started(self, task: str) -> None:
@@ -30,6 +30,10 @@ class Lines(Observer):
         """Say how a task ended."""
         self._done += 1
         _say(f"[{self._done}/{self._tasks}] {task}: {reason or f'done in {seconds:.1f} s'}")
+
+    def noted(self, sentence: str) -> None:
+        """Say it."""
+        _say(sentence)
 
 
 class Bars(Observer):
@@ -44,7 +48,7 @@ class Bars(Observer):
     def planned(self, tasks: int, reused: int, cost: float) -> None:
         """Set the length of the bar."""
         self._costs = [0.0, cost]
-        self._progress.update(self._bar, total=tasks)
+        self._progress.reset(self._bar, total=tasks)
         self._progress.console.print(f"{tasks} artefacts to make, {reused} found")
 
     def started(self, task: str) -> None:
@@ -60,6 +64,10 @@ class Bars(Observer):
         if reason:
             self._progress.console.print(f"{task}: {reason}", style="red", markup=False)
         self._show()
+
+    def noted(self, sentence: str) -> None:
+        """Print it above the bar."""
+        self._progress.console.print(sentence, markup=False)
 
     def _show(self) -> None:
         done, total = self._costs

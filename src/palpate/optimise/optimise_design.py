@@ -68,7 +68,7 @@ def optimise_design(
     plan = SearchPlan(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
-    tried = search_skins(space, judge.judge, plan, out / JOURNAL)
+    tried = search_skins(space, judge.judge, plan, out / JOURNAL, judge.say_best)
     rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
     front = Front(spec, tuple(judge.recall(tried)), rival=rival)
     front = replace(front, tried=judge.finish(front)) if spec.finalists else front
@@ -110,6 +110,22 @@ class _Judge:
             )
             for proposal in self._do(tasks)
         ]
+
+    def say_best(self, tried: Sequence[Tried]) -> None:
+        """Say how many skins were tried, and the least error of those that meet the constraints."""
+        if self.observer is None:
+            return
+        met = [one for one in tried if all(value <= 0 for value in one.judged.violations.values())]
+        errors = {
+            one.number: best.figure.worst_deg
+            for one in met
+            if (best := Proposal.from_data(one.judged.note["proposal"]).best(self.spec.markers)) is not None
+        }
+        number = min(errors, key=errors.__getitem__, default=None)
+        so_far = (
+            "none meets the constraints" if number is None else f"skin {number} reads best, {errors[number]:.4f}°"
+        )
+        self.observer.noted(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
     def recall(self, tried: Sequence[Tried]) -> Iterator[TriedSkin]:
         """What is known of skins that were tried; those that an earlier version judged are judged again."""

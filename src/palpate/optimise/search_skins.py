@@ -81,7 +81,11 @@ class SearchPlan:
 
 
 def search_skins(
-    space: SkinSpace, judge: Callable[[Sequence[Place]], Sequence[Judged]], plan: SearchPlan, journal: Path
+    space: SkinSpace,
+    judge: Callable[[Sequence[Place]], Sequence[Judged]],
+    plan: SearchPlan,
+    journal: Path,
+    watch: Callable[[Sequence[Tried]], None] | None = None,
 ) -> tuple[Tried, ...]:
     """Try places of a space and return all that were tried, in their order.
 
@@ -95,6 +99,8 @@ def search_skins(
         How many, by whom they are proposed, and where to begin.
     journal
         File of the search; what it holds is not judged again.
+    watch
+        Told of all that were tried after every batch.
 
     Raises
     ------
@@ -115,6 +121,12 @@ def search_skins(
         asked = [trial for number in numbers if (trial := _ask(study, space, number, plan)) is not None]
         for trial, found in zip(asked, judge([trial.params for trial in asked]), strict=True):
             _tell(study, trial, found)
+        if watch is not None:
+            watch(_tried(study))
+    return _tried(study)
+
+
+def _tried(study: optuna.Study) -> tuple[Tried, ...]:
     done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
     return tuple(Tried(trial.number, trial.params, _judged(trial)) for trial in done)
 

@@ -20,6 +20,10 @@ class Observer(ABC):
     def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
         """Say that a task ended after `seconds`; `reason` is empty, or why it gave nothing."""
 
+    @abstractmethod
+    def noted(self, sentence: str) -> None:
+        """Say how far it has come: a sentence for a person."""
+
 
 class Silence(Observer):
     """Watches without a word."""
@@ -31,4 +35,7 @@ class Silence(Observer):
         pass
 
     def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
+        pass
+
+    def noted(self, sentence: str) -> None:
         pass

@@ -50,6 +50,14 @@ def test_it_comes_within_a_twentieth_of_a_search_ten_times_as_long(tmp_path: Pat
     assert least(search_skins(SPACE, judge, SearchPlan(44), tmp_path / "journal")) <= 1.05 * true
 
 
+def test_whoever_watches_is_told_after_every_batch(tmp_path: Path) -> None:
+    told: list[int] = []
+    search_skins(
+        SPACE, judge, SearchPlan(6, 1, "random"), tmp_path / "journal", lambda tried: told.append(len(tried))
+    )
+    assert told == [4, 6]
+
+
 class CutError(Exception):
     pass
 

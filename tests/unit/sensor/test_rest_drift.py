@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from palpate.camera import CameraSpec, build_camera
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.markers import Naming, Sighting
 from palpate.material import get_material
@@ -18,7 +18,7 @@ from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
 LAYOUT = place_markers(DOME, MarkerSpec(count=169))
-NUMBERS = np.arange(len(LAYOUT))
+FEW = place_markers(DOME, MarkerSpec(count=37, ring_diameters=(4.1, 18.9, 31.1)))
 NOISE = 0.02
 NOMINAL = CameraSpec()
 PRESSED = np.array([4.0, -3.0, 4.0])
@@ -41,20 +41,22 @@ class Drawn:
 
     twin: Twin
     camera: CameraSpec = NOMINAL
+    layout: MarkerLayout = LAYOUT
     aside_px: tuple[float, float] = (0.0, 0.0)
     rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(5))
 
     def dots(self, pose: np.ndarray | None = None, noise: float = NOISE) -> np.ndarray:
-        points = (
-            LAYOUT.positions if pose is None else self.twin.print_dots(LAYOUT.positions).move(pose, 0.0).positions
-        )
+        printed = self.layout.positions
+        points = printed if pose is None else self.twin.print_dots(printed).move(pose, 0.0).positions
         shown = build_camera(self.camera).project(points) + self.aside_px
         return shown + noise * self.rng.normal(size=shown.shape)
 
-    def open(self, **chosen: float) -> TwinReader:
-        rest = np.mean([self.dots() for _ in range(20)], axis=0)
-        naming = Naming(NUMBERS, rest, np.ones(len(LAYOUT), bool), 0.0, False, (), -1, 0.0)
-        return TwinReader(self.twin, Unit(DOME, LAYOUT), naming, RigSpec(noise_px=NOISE, **chosen))
+    def open(self, images: int = 20, **chosen: float) -> TwinReader:
+        rest = np.mean([self.dots() for _ in range(images)], axis=0)
+        numbers = np.arange(len(rest))
+        naming = Naming(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
+        unit = Unit(DOME, self.layout, nominal=self.camera)
+        return TwinReader(self.twin, unit, naming, RigSpec(noise_px=NOISE, **chosen))
 
     def drift(self, way: str, share: float) -> None:
         """Move camera or silicone by a share of half a pixel or so."""
@@ -72,7 +74,7 @@ def moved(**changes: float) -> CameraSpec:
 
 
 def read(reader: TwinReader, dots: np.ndarray) -> Estimate:
-    return reader.read(Sighting(dots, np.ones(len(dots), bool), NUMBERS, False))
+    return reader.read(Sighting(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
 
 
 def read_pressed(reader: TwinReader, unit: Drawn) -> np.ndarray:
@@ -145,5 +147,26 @@ def test_missing_dots_do_not_move_the_rest(twin: Twin) -> None:
     for _ in range(60):
         dots, found = unit.dots(), unit.rng.random(len(LAYOUT)) > 0.1
         dots[~found] += 5.0
-        reader.read(Sighting(dots, found, NUMBERS, False))
+        reader.read(Sighting(dots, found, np.arange(len(dots)), False))
     assert reader.rest.rms_px < 0.03
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7, 8])
+def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_followed(twin: Twin, seed: int) -> None:
+    unit = Drawn(twin, moved(distance=30.0), FEW, rng=np.random.default_rng(seed))
+    watchful = unit.open(images=1)
+    still = TwinReader(
+        twin,
+        Unit(DOME, FEW, nominal=unit.camera),
+        Naming(np.arange(37), watchful.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0),
+        RigSpec(noise_px=NOISE, follow_px=0.0),
+    )
+    for touch in range(16):
+        azimuth = 0.4 * touch
+        for depth in (0.0, 0.8, 1.6, 2.4, 3.2, 4.0, 4.8):
+            pose = np.array([11.0 * np.cos(azimuth), 11.0 * np.sin(azimuth), depth])
+            dots = unit.dots(pose if depth else None)
+            seen, control = read(watchful, dots), read(still, dots)
+            assert Flag.MOVED not in (*seen.flags, *control.flags)
+            if depth:
+                assert np.abs(seen.pose[:2] - control.pose[:2]).max() < 0.02
