@@ -58,8 +58,8 @@ _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
 """How far beyond the tilts (degrees) and depths (mm) of the twin a fit may go."""
-_DOUBTED, _LOST = 1.5, 4.0
-"""Misfits above which a fit is begun anew, from nothing, and above which the next image is."""
+_DOUBTED = 1.5
+"""Misfit above which a fit is begun anew, from nothing, and the better of the two is kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +249,7 @@ class PoseFitter:
         moved = np.zeros(len(TOUCH)) if self._last is None else found.theta - self._last
         turned, far = (float(np.linalg.norm((each / _NEAR)[:3])) for each in (moved - self._moved, moved))
         self._moved, self._motion = moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH))
-        self._last = found.theta if found.misfit <= _LOST else None
+        self._last = found.theta
 
     def _doubted(self, found: PoseFit) -> bool:
         """Whether a fit that began from the last may have gone astray."""

@@ -119,6 +119,8 @@ class Sensor:
         if foreseen is None or estimate.fit is None:
             return sighting, estimate
         named = self._tracker.look(blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px))
+        if np.array_equal(named.blob, sighting.blob):  # the fit foresees what was seen: no marker jumped
+            return named, estimate
         again = self.reader.read(named)
         if again.fit is not None and again.fit.misfit <= estimate.fit.misfit:
             return named, again

@@ -484,3 +484,19 @@ def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(twin: Twin
             errors.append((fitter.fit(image(pose, rng.uniform(0.6, 1.3))).pose - mounted.to_robot(pose))[:2])
     played = np.sqrt(np.mean(np.square(errors)))
     assert foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg == pytest.approx(played, rel=0.15)
+
+
+def test_dots_that_stay_wrong_do_not_lead_the_fit_astray(twin: Twin, units: list[Built]) -> None:
+    slippery, unit = [press(tilt, 0.45) for tilt in (3.0, 10.0)], units[0]
+    off = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        fitter = PoseFitter(model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE), NOISE)
+        poses, dots = unit.press(slippery[seed % 2], 40.0 * seed)
+        wrong, by = rng.choice(len(LAYOUT), 8, replace=False), rng.normal(0, 3, (8, 2))
+        for image, (pose, seen) in enumerate(zip(poses, dots, strict=True)):
+            if image >= 2:
+                seen[wrong] += by * (1.0 if image % 2 else 0.7)
+            found = fitter.fit(seen).pose[:2] - pose[:2]
+            off.append(np.abs(found + [unit.deviation.seating_x_deg, unit.deviation.seating_y_deg]).max())
+    assert max(off) < 0.35
