@@ -497,6 +497,6 @@ def test_dots_that_stay_wrong_do_not_lead_the_fit_astray(twin: Twin, units: list
         for image, (pose, seen) in enumerate(zip(poses, dots, strict=True)):
             if image >= 2:
                 seen[wrong] += by * (1.0 if image % 2 else 0.7)
-            found = fitter.fit(seen).pose[:2] - pose[:2]
-            off.append(np.abs(found + [unit.deviation.seating_x_deg, unit.deviation.seating_y_deg]).max())
+            seated = np.array([unit.deviation.seating_x_deg, unit.deviation.seating_y_deg])
+            off.append(np.abs(fitter.fit(seen).pose[:2] + seated - pose[:2]).max())
     assert max(off) < 0.35
