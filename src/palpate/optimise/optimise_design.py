@@ -115,15 +115,10 @@ class _Judge:
         """Say how many skins were tried, and the least error of those that meet the constraints."""
         if self.observer is None:
             return
-        met = [one for one in tried if all(value <= 0 for value in one.judged.violations.values())]
-        errors = {
-            one.number: best.figure.worst_deg
-            for one in met
-            if (best := Proposal.from_data(one.judged.note["proposal"]).best(self.spec.markers)) is not None
-        }
-        number = min(errors, key=errors.__getitem__, default=None)
+        skins = (self._of(one) for one in tried if one.judged.note.get("version") == PROPOSE_VERSION)
+        best = min(Front(self.spec, tuple(skins)).entries, key=lambda entry: entry.value("error"), default=None)
         so_far = (
-            "none meets the constraints" if number is None else f"skin {number} reads best, {errors[number]:.4f}°"
+            f"skin {best.tried.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
         self.observer.noted(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
@@ -131,9 +126,13 @@ class _Judge:
         """What is known of skins that were tried; those that an earlier version judged are judged again."""
         old = [one for one in tried if one.judged.note.get("version") != PROPOSE_VERSION]
         again = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
-        for one in tried:
-            judged = again.get(one.number, one.judged)
-            yield TriedSkin(one.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
+        return (self._of(replace(one, judged=again.get(one.number, one.judged))) for one in tried)
+
+    @staticmethod
+    def _of(tried: Tried) -> TriedSkin:
+        """What was found of a skin, as the journal has it."""
+        judged = tried.judged
+        return TriedSkin(tried.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
 
     def finish(self, front: Front) -> tuple[TriedSkin, ...]:
         """The same skins, the best of which are pressed at full fidelity."""

@@ -127,6 +127,7 @@ def search_skins(
 
 
 def _tried(study: optuna.Study) -> tuple[Tried, ...]:
+    """Every place that was judged, in the order in which they were proposed."""
     done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
     return tuple(Tried(trial.number, trial.params, _judged(trial)) for trial in done)
 

@@ -5,7 +5,8 @@ What image t tells of one way, in px rms of the dots that it moves, is
     told(t) = crept(t) + first + noise(t),
 
 with the noise of the image at rest, from which all motion is counted, as `first`: it stays, and is no creep. Creeping
-begins at nothing and goes on at a pace that hardly changes from image to image.
+begins at nothing and goes on at a pace that hardly changes from image to image (R. E. Kalman, J. Basic Eng. 82, 1960,
+35-45; place and pace as in tracking).
 """
 
 from __future__ import annotations
