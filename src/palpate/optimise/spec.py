@@ -18,6 +18,8 @@ from palpate.material import get_material
 from palpate.study import read_spec
 
 Range = tuple[float, float]
+_CAMERA = "davis346"
+"""The camera whose numbers are the defaults."""
 PRESET = "paper_task"
 """Requirements that come with the package."""
 _HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
@@ -36,7 +38,7 @@ FIELDS = {
 class CameraChoice(Spec):
     """A camera that may be built in."""
 
-    name: str = parameter("davis346", unit="", meaning="name of the camera")
+    name: str = parameter(_CAMERA, unit="", meaning="name of the camera; any but this needs `camera`")
     price: float = parameter(0.0, unit="1", meaning="price in any currency, the same for all cameras", ge=0)
     camera: CameraSpec = CameraSpec()
     distances: Range = parameter((40.0, 54.0), unit="mm", meaning="least and greatest distance below the base plane")
@@ -45,6 +47,16 @@ class CameraChoice(Spec):
     @classmethod
     def _grows(cls, given: Range) -> Range:
         return _growing(given, 1.0, 1000.0, "mm")
+
+    @model_validator(mode="after")
+    def _is_known(self) -> CameraChoice:
+        if self.name != _CAMERA and "camera" not in self.model_fields_set:
+            raise PydanticCustomError(
+                "camera",
+                "of the camera {name} nothing is known but its name; give its numbers as camera, or name {known}",
+                {"name": self.name, "known": _CAMERA},
+            )
+        return self
 
 
 class RivalSpec(Spec):

@@ -36,6 +36,8 @@ WRONG = {
     "objectives: [beauty]": "Input should be",
     "cameras:\n- name: eye\n  distances: [60, 40]": "60 to 40 is no range",
     "cameras:\n- name: eye\n  camera: {width_px: 0}": "width_px",
+    "cameras:\n- name: eye": "of the camera eye nothing is known but its name",
+    "cameras:\n- name: eye\n  distances: [40, 60]": "give its numbers as camera, or name davis346",
     "makrers: 37": "did you mean markers?",
     "force_n: -1": "greater than 0",
     "thicknesses: [2]": "thicknesses",
