@@ -18,6 +18,7 @@ import numpy as np
 
 from palpate.built.fit_pose import SLIP_MOST, PoseFitter
 from palpate.built.force import ForceScale, expect_scale
+from palpate.built.groups import add_up
 from palpate.built.mounting import MOUNTING, Mounting, mount_unit, mounting_sd
 from palpate.built.noise import MODEL_PX, weigh_dots
 from palpate.built.robot_press import RobotPress, RobotSpec
@@ -210,10 +211,7 @@ def press_information(
         for pose in press.poses:
             _, slopes = fit.look(model, mounting, pose, np.array([slip, *[0.0] * (fit.own - 1)]))
             rows = np.nan_to_num(slopes)
-            squares = np.einsum("mci,mcj->mij", rows, rows, optimize=True) / variance
-            block = np.zeros((groups, len(columns), len(columns)))
-            np.add.at(block, group, squares)
-            normal[np.ix_(np.arange(groups), columns, columns)] += block
+            normal[np.ix_(np.arange(groups), columns, columns)] += add_up(rows, rows / variance, group)
             alike[..., columns] += rows / variance
     prior = np.diag(fit.information(mounting))[fit.shared :]
     shared = np.zeros(groups)

@@ -15,6 +15,7 @@ import numpy as np
 
 from palpate.built.fit_pose import TWIN_SD, touch_sd
 from palpate.built.foresee import ForeseeSpec, dot_noise, draw_places, known_presses
+from palpate.built.groups import add_up
 from palpate.built.identify import PressInformation, press_information, twin_off_sd
 from palpate.built.mounting import Mounting, mounting_sd
 from palpate.built.noise import MODEL_PX, layout_noise
@@ -221,16 +222,16 @@ def measure_rings(
         rows[..., : looked.by_pose.shape[-1]] = looked.by_pose
         rows[..., len(touch) :] = looked.by_unit
         _leave(inside, group, camera, looked.pixels)
-        reads.append(_add_up(rows, rows / variance, group))
-        crossed.append(_add_up(alike, rows / variance, group))
+        reads.append(add_up(rows, rows / variance, group))
+        crossed.append(add_up(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch**-2.0
     pad = np.full(2, max(tolerance.pad, 1e-6) / np.sqrt(3.0))
     return RingInformation(
-        rest=_add_up(slopes, slopes / spread**2, group),
+        rest=add_up(slopes, slopes / spread**2, group),
         rest_prior=np.concatenate([sd[: len(CAMERA)], pad]) ** -2.0,
         presses=known,
-        common=_add_up(alike, alike, group),
+        common=add_up(alike, alike, group),
         crossed=np.array(crossed),
         reads=np.array(reads),
         touch_prior=touch_prior,
@@ -246,13 +247,6 @@ def measure_rings(
 def _by_group(noise: FloatArray, group: IntArray) -> FloatArray:
     """Root mean square (g,) over the dots of each group."""
     return np.asarray(np.sqrt(np.bincount(group, noise**2) / np.bincount(group)), float)
-
-
-def _add_up(left: FloatArray, right: FloatArray, group: IntArray) -> FloatArray:
-    """Products (g, n, k) of the rows (m, 2, n) and (m, 2, k) of dots, added up by their group."""
-    found = np.zeros((group.max() + 1, left.shape[-1], right.shape[-1]))
-    np.add.at(found, group, np.einsum("mci,mcj->mij", np.nan_to_num(left), np.nan_to_num(right), optimize=True))
-    return found
 
 
 def _leave(inside: BoolArray, group: IntArray, camera: Camera, pixels: FloatArray) -> None:

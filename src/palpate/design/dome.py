@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from palpate.cad import Arc, Outline
 from palpate.core import FloatArray
+from palpate.design.ray import leave_sphere
 from palpate.design.skin import Rim, Skin, Symmetry
 from palpate.design.spec import SkinSpec
 
@@ -161,11 +162,7 @@ class Dome(Skin):
 
     def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
         """The farther crossing of ``|o + s d - c| = r``."""
-        start = origin - self.centre
-        along, square = (rays * start).sum(axis=1), (rays**2).sum(axis=1)
-        root = along**2 - square * ((start**2).sum(axis=-1) - self.radius**2)
-        far = (-along + np.sqrt(np.where(root >= 0, root, np.nan))) / square
-        return np.asarray(origin + far[:, None] * rays)
+        return np.asarray(origin + leave_sphere(origin - self.centre, rays, self.radius)[:, None] * rays)
 
     def touch(self, normal: FloatArray) -> FloatArray:
         return self.centre + self.outer_radius * normal

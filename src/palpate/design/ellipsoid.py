@@ -6,8 +6,10 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, Self, final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from palpate.core import FloatArray, parameter
+from palpate.design.ray import leave_sphere, pass_base
 from palpate.design.revolved import RevolvedSkin, plain_numbers
 from palpate.design.spec import TaperedSpec
 
@@ -82,3 +84,17 @@ class Ellipsoid(RevolvedSkin):
         phase = end * t + order * np.pi / 2
         curve = a * end**order * np.column_stack([np.sin(phase), self.aspect * np.cos(phase)])
         return curve + np.array([0.0, self.centre_height if order == 0 else 0.0])
+
+    def inner_point(self, rho: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+        """``z = z0 + k √(a² - ρ²)``."""
+        rho, azimuth = np.broadcast_arrays(np.asarray(rho, float), np.asarray(azimuth, float))
+        inside = rho <= self.widest[0] * (1.0 + 1e-9)
+        rise = self.aspect * np.sqrt(np.where(inside, np.maximum(self.semi_axis**2 - rho**2, 0.0), np.nan))
+        return np.stack([rho * np.cos(azimuth), rho * np.sin(azimuth), self.centre_height + rise], axis=-1)
+
+    def hit(self, origin: FloatArray, rays: FloatArray) -> FloatArray:
+        """The farther crossing of a sphere of radius a, where all is divided by k along the axis."""
+        start = pass_base(lambda at: np.hypot(at[:, 0], at[:, 1]) <= self.base_radius, origin, rays)
+        round_, middle = np.array([1.0, 1.0, 1.0 / self.aspect]), np.array([0.0, 0.0, self.centre_height])
+        far = leave_sphere((start - middle) * round_, rays * round_, self.semi_axis)
+        return np.asarray(start + far[:, None] * rays)

@@ -28,7 +28,8 @@ _TABLE = 2001
 """Points of the tables along the meridian."""
 _BEYOND = 1.25
 """Parameter to which the tables reach."""
-_NEWTON = 8
+_NEWTON, _STILL = 8, 1e-9
+"""Most steps to the parameter of a place, and a step after which the next, its square, is nothing."""
 _SECTION = 33
 """Points of the curve that the CAD kernel is given."""
 
@@ -146,7 +147,9 @@ class RevolvedSkin(Skin):
             gap, slope = place - self.curve(t), self.curve(t, 1)
             fall = (slope**2).sum(axis=1) - (gap * self.curve(t, 2)).sum(axis=1)
             step = (gap * slope).sum(axis=1) / np.where(fall > 0, fall, (slope**2).sum(axis=1))
-            t = np.clip(t + step, 0.0, _BEYOND)
+            before, t = t, np.clip(t + step, 0.0, _BEYOND)
+            if np.abs(t - before).max(initial=0.0) < _STILL:
+                break
         return t, direction
 
     def _spread(self, values: FloatArray, direction: FloatArray) -> FloatArray:

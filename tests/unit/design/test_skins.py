@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.design import Dome, Ellipsoid, Rim, turn_about_axis, wall_normal
+from palpate.design.revolved import RevolvedSkin
 
 PAIRS = [(Dome(h, 20.0, t), Ellipsoid(h, 20.0, t, 1.0)) for h, t in ((10.0, 1.0), (20.0, 2.0), (30.0, 3.0))]
 
@@ -53,7 +54,10 @@ def test_the_wall_falls_to_the_right_of_its_axis_of_rotation() -> None:
 
 @pytest.mark.parametrize(("height", "base", "aspect"), [(20, 20, 1.3), (30, 15, 0.7), (12, 20, 0.6), (28, 16, 1.6)])
 def test_rays_hit_an_ellipsoid_where_its_quadric_says(height: float, base: float, aspect: float) -> None:
-    """Scaled along its axis it is a sphere, whose farther crossing has a closed form; some graze."""
+    """Scaled along its axis it is a sphere, whose farther crossing has a closed form; some graze.
+
+    The ellipsoid's own answer lies on the ray and solves its equation; what any meridian gives finds the same.
+    """
     skin, rng = Ellipsoid(height, base, 2.0, aspect), np.random.default_rng(3)
     origin = np.array([1.0, -0.5, -40.0])
     rays = np.column_stack([rng.uniform(-0.6, 0.6, (400, 2)), np.ones(400)])
@@ -63,7 +67,14 @@ def test_rays_hit_an_ellipsoid_where_its_quadric_says(height: float, base: float
     far = (-half + np.sqrt(np.maximum(half**2 - square * (start @ start - skin.semi_axis**2), 0))) / square
     opening = origin + (40.0 / rays[:, 2:]) * rays
     passes = np.hypot(opening[:, 0], opening[:, 1]) <= base
-    found = skin.hit(origin, rays)
     assert passes.sum() > 100
-    assert found[passes] == pytest.approx((origin + far[:, None] * rays)[passes], abs=1e-9)
-    assert np.isnan(found[~passes]).all()
+    for found in (skin.hit(origin, rays), RevolvedSkin.hit(skin, origin, rays)):
+        assert found[passes] == pytest.approx((origin + far[:, None] * rays)[passes], abs=1e-9)
+        assert np.isnan(found[~passes]).all()
+    x, y, z = found[passes].T
+    a, c = skin.semi_axis, aspect * skin.semi_axis
+    assert (x**2 + y**2) / a**2 + (z - skin.centre_height) ** 2 / c**2 == pytest.approx(1.0, abs=1e-9)
+    rho = np.linspace(0.0, 1.01 * skin.widest[0], 200)
+    assert skin.inner_point(rho, 0.4) == pytest.approx(
+        RevolvedSkin.inner_point(skin, rho, 0.4), abs=1e-9, nan_ok=True
+    )
