@@ -17,7 +17,7 @@ from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.material import get_material
-from palpate.optimise import optimise_design, propose, prove, read_requirements, write_front
+from palpate.optimise import optimise_design, propose, prove, prove_front, read_requirements, write_front
 from palpate.study import find_made, read_study
 
 pytest.importorskip("optuna")
@@ -86,12 +86,18 @@ def test_a_search_finds_the_same_however_it_was_done(
 def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: Path) -> None:
     from palpate.cli import main
 
+    wanted.write_text(WANTED + "grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
+    more = ["--skins", "2", "--control", "3", "--workers", "2", "--packs"]
     with pytest.raises(SystemExit) as left:
-        main(["optimise", str(wanted), "--out", str(tmp_path / "out"), "--skins", "2", "--workers", "2", "--packs"])
+        main(["optimise", str(wanted), "--out", str(tmp_path / "out"), *more])
     assert left.value.code == 0
     found = json.loads((tmp_path / "out" / "front.json").read_text())
     assert found["skins"] == 2
     assert found["winner"]["markers"] <= 37
+    by_chance, grid = found["control"]["chance"], found["control"]["grid"]
+    assert by_chance["worst_deg"] <= found["control"]["search"]["worst_deg"], "the first skins are the same"
+    assert (grid["thickness_mm"], grid["distance_mm"], grid["ring_diameters_mm"]) == (2.5, 48.0, "10 20 30")
+    assert (tmp_path / "out" / "winner.svg").read_text().count("<path") > 20
     (skin,) = read_study(tmp_path / "out" / "winner.yaml").designs.skins()
     assert skin.height == found["winner"]["height_mm"]
     (pack,) = (tmp_path / "out" / "packs").iterdir()
@@ -113,7 +119,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     text = WANTED.replace("skins: 5", "skins: 1").replace("[2, 3]", "[2.5, 3]").replace("known: 2", "known: 0")
     wanted.write_text(text + "proof: played\nrival: {thickness: 3, markers: {count: 19}}\n")
     spec, out = read_requirements(wanted), tmp_path / "out"
-    front = optimise_design(spec, out, workers=2)
+    front = prove_front(optimise_design(spec, out, workers=2), out, workers=2)
     made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
     proof = front.proof
     assert proof is not None, front.shortfall
@@ -130,7 +136,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         assert proof.second.markers_mm < 0.1
     write_front(out, front, "palpate optimise")
     assert "Foreseen and played are within" in (out / "report.md").read_text()
-    assert optimise_design(spec, out, workers=1).proof == proof
+    assert prove_front(optimise_design(spec, out, workers=1), out, workers=1).proof == proof
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is played twice"
     # the same units by the bench itself
     twin = find_made(

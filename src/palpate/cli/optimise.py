@@ -13,7 +13,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
-from palpate.core import PalpateError
+from palpate.core import PalpateError, load_extra
 
 if TYPE_CHECKING:
     from palpate.optimise import RequirementsSpec
@@ -34,6 +34,9 @@ class SearchFlags:
     sampler: Annotated[
         Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
     ] = "gp"
+    control: Annotated[
+        int | None, Parameter(help="Skins drawn by chance beside it, which the report holds it against.")
+    ] = None
     prove: Annotated[Literal["none", "played", "trained"] | None, Parameter(help=_PROVE)] = None
     packs: Annotated[bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")] = (
         False
@@ -43,8 +46,10 @@ class SearchFlags:
         """The requirements with what flags say of them."""
         if self.skins is not None and not 1 <= self.skins <= 100_000:
             raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.")
-        given = {name: value for name, value in (("skins", self.skins), ("proof", self.prove)) if value is not None}
-        return spec.model_copy(update=given)
+        if self.control is not None and not 0 <= self.control <= 100_000:
+            raise PalpateError(f"--control is {self.control}.", "Give 0 to 100000.")
+        given = {"skins": self.skins, "proof": self.prove, "control": self.control}
+        return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
 
 def optimise(
@@ -63,15 +68,28 @@ def optimise(
     chosen on each by exchange; what counts is the error of built units over the tolerances. With --prove the
     winner and its rivals are played on the bench. The same command goes on where it was stopped.
     """
-    from palpate.optimise import describe_front, optimise_design, read_requirements, write_front, write_packs
+    from palpate.optimise import (
+        describe_front,
+        optimise_design,
+        prove_front,
+        read_requirements,
+        write_front,
+        write_packs,
+    )
 
     hands.check()
     if hands.timeout is not None:
         raise PalpateError("A search sets the time of its presses itself.", "Leave --timeout out.")
     spec = search.change(read_requirements(requirements))
+    if search.packs:
+        load_extra("build123d", "cad")  # now, not after hours
     folder = out or RESULTS / spec.name
-    front = optimise_design(spec, folder, hands.workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
-    write_front(folder, front, shlex.join(["palpate", "optimise", requirements, "--out", str(folder)]))
+    command, workers = shlex.join(["palpate", "optimise", requirements, "--out", str(folder)]), hands.workers
+    front = optimise_design(spec, folder, workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
+    write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
+    front = prove_front(front, folder, workers, Lines(), hands.cluster or "")
+    if front.proof is not None:
+        write_front(folder, front, command)
     if search.packs:
         write_packs(folder, front)
     told = describe_front(front)

@@ -4,7 +4,7 @@ from palpate.optimise.choose_rings import ChosenRings, PrintLimits, RingPlaces, 
 from palpate.optimise.design_study import write_packs
 from palpate.optimise.front import Entry, Front, TriedSkin
 from palpate.optimise.influence import Influence, Influences, find_influences
-from palpate.optimise.optimise_design import optimise_design
+from palpate.optimise.optimise_design import optimise_design, prove_front
 from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
 from palpate.optimise.proposal import Proposal, Variant
 from palpate.optimise.search_folder import FoundDesign, SearchFolder, is_search, read_search
@@ -44,6 +44,7 @@ __all__ = [
     "is_search",
     "optimise_design",
     "place_rings",
+    "prove_front",
     "read_requirements",
     "read_search",
     "search_skins",

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from palpate.built import BuiltFigure
@@ -73,6 +73,29 @@ class Entry:
         }[objective]
 
 
+def find_least(skins: Sequence[TriedSkin], markers: int) -> Entry | None:
+    """The design of least error by coarse presses, of those that meet the constraints; `None` where none does."""
+    fine = ((one, one.proposal.best(markers)) for one in skins if one.meets)
+    entries = (Entry(replace(one, full=None), option) for one, option in fine if option is not None)
+    return min(entries, key=lambda entry: entry.value("error"), default=None)
+
+
+@dataclass(frozen=True)
+class Control:
+    """What a search is held against, judged by the same presses as its skins.
+
+    Attributes
+    ----------
+    chance
+        Skins drawn by chance, in their order.
+    grid
+        Skins of a grid, with its layouts.
+    """
+
+    chance: tuple[TriedSkin, ...] = ()
+    grid: tuple[TriedSkin, ...] = ()
+
+
 @dataclass(frozen=True)
 class Front:
     """What a search found.
@@ -87,12 +110,15 @@ class Front:
         What winner and rivals gave on the bench; `None` where they were not played.
     rival
         What is foreseen of the rival; `None` where it was not asked.
+    control
+        What the search is held against.
     """
 
     spec: RequirementsSpec
     tried: tuple[TriedSkin, ...]
     proof: Proof | None = None
     rival: BuiltFigure | None = None
+    control: Control = Control()
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:

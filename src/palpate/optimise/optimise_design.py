@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from palpate.core import ArtefactStore, PalpateError
+from palpate.core import ArtefactStore, PalpateError, load_opencv
 from palpate.design import DomeSpec
-from palpate.optimise.front import Front, TriedSkin
+from palpate.optimise.front import Control, Front, TriedSkin
 from palpate.optimise.proposal import Proposal
 from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
 from palpate.optimise.prove import foresee_rival, prove
@@ -21,6 +21,8 @@ from palpate.study import Observer, Task, find_made, run_tasks, writable
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
+CONTROL = "control.journal"
+"""File of the skins drawn by chance in it."""
 ASKED = "requirements.json"
 """File of the requirements in it."""
 _HOPELESS_DEG = 3.0
@@ -40,7 +42,7 @@ def optimise_design(
     sampler: Sampler = "gp",
     cluster: str = "",
 ) -> Front:
-    """Search for the designs that meet requirements best.
+    """Search for the designs that meet requirements best; `prove_front` plays what was found.
 
     Parameters
     ----------
@@ -60,8 +62,9 @@ def optimise_design(
     PalpateError
         If the folder is of other requirements, or cannot be written.
     MissingExtraError
-        If optuna or torch is not installed.
+        If optuna, torch or OpenCV is not installed.
     """
+    load_opencv()  # layouts are offered where images are read: not to be missed as skins that cannot be made
     space, judge = SkinSpace.of(spec), _Judge(spec, out, workers, observer, cluster)
     _keep(spec, sampler, out)
     searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
@@ -70,11 +73,21 @@ def optimise_design(
     )
     tried = search_skins(space, judge.judge, plan, out / JOURNAL, judge.say_best)
     rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
-    front = Front(spec, tuple(judge.recall(tried)), rival=rival)
-    front = replace(front, tried=judge.finish(front)) if spec.finalists else front
-    if spec.proof == "none" or front.winner is None:
+    control = Control(tuple(judge.draw(space, plan)), tuple(judge.grid()))
+    front = Front(spec, tuple(judge.recall(tried)), rival=rival, control=control)
+    return replace(front, tried=judge.finish(front)) if spec.finalists else front
+
+
+def prove_front(
+    front: Front, out: Path, workers: int | None = None, observer: Observer | None = None, cluster: str = ""
+) -> Front:
+    """Play the winner of a front and its rivals, as its requirements ask; the same front where they ask for none.
+
+    Parameters are those of `optimise_design`, which found the front; `out` is where it did.
+    """
+    if front.spec.proof == "none" or front.winner is None:
         return front
-    return replace(front, proof=prove(front, out, judge.run))
+    return replace(front, proof=prove(front, out, _Judge(front.spec, out, workers, observer, cluster).run))
 
 
 def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
@@ -134,6 +147,19 @@ class _Judge:
         judged = tried.judged
         return TriedSkin(tried.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
 
+    def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[TriedSkin]:
+        """What is known of the skins of the control, drawn by chance and else as those of the search."""
+        if self.spec.control:
+            chance = replace(plan, trials=self.spec.control, sampler="random")
+            yield from self.recall(search_skins(space, self.judge, chance, self.out / CONTROL))
+
+    def grid(self) -> Iterator[TriedSkin]:
+        """What is known of the designs of the grid."""
+        grid, material = self.spec.grid, self.spec.materials[0]
+        skins = grid.designs.skins() if grid else ()
+        found = self._do([plan_proposal(self.spec, skin, material, grid=grid) for skin in skins])
+        return (TriedSkin(number, one, violations(self.spec, one)) for number, one in enumerate(found))
+
     def finish(self, front: Front) -> tuple[TriedSkin, ...]:
         """The same skins, the best of which are pressed at full fidelity."""
         first, best = self.spec.objectives[0], dict[int, float]()
@@ -184,7 +210,8 @@ class _Judge:
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    file, free = writable(out) / ASKED, {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival"}
+    free = {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival", "control", "grid"}
+    file = writable(out) / ASKED
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))

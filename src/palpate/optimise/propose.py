@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from palpate.bench import DEGRADED, set_scene
 from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, draw_deviation, foresee
-from palpate.camera import Camera
-from palpate.core import ArtefactStore, PalpateError, Recipe
-from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers
+from palpate.camera import Camera, build_camera
+from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe
+from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers, ring_diameters
 from palpate.fabricate import check_process
 from palpate.fea import Branch, Press, read_press
 from palpate.material import get_material
@@ -20,7 +20,7 @@ from palpate.mesh import MeshSpec
 from palpate.optimise.choose_rings import choose_rings, spread_rings
 from palpate.optimise.proposal import Proposal, Variant
 from palpate.optimise.setting import Setting, measure_settings, rank_settings
-from palpate.optimise.spec import RequirementsSpec
+from palpate.optimise.spec import GridSpec, RequirementsSpec
 from palpate.sensor import Unit, open_sensor
 from palpate.study import (
     BuiltSpec,
@@ -68,6 +68,8 @@ class ProposalTask(Task):
     inverted: PressTask | None
     spec: RequirementsSpec
     material: str
+    grid: GridSpec | None = None
+    """Whose layouts and camera are foreseen, where none are to be chosen."""
 
     suffix = ".json"
 
@@ -83,6 +85,8 @@ class ProposalTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
+        if self.grid is not None:
+            spec["grid"] = self.grid.model_dump(mode="json", include={"designs": {"markers"}, "distance": True})
         inputs = (self.twin.recipe.key, *((self.inverted.recipe.key,) if self.inverted else ()))
         return Recipe(kind="proposal", spec=spec, inputs=inputs, version=PROPOSE_VERSION)
 
@@ -99,12 +103,27 @@ class ProposalTask(Task):
         force = max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses)
         twin = read_twin(find_made(store, self.twin))
         second = second_state(read_press(find_made(store, self.inverted))) if self.inverted else None
-        proposal = propose(twin, self.skin, self.material, self.spec, force, second)
+        known = Proposal(self.skin, self.material, float(twin.reach_mm.min()), force, second)
+        proposal = propose(twin, known, self.spec, self.grid)
         store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
 
 
-def plan_proposal(spec: RequirementsSpec, skin: SkinSpec, material: str, *, full: bool = False) -> ProposalTask:
-    """The tasks that judge a skin; `full`: with the presses of a study's twin instead of fewer, coarser ones."""
+def plan_proposal(
+    spec: RequirementsSpec, skin: SkinSpec, material: str, *, full: bool = False, grid: GridSpec | None = None
+) -> ProposalTask:
+    """The tasks that judge a skin.
+
+    Parameters
+    ----------
+    spec
+        The requirements.
+    skin, material
+        The skin.
+    full
+        With the presses of a study's twin instead of fewer, coarser ones.
+    grid
+        Whose layouts and camera are foreseen; without it, rings and camera are chosen.
+    """
     tilts = 7 if full else _COARSE_TILTS
     step = spec.depth / (10.0 if full else 5.0)
     study = Study(
@@ -119,22 +138,32 @@ def plan_proposal(spec: RequirementsSpec, skin: SkinSpec, material: str, *, full
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
     inverted = PressTask(skin, straight.mesh, straight.material, straight.wall, plain, Branch.INVERTED)
-    return ProposalTask(twin, inverted if spec.single_state else None, spec, material)
+    return ProposalTask(twin, inverted if spec.single_state else None, spec, material, grid)
 
 
-def propose(
-    twin: Twin, skin: SkinSpec, material: str, spec: RequirementsSpec, force_n: float, second_state_mm: float | None
-) -> Proposal:
+def propose(twin: Twin, known: Proposal, spec: RequirementsSpec, grid: GridSpec | None = None) -> Proposal:
     """Choose markers and camera on the skin of a twin, for every number of rings, and foresee its units.
 
-    A skin on which nothing can be printed, or that cannot be made, gives a proposal with that problem.
+    A skin on which nothing can be printed, or that cannot be made, gets that problem instead.
+
+    Parameters
+    ----------
+    twin
+        Of the skin.
+    known
+        What its presses say of it.
+    spec
+        The requirements.
+    grid
+        Whose layouts and camera are taken as they are.
     """
-    known = Proposal(skin, material, float(twin.reach_mm.min()), force_n, second_state_mm)
     try:
-        options = tuple(_choose(twin, material, spec))
+        options = _choose(twin, known.material, spec) if grid is None else _as_given(twin, spec, grid)
+        return replace(known, options=tuple(options))
+    except MissingExtraError:
+        raise
     except PalpateError as error:
-        return Proposal(known.skin, material, known.reach_mm, force_n, second_state_mm, problem=str(error.what))
-    return Proposal(known.skin, material, known.reach_mm, force_n, second_state_mm, options)
+        return replace(known, problem=str(error.what))
 
 
 def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Variant]:
@@ -161,6 +190,18 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Varia
         raise problems[0]
 
 
+def _as_given(twin: Twin, spec: RequirementsSpec, grid: GridSpec) -> Iterator[Variant]:
+    """The layouts of a grid before its camera, as far as they have no more markers than allowed."""
+    choice = spec.cameras[0]
+    camera = build_camera(choice.camera.model_copy(update={"distance": grid.distance}))
+    for given in grid.designs.markers:
+        if given.count <= spec.markers:
+            rings = given.ring_diameters or ring_diameters(given.count, twin.skin.base_radius)
+            markers = given.model_copy(update={"ring_diameters": rings})
+            figure = _foresee(twin, markers, camera, spec)
+            yield Variant(markers, choice.name, grid.distance, choice.price, figure)
+
+
 def _offers(settings: Sequence[Setting], markers: int) -> Iterator[tuple[Camera, MarkerSpec]]:
     """Layouts of so many markers with their camera, best first; rings that are even follow where others are not read.
 
@@ -185,6 +226,8 @@ def _refuse(
         scene = set_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
         try:
             open_sensor([scene.at_rest()], unit, twin)
+        except MissingExtraError:
+            raise
         except PalpateError as error:
             return error
     return None

@@ -15,7 +15,7 @@ from palpate.core import PAPER, PalpateError, Spec, parameter
 from palpate.design import MarkerSpec, SkinSpec, skin_from_data
 from palpate.fabricate import ProcessSpec
 from palpate.material import get_material
-from palpate.study import read_spec
+from palpate.study import DesignsSpec, read_spec
 
 Range = tuple[float, float]
 _CAMERA = "davis346"
@@ -80,6 +80,22 @@ class RivalSpec(Spec):
         return skin_from_data({**shape, **numbers})
 
 
+class GridSpec(Spec):
+    """A grid of designs that the search is held against, in the first of the cameras and elastomers."""
+
+    designs: DesignsSpec = DesignsSpec()
+    distance: float = parameter(
+        48.0, unit="mm", meaning="distance of the camera below the base plane", source=PAPER, gt=0, le=1000
+    )
+
+    @field_validator("designs")
+    @classmethod
+    def _has_rings(cls, given: DesignsSpec) -> DesignsSpec:
+        if any(markers.file is not None or markers.rows is not None for markers in given.markers):
+            raise PydanticCustomError("no_rings", "a grid's layouts are rings; give numbers of markers.", {})
+        return given
+
+
 class RequirementsSpec(Spec):
     """What the sensor must do, within which limits, and what is made least."""
 
@@ -134,6 +150,11 @@ class RequirementsSpec(Spec):
     )
     rival: RivalSpec | None = None
     """A design that the winner is held against in the proof."""
+    control: int = parameter(
+        0, unit="1", meaning="skins drawn by chance that the search is held against", ge=0, le=100000
+    )
+    grid: GridSpec | None = None
+    """Designs that the search is held against as well."""
     tolerance: ToleranceSpec = ToleranceSpec()
     process: ProcessSpec = ProcessSpec()
 
@@ -202,7 +223,7 @@ def read_requirements(source: str | Path) -> RequirementsSpec:
         If it cannot be read or asks for what cannot be; the message names file and line.
     """
     path = Path(source)
-    if not path.exists() and str(source) == PRESET:
+    if str(source) == PRESET and not path.is_file():  # a search leaves a folder of that name
         text = (resources.files("palpate.optimise") / "presets" / f"{PRESET}.yaml").read_text("utf-8")
         return read_spec(Path(f"{PRESET}.yaml"), text, RequirementsSpec, _HINT)
     try:

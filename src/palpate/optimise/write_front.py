@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from matplotlib.figure import Figure
-
 from palpate.core import provenance, writing, written_whole
-from palpate.optimise.design_study import winner_study
-from palpate.optimise.front import Entry, Front
+from palpate.optimise.design_study import camera_of, winner_study
+from palpate.optimise.draw_front import draw_design, draw_front, draw_search
+from palpate.optimise.front import Entry, Front, find_least
 from palpate.optimise.influence import Influences, find_influences
 from palpate.optimise.proof import proof_lines
 from palpate.optimise.space import SkinSpace
 
 FRONT = "front.json"
 """File of the front in the folder of a search."""
-UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
-"""Units of the objectives."""
 _COLUMNS = (
     "skin",
     "height_mm",
@@ -49,7 +45,8 @@ _COLUMNS = (
 
 
 def write_front(folder: Path, front: Front, command: str) -> None:
-    """Write ``report.md``, ``front.csv``, ``tried.csv``, ``front.json``, pictures, and ``winner.yaml``, a study.
+    """Write ``report.md``, ``front.csv``, ``tried.csv``, ``front.json``, pictures, and ``winner.yaml``,
+    a study.
 
     Raises
     ------
@@ -67,6 +64,7 @@ def write_front(folder: Path, front: Front, command: str) -> None:
         draw_front(front).savefig(folder / "front.svg")
         if front.winner is not None:
             (folder / "winner.yaml").write_text(winner_study(front, front.winner), "utf-8")
+            draw_design(front.winner, camera_of(front.spec, front.winner)).savefig(folder / "winner.svg")
 
 
 def describe_entry(entry: Entry) -> dict[str, Any]:
@@ -117,6 +115,7 @@ def describe_front(front: Front) -> dict[str, Any]:
         "rival": asdict(front.rival) if front.rival else None,
         "ends": {title: describe_entry(entry) for title, entry in front.ends},
         "proof": front.proof.as_dict() if front.proof else None,
+        "control": {name: describe_entry(best) if best else None for name, _, _, best in _least(front)},
         "front": [describe_entry(entry) for entry in front.best],
         "skins": len(front.tried),
         "meeting_the_limits": sum(one.meets for one in front.tried),
@@ -129,7 +128,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
     lines = [f"# {spec.name}: designs by search", "", "```", command, "```", ""]
     lines += [f"**{front.shortfall}**" if front.shortfall else "**The requirements are met.**", ""]
     if winner is not None:
-        lines += [*_winner_lines(winner), ""]
+        lines += [*_winner_lines(winner), "", "![winner](winner.svg)", ""]
     lines += [
         "Errors are those of rx and ry of built units, foreseen from the twin of each design over the tolerances and "
         f"all frictions, after {spec.known} known presses: `worst_deg` is what 19 of 20 units stay below. They are "
@@ -147,6 +146,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
         "",
         "![search](search.svg)",
         "",
+        *_control_lines(front),
         "## What matters",
         "",
         f"{influences.sentence} Over the whole of the searched space, by Sobol's indices of a surface through "
@@ -162,50 +162,6 @@ def report(front: Front, influences: Influences, command: str) -> str:
         "",
     ]
     return "\n".join(lines)
-
-
-def draw_search(front: Front) -> Figure:
-    """Least error found so far over the skins tried."""
-    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
-    axis = figure.add_subplot()
-    best = [(one.number, one.proposal.best(front.spec.markers), one.meets) for one in front.tried]
-    for meets, colour, words in ((True, "#1864ab", "meets the limits"), (False, "#adb5bd", "does not")):
-        points = [(number, option.figure.worst_deg) for number, option, fine in best if option and fine is meets]
-        if points:
-            axis.plot(*np.array(points).T, "o", ms=4, color=colour, label=words)
-    so_far = [(number, option.figure.worst_deg) for number, option, fine in best if option and fine]
-    if so_far:
-        numbers, errors = np.array(so_far).T
-        axis.step(numbers, np.minimum.accumulate(errors), where="post", color="#1864ab", label="least so far")
-    axis.axhline(front.spec.error_deg, color="#c92a2a", lw=0.8, ls="--", label="wanted")
-    axis.set(yscale="log", xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
-    axis.legend(fontsize="small")
-    return figure
-
-
-def draw_front(front: Front) -> Figure:
-    """The front over its first two objectives; over the number of markers where there is one."""
-    names = front.spec.objectives if len(front.spec.objectives) > 1 else (*front.spec.objectives, "markers")
-    first, second = (name if name != names[0] or k == 0 else "error" for k, name in enumerate(names[:2]))
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axis = figure.add_subplot()
-    every = [(entry.value(second), entry.value(first)) for entry in front.entries]
-    if every:
-        axis.plot(*np.array(every).T, ".", color="#adb5bd", label="every design that meets the limits")
-        axis.plot(
-            *np.array([(entry.value(second), entry.value(first)) for entry in front.best]).T,
-            "o",
-            color="#1864ab",
-            label="front",
-        )
-        axis.legend(fontsize="small")
-    axis.set(xlabel=_label(second), ylabel=_label(first), yscale="log")
-    return figure
-
-
-def _label(objective: str) -> str:
-    words = "error of 19 of 20 units" if objective == "error" else objective
-    return f"{words}, {UNITS[objective]}".removesuffix(", ")
 
 
 def _winner_lines(winner: Entry) -> list[str]:
@@ -234,6 +190,30 @@ def _end_lines(front: Front) -> list[str]:
             f"{proposal.force_n:.2f} N, {proposal.size_mm:.1f} mm wide, {option.figure.worst_deg:.3f}°"
         )
     return [*lines, ""]
+
+
+def _least(front: Front) -> Iterator[tuple[str, int, str, Entry | None]]:
+    """Search, chance and grid: how many of what were judged, and the best by coarse presses that meets the limits."""
+    control = front.control
+    parts = (
+        ("search", front.tried, len(front.tried), "skins"),
+        ("chance", control.chance, len(control.chance), "skins"),
+        ("grid", control.grid, sum(len(one.proposal.options) for one in control.grid), "designs"),
+    )
+    return ((name, count, noun, find_least(skins, front.spec.markers)) for name, skins, count, noun in parts if skins)
+
+
+def _control_lines(front: Front) -> Iterator[str]:
+    """The search beside chance and a grid; nothing where it is held against neither."""
+    found = list(_least(front))
+    if len(found) < 2:
+        return
+    yield from ("Least error of 19 of 20 units within the limits, all by the same coarse presses:", "")
+    for name, count, noun, best in found:
+        skin = best.tried.proposal.skin.build().name if best else ""
+        figures = f"{skin}, {best.option.markers.count} dots: {best.value('error'):.4f}°" if best else "none"
+        yield f"* {name}, {count} {noun}: {figures}"
+    yield ""
 
 
 def _best_of_each(front: Front) -> Sequence[Entry]:

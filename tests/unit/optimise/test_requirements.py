@@ -1,11 +1,14 @@
 """Requirements that contradict themselves or the workshop, and fronts by hand."""
 
+import json
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from palpate.built import BuiltFigure
-from palpate.core import PalpateError
+from palpate.core import MissingExtraError, PalpateError
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.optimise import (
     Front,
@@ -14,8 +17,10 @@ from palpate.optimise import (
     TriedSkin,
     Variant,
     find_influences,
+    optimise_design,
     read_requirements,
 )
+from palpate.optimise.front import Control
 from palpate.optimise.optimise_design import violations
 from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
@@ -41,6 +46,9 @@ WRONG = {
     "makrers: 37": "did you mean markers?",
     "force_n: -1": "greater than 0",
     "thicknesses: [2]": "thicknesses",
+    "control: -1": "greater than or equal to 0",
+    "grid:\n  designs:\n    heights: [90]": "90",
+    "grid:\n  designs:\n    markers: [{file: dots.csv}]": "a grid's layouts are rings",
 }
 
 
@@ -61,6 +69,20 @@ def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
             file.write_bytes(content)
         with pytest.raises(PalpateError, match=str(file)):
             read_requirements(file)
+
+
+def test_a_folder_named_as_the_preset_does_not_hide_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "paper_task").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert read_requirements("paper_task").name == "paper_task"
+
+
+def test_without_what_reads_images_nothing_is_begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Skins of which no image could be read would all be told as such that cannot be made."""
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    with pytest.raises(MissingExtraError, match="OpenCV"):
+        optimise_design(SPEC, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def option(markers: int, worst: float) -> Variant:
@@ -130,7 +152,7 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     front = Front(SPEC, TRIED)
     write_front(tmp_path, front, "palpate optimise wanted.yaml")
     assert {file.name for file in tmp_path.iterdir()} == {
-        *("report.md", "front.csv", "tried.csv", "front.json", "search.svg", "front.svg", "winner.yaml")
+        *("report.md", "front.csv", "tried.csv", "front.json", "search.svg", "front.svg", "winner.yaml", "winner.svg")
     }
     study = read_study(tmp_path / "winner.yaml")
     (dome,) = study.designs.skins()
@@ -140,6 +162,25 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     assert "The requirements are met." in page
     assert "Too few skins were tried to say what matters." in page
     assert "4 skins were tried, 2 meet the limits" in page
+
+
+def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -> None:
+    """Only what meets the limits counts, and of finalists what coarse presses said, as of the others."""
+    finalist = replace(TRIED[1], full=skin(1, 18, 0.55, 0.9, 0.9, 0.9).proposal)
+    front = Front(SPEC, (TRIED[0], finalist), control=Control((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0])))
+    write_front(tmp_path, front, "palpate optimise wanted.yaml")
+    page = (tmp_path / "report.md").read_text()
+    assert "* search, 2 skins: H18 T2, 37 dots: 0.1500°" in page
+    assert "* chance, 2 skins: H20 T2, 37 dots: 0.2500°" in page
+    assert "* grid, 6 designs: H20 T2, 37 dots: 0.2500°" in page
+    control = json.loads((tmp_path / "front.json").read_text())["control"]
+    assert [control[name]["worst_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
+    picture = (tmp_path / "search.svg").read_text()
+    assert "least by chance" in picture
+    assert "best of the grid: H20 T2, 37 dots" in picture
+    assert "by the same coarse presses" in page
+    alone = report(Front(SPEC, TRIED), find_influences(TRIED, SkinSpace.of(SPEC), 169), "")
+    assert "by the same coarse presses" not in alone
 
 
 def test_what_matters_is_found_where_it_is_known() -> None:

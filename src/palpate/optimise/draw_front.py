@@ -1,0 +1,103 @@
+"""Pictures of a search: how it went, its front, and the design that won."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from palpate.camera import CameraSpec, build_camera, dot_edges, render
+from palpate.design import MarkerLayout, Skin, place_markers
+from palpate.optimise.front import Entry, Front, TriedSkin, find_least
+
+UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
+"""Units of the objectives."""
+_BLUE, _GREY, _RED, _SILICONE = "#1864ab", "#adb5bd", "#c92a2a", "#e8c9a8"
+
+
+def draw_search(front: Front) -> Figure:
+    """Least error found so far over the skins tried, beside chance and the best of a grid where there are such."""
+    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    axis, most, control = figure.add_subplot(), front.spec.markers, front.control
+    for meets, colour, words in ((True, _BLUE, "meets the limits"), (False, _GREY, "does not")):
+        skins = [one for one in front.tried if one.meets is meets]
+        found = [(one.number, best.figure.worst_deg) for one in skins if (best := one.proposal.best(most))]
+        if found:
+            axis.plot(*np.array(found).T, "o", ms=4, color=colour, label=words)
+    _step(axis, front.tried, most, _BLUE, "least so far")
+    _step(axis, control.chance, most, "#e67700", "least by chance")
+    rival = find_least(control.grid, most)
+    if rival is not None:
+        words = f"best of the grid: {rival.tried.proposal.skin.build().name}, {rival.option.markers.count} dots"
+        axis.axhline(rival.value("error"), color="#2b8a3e", lw=1.0, ls="-.", label=words)
+    axis.axhline(front.spec.error_deg, color=_RED, lw=0.8, ls="--", label="wanted")
+    axis.set(yscale="log", xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
+    axis.legend(fontsize="small")
+    return figure
+
+
+def _step(axis: Axes, skins: Sequence[TriedSkin], markers: int, colour: str, words: str) -> None:
+    """Draw the least error so far of skins that meet the limits, to the last of all."""
+    found = [
+        (one.number, best.figure.worst_deg) for one in skins if one.meets and (best := one.proposal.best(markers))
+    ]
+    if found:
+        numbers, errors = np.array([*found, (skins[-1].number, np.inf)]).T
+        axis.step(numbers, np.minimum.accumulate(errors), where="post", color=colour, label=words)
+
+
+def draw_front(front: Front) -> Figure:
+    """The front over its first two objectives; over the number of markers where there is one."""
+    names = front.spec.objectives if len(front.spec.objectives) > 1 else (*front.spec.objectives, "markers")
+    first, second = (name if name != names[0] or k == 0 else "error" for k, name in enumerate(names[:2]))
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axis = figure.add_subplot()
+    every = [(entry.value(second), entry.value(first)) for entry in front.entries]
+    if every:
+        axis.plot(*np.array(every).T, ".", color="#adb5bd", label="every design that meets the limits")
+        axis.plot(
+            *np.array([(entry.value(second), entry.value(first)) for entry in front.best]).T,
+            "o",
+            color="#1864ab",
+            label="front",
+        )
+        axis.legend(fontsize="small")
+    axis.set(xlabel=_label(second), ylabel=_label(first), yscale="log")
+    return figure
+
+
+def _label(objective: str) -> str:
+    words = "error of 19 of 20 units" if objective == "error" else objective
+    return f"{words}, {UNITS[objective]}".removesuffix(", ")
+
+
+def draw_design(entry: Entry, camera: CameraSpec) -> Figure:
+    """A design in section before its camera, to scale, and what the camera sees at rest."""
+    skin, eye = entry.tried.known.skin.build(), build_camera(camera)
+    layout = place_markers(skin, entry.option.markers)
+    figure = Figure(figsize=(8.4, 4.2), layout="constrained")
+    section, image = figure.subplots(1, 2, width_ratios=(1, 1.25))
+    _draw_section(section, skin, layout, camera.distance)
+    edges = dot_edges(layout.positions, skin.normal(layout.positions), layout.diameter)
+    image.imshow(render(eye, edges), cmap="gray", vmin=0, vmax=255)
+    image.set(title=f"what the camera sees at rest, {eye.width_px} x {eye.height_px} px", xticks=[], yticks=[])
+    return figure
+
+
+def _draw_section(axis: Axes, skin: Skin, layout: MarkerLayout, distance: float) -> None:
+    across = np.linspace(-1.0, 1.0, 201)
+    disc = np.column_stack([across, np.zeros_like(across)])
+    inner, outer = (skin.point(disc, layer)[:, [0, 2]] for layer in (0.0, 1.0))
+    axis.add_patch(Polygon(np.concatenate([outer, inner[::-1]]), closed=True, facecolor=_SILICONE, edgecolor="black"))
+    cut = layout.positions[np.abs(layout.positions[:, 1]) < layout.diameter / 4]
+    axis.plot(cut[:, 0], cut[:, 2], "o", ms=3.0, color="black")
+    eye = np.array([0.0, -distance])
+    for end in cut[[cut[:, 0].argmin(), cut[:, 0].argmax()]][:, [0, 2]]:
+        axis.plot(*np.array([eye, end]).T, color=_GREY, lw=0.8, zorder=0)
+    axis.plot(*eye, "s", ms=9, color="#343a40")
+    axis.text(0.0, -distance + 4.0, "camera", ha="center", fontsize="small")
+    axis.axhline(0.0, color=_GREY, lw=0.6, zorder=0)
+    axis.set(title=skin.name, xlabel="mm", ylabel="mm, base plane at 0", aspect="equal")
