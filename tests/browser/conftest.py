@@ -9,7 +9,7 @@ from pathlib import Path
 
 import cv2
 import pytest
-from viewer_process import ENTRY, ROOT, viewer
+from viewer_process import ROOT, viewer
 
 from needs import find_program, needs, needs_program
 from palpate.bench import SimulatedSource, draw_touches
@@ -54,7 +54,7 @@ def results(tmp_path_factory) -> Path:
     place = tmp_path_factory.mktemp("viewer")
     study, out = place / "tiny.yaml", place / "results"
     study.write_text(STUDY)
-    words = [sys.executable, "-c", ENTRY, "run", str(study), "--out", str(out), "--workers", "2"]
+    words = [sys.executable, "-m", "palpate", "run", str(study), "--out", str(out), "--workers", "2"]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     library = Library(read_results(out))

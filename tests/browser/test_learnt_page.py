@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 
 import pytest
-from viewer_process import ENTRY, ROOT, viewer
+from viewer_process import ROOT, viewer
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 
@@ -16,7 +16,7 @@ def learnt_link(tmp_path_factory) -> Iterator[str]:
     folder = tmp_path_factory.mktemp("learnt")
     draw_recording(folder / "recording", draw_motions(120, 1, shear=2.0), DrawnSensor(rings=4))
     words = ["learn", str(folder / "recording"), "--out", str(folder), "--estimators", "ridge"]
-    subprocess.run([sys.executable, "-c", ENTRY, *words], cwd=ROOT / "src", check=True, capture_output=True)
+    subprocess.run([sys.executable, "-m", "palpate", *words], cwd=ROOT / "src", check=True, capture_output=True)
     with viewer(folder) as address:
         yield address
 

@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from viewer_process import ENTRY, ROOT, viewer
+from viewer_process import ROOT, viewer
 from walk import DRAWN, dots, open_page, wait_for_dots
 
 from needs import needs
@@ -78,7 +78,7 @@ def test_a_running_search_shows_what_was_tried(page, folder, tmp_path):
 
 
 def test_a_folder_of_neither_grid_nor_search_ends_with_one_sentence(tmp_path):
-    words = [sys.executable, "-c", ENTRY, "view", str(tmp_path), "--port", "0"]
+    words = [sys.executable, "-m", "palpate", "view", str(tmp_path), "--port", "0"]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
     assert "holds no grid, no search and no model" in done.stderr

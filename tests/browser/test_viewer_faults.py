@@ -9,7 +9,7 @@ import urllib.request
 import pytest
 from walk import DRAWN, colours, open_page
 
-from conftest import ENTRY, ROOT, viewer
+from conftest import ROOT, viewer
 
 
 def test_a_viewer_without_results_says_what_to_do(page, tmp_path):
@@ -48,7 +48,7 @@ def test_two_viewers_show_one_folder(page, link, results):
 
 def test_a_second_viewer_at_the_same_port_is_refused(link, results):
     port = link.rstrip("/").rpartition(":")[2]
-    words = [sys.executable, "-c", ENTRY, "view", str(results), "--port", port]
+    words = [sys.executable, "-m", "palpate", "view", str(results), "--port", port]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
     assert "Another viewer may be running" in done.stderr

@@ -8,14 +8,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ENTRY = "from palpate.cli import main; main()"
 
 
 @contextmanager
 def viewer(*words: str | Path) -> Iterator[str]:
     """Run the viewer; yields its link."""
     process = subprocess.Popen(
-        [sys.executable, "-c", ENTRY, "view", *map(str, words), "--port", "0"],
+        [sys.executable, "-m", "palpate", "view", *map(str, words), "--port", "0"],
         cwd=ROOT / "src",
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

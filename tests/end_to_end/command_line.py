@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ENTRY = "from palpate.cli import main; main()"
 
 
 def start(words: Sequence[str | Path]) -> "subprocess.Popen[str]":
     """Start the command line in a process group of its own."""
     return subprocess.Popen(
-        [sys.executable, "-c", ENTRY, *map(str, words)],
+        [sys.executable, "-m", "palpate", *map(str, words)],
         cwd=ROOT / "src",
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -3,7 +3,7 @@
 from palpate.optimise.choose_rings import ChosenRings, PrintLimits, RingPlaces, bound_rings, choose_rings, place_rings
 from palpate.optimise.design_study import write_packs
 from palpate.optimise.front import Entry, Front, TriedSkin
-from palpate.optimise.influence import Influence, Influences, find_influences
+from palpate.optimise.influence import Influences, find_influences
 from palpate.optimise.optimise_design import optimise_design, prove_front
 from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
 from palpate.optimise.proposal import Proposal, Variant
@@ -20,7 +20,6 @@ __all__ = [
     "Entry",
     "FoundDesign",
     "Front",
-    "Influence",
     "Influences",
     "Judged",
     "PrintLimits",
