@@ -91,6 +91,8 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     with pytest.raises(SystemExit) as left:
         main(["optimise", str(wanted), "--out", str(tmp_path / "out"), *more])
     assert left.value.code == 0
+    page = (tmp_path / "out" / "report.md").read_text()
+    assert f"palpate optimise {wanted} --out {tmp_path / 'out'} --skins 2 --control 3 --packs\n" in page
     found = json.loads((tmp_path / "out" / "front.json").read_text())
     assert found["skins"] == 2
     assert found["winner"]["markers"] <= 37

@@ -51,6 +51,13 @@ class SearchFlags:
         given = {"skins": self.skins, "proof": self.prove, "control": self.control}
         return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
+    def words(self) -> list[str]:
+        """The flags as they are typed."""
+        sampler = None if self.sampler == "gp" else self.sampler
+        given = {"--skins": self.skins, "--sampler": sampler, "--control": self.control, "--prove": self.prove}
+        words = [word for flag, value in given.items() if value is not None for word in (flag, str(value))]
+        return [*words, "--packs"] if self.packs else words
+
 
 def optimise(
     requirements: Annotated[str, Parameter(help="YAML file of the requirements, or paper_task, the paper's.")],
@@ -84,7 +91,8 @@ def optimise(
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours
     folder = out or RESULTS / spec.name
-    command, workers = shlex.join(["palpate", "optimise", requirements, "--out", str(folder)]), hands.workers
+    command = shlex.join(["palpate", "optimise", requirements, "--out", str(folder), *search.words()])
+    workers = hands.workers
     front = optimise_design(spec, folder, workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
     write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
     front = prove_front(front, folder, workers, Lines(), hands.cluster or "")

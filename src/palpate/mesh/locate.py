@@ -14,6 +14,8 @@ from palpate.mesh.mesh import Mesh
 _OFF_SURFACE_MM = 0.05
 _CANDIDATES = 24
 """Faces that may hold a point: those nearest by their middles; faces are up to ten times as long as broad."""
+_INSIDE = 1.0 + 1e-9
+"""Greatest local coordinate, with what it misses its place by, of a point in a face."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +77,16 @@ def _locate(mesh: Mesh, place: FloatArray) -> SurfacePoints:
     cells = corners[near]
     if mesh.skin.hole:
         cells, place = _unroll(cells, place)
-    local, miss = _invert(cells, place)
-    outside = np.abs(local).max(axis=-1) + miss
-    best = np.argmin(outside, axis=1)
-    row = np.arange(len(place))
-    weights, _ = shape_quadrilateral(np.clip(local[row, best], -1, 1))
-    return SurfacePoints(nodes=faces[near[row, best]], weights=weights)
+    best, local = np.zeros(len(place), int), np.zeros((len(place), 2))
+    left = np.arange(len(place))
+    for candidates in (slice(0, 1), slice(None)):  # most points lie in the face whose middle is nearest
+        found, miss = _invert(cells[left, candidates], place[left])
+        outside = np.abs(found).max(axis=-1) + miss
+        best[left] = np.argmin(outside, axis=1)
+        local[left] = found[np.arange(len(left)), best[left]]
+        left = left[outside.min(axis=1) > _INSIDE]
+    weights, _ = shape_quadrilateral(np.clip(local, -1, 1))
+    return SurfacePoints(nodes=faces[near[np.arange(len(place)), best]], weights=weights)
 
 
 def _unroll(corners: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:

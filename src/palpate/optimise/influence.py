@@ -20,6 +20,8 @@ from palpate.optimise.space import SkinSpace
 
 _FEWEST = 4
 """Skins for each variable below which nothing is said."""
+_LEAST_EXPLAINED = 0.5
+"""Share of the variance of skins left out below which a surface says nothing of what matters."""
 _SMOOTHING = 1e-3
 _SAMPLES = 1024
 
@@ -61,6 +63,8 @@ class Influences:
         """What matters and what does not, in plain words."""
         if not self.variables:
             return "Too few skins were tried to say what matters."
+        if self.explained < _LEAST_EXPLAINED:
+            return "What matters cannot be told: no smooth surface goes through the skins tried."
         matter = [one.name for one in self.variables if one.together >= 0.15]
         idle = [one.name for one in self.variables if one.together < 0.05]
         words = f"What matters most: {', '.join(matter) or 'nothing by itself'}."
@@ -68,11 +72,14 @@ class Influences:
 
 
 def find_influences(tried: Sequence[TriedSkin], space: SkinSpace, markers: int, seed: int = 0) -> Influences:
-    """Sobol's indices of the log of the least error over the ranges of a space."""
+    """Sobol's indices of the log of the least error over the ranges of a space, by skins that reach the depth.
+
+    The error of a skin that does not reach it is that of other poses, up to some times as large.
+    """
     names, rows, values = list(space.ranges), [], []
     for one in tried:
         best = one.proposal.best(markers)
-        if best is not None:
+        if best is not None and one.violations.get("reach", 0.0) <= 0.0:
             rows.append(_unit_place(space, one))
             values.append(log10(best.figure.worst_deg))
     x, y = np.array(rows), np.array(values)

@@ -150,8 +150,8 @@ def report(front: Front, influences: Influences, command: str) -> str:
         "## What matters",
         "",
         f"{influences.sentence} Over the whole of the searched space, by Sobol's indices of a surface through "
-        f"the skins tried, which explains {100 * max(influences.explained, 0.0):.0f} % of the variance of skins "
-        "left out.",
+        "the skins that reach the depth, which explains "
+        f"{100 * max(influences.explained, 0.0):.0f} % of the variance of skins left out.",
         "",
         "| variable | alone | with others |",
         "|---|---|---|",
