@@ -1,0 +1,109 @@
+"""Read units of a search's winner and rival by exact dots, without an image: what the twin itself is off.
+
+    python benchmarks/exact_dots.py FOLDER [UNITS] [known-robot]
+
+FOLDER is that of a search whose front was reported, with a rival and its twin. Units, known presses, presses and
+directions are those of the proof; dots are the centres of their projected traces. `known-robot` lets the robot know
+its poses in the known presses. Presses that the proof made are found in the folder's store, others are made there.
+"""
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from palpate.bench import bench as virtual
+from palpate.bench.photograph import Scene, set_scene
+from palpate.built import Deviation, PoseFitter, RobotPress, draw_deviation, identify, learn_rest, model_unit
+from palpate.built.noise import NOISE_PX
+from palpate.core import ArtefactStore, FloatArray, generator
+from palpate.design import MarkerSpec, skin_from_data
+from palpate.fea import Press
+from palpate.material import get_material
+from palpate.optimise import RequirementsSpec
+from palpate.optimise.prove import _Candidate
+from palpate.study import find_made
+
+KNOWN_ROBOT = {"robot_tilt_deg": 1e-6, "robot_depth": 1e-6}
+
+
+class ExactDots:
+    """A scene whose images are the places (m, 2) px of the layout's dots; NaN for those that are not printed."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    def look(self, edges: FloatArray) -> FloatArray:
+        """Centres of area of the traces of dots; the last is the orientation mark."""
+        x, y = np.moveaxis(self.scene.camera.project(edges.reshape(-1, 3)).reshape(*edges.shape[:2], 2), -1, 0)
+        x2, y2 = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+        part = x * y2 - x2 * y
+        centres = np.stack([((x + x2) * part).sum(1), ((y + y2) * part).sum(1)], -1) / (3 * part.sum(1)[:, None])
+        found = np.full((len(self.scene.printed), 2), np.nan)
+        found[self.scene.printed] = centres[:-1]
+        return found
+
+    def through(self, press: Press) -> Iterator[FloatArray]:
+        """Dots in every image of a press."""
+        for points in press.positions(self.scene.edges.reshape(-1, 3)):
+            yield self.look(points.reshape(self.scene.edges.shape))
+
+
+def read_unit(bench: virtual.Bench, deviation: Deviation) -> FloatArray:
+    """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
+    spec, twin = bench.spec, bench.reads_with
+    dots = ExactDots(set_scene(bench.nominal, bench.layout, deviation, bench.camera, spec.render))
+    rest = dots.look(dots.scene.edges)
+    belief = learn_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
+    model, rng = (
+        model_unit(twin, bench.layout, belief, spec.tolerance),
+        generator(spec.seed, "directions", deviation.unit),
+    )
+    known = virtual._known(bench, dots, None, deviation, rng)
+    presses = [RobotPress(poses, np.array(seen)) for poses, seen, _ in known]
+    found = identify(model, presses, NOISE_PX, virtual._robot(bench))
+    fitter, errors = PoseFitter(model.believing(found.belief), NOISE_PX, found.mounting, None), []
+    for press in [press for press in virtual.presses_of(bench, deviation) for _ in range(spec.azimuths)]:
+        turned = virtual._turned(press, float(rng.uniform(0, 360)))
+        for depth, seen in zip(turned.depth[1:], list(dots.through(turned))[1:], strict=True):
+            told = fitter.fit(seen).pose
+            if depth >= spec.least_depth - 1e-9:
+                errors.append(told[:2] - virtual._robot_pose(turned, deviation, float(depth))[:2])
+    return np.array(errors)
+
+
+def designs(folder: Path) -> Iterator[_Candidate]:
+    """Winner and rival of a reported search."""
+    front = json.loads((folder / "front.json").read_text())
+    spec, won = RequirementsSpec.model_validate(front["requirements"]), front["winner"]
+    names = {"height": "height_mm", "base_radius": "base_radius_mm", "thickness": "thickness_mm"}
+    shape = {name: won[column] for name, column in names.items()} | {"aspect": won["aspect"], "taper": won["taper"]}
+    rings = tuple(float(ring) for ring in won["ring_diameters_mm"].split())
+    markers = MarkerSpec(count=won["markers"], diameter=won["dot_mm"], ring_diameters=rings)
+    choice = next(one for one in spec.cameras if one.name == won["camera"])
+    camera = choice.camera.model_copy(update={"distance": won["distance_mm"]})
+    skin = skin_from_data({"kind": "ellipsoid", **shape})
+    yield _Candidate(spec, "winner", skin, won["material"], markers, camera)
+    if spec.rival is not None:
+        yield _Candidate.rival(spec)
+
+
+def main(folder: Path, units: int = 4, robot: str = "") -> None:
+    """Print the RMSE of every unit, and of all."""
+    store = ArtefactStore(folder / "store")
+    for design in designs(folder):
+        spec = design.bench.model_copy(update=KNOWN_ROBOT if robot == "known-robot" else {})
+        material, twin = get_material(design.material), find_made(store, design.twin)
+        bench = virtual.Bench(spec, design.skin, design.markers, material, design.camera, twin, store)
+        squares = []
+        for unit in range(1, units + 1):
+            errors = read_unit(bench, draw_deviation(spec.tolerance, spec.seed, unit))
+            squares.append(np.mean(errors**2))
+            print(f"{design.title}, unit {unit}: {np.sqrt(squares[-1]):.4f} deg", flush=True)
+        print(f"{design.title}, {units} units: {np.sqrt(np.mean(squares)):.4f} deg, foreseen {design.foresee(store)}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), *map(int, sys.argv[2:3]), *sys.argv[3:4])
