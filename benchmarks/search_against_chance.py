@@ -15,20 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.cli.progress import Lines
 from palpate.optimise import Front, RequirementsSpec, TriedSkin, optimise_design, read_requirements
 from palpate.optimise.draw_front import draw_search
-from palpate.study import Observer
 
 SEEDS, SKINS, DISTANCE = range(5), 24, 30.0
 COLUMNS = ["seed", "skins", "search_deg", "chance_deg", "search_rmse_deg", "chance_rmse_deg", "as_good_after"]
 COLUMNS += ["search_within_limits", "chance_within_limits", "search_skin", "chance_skin"]
-
-
-class Said(Observer):
-    """Prints what was found after every batch."""
-
-    def noted(self, sentence: str) -> None:
-        print(sentence, flush=True)
 
 
 def task(seed: int, skins: int) -> RequirementsSpec:
@@ -65,7 +58,7 @@ def main(folder: Path, results: Path, skins: int = SKINS) -> None:
     for seed in SEEDS:
         if str(seed) in {row[0] for row in rows}:
             continue
-        front = optimise_design(task(seed, skins), folder / f"seed{seed}", observer=Said())
+        front = optimise_design(task(seed, skins), folder / f"seed{seed}", observer=Lines())
         draw_search(front).savefig(folder / f"seed{seed}" / "search.svg")
         rows.append([str(value) for value in compare(front)])
         with results.open("w", newline="") as file:
