@@ -18,6 +18,7 @@ import numpy as np
 from palpate.cli.progress import Lines
 from palpate.optimise import Front, RequirementsSpec, TriedSkin, optimise_design, read_requirements
 from palpate.optimise.draw_front import draw_search
+from palpate.optimise.front import coarse_errors
 
 SEEDS, SKINS, DISTANCE = range(5), 24, 30.0
 COLUMNS = ["seed", "skins", "search_deg", "chance_deg", "search_rmse_deg", "chance_rmse_deg", "as_good_after"]
@@ -34,10 +35,8 @@ def task(seed: int, skins: int) -> RequirementsSpec:
 
 def least_so_far(tried: Sequence[TriedSkin], markers: int) -> np.ndarray:
     """Least error (n,) of 19 of 20 units among the first skins that meet the limits, degrees."""
-    errors = [
-        best.figure.worst_deg if one.meets and (best := one.proposal.best(markers)) else np.inf for one in tried
-    ]
-    return np.minimum.accumulate(errors)
+    errors = dict(coarse_errors(tried, markers, meets=True))
+    return np.minimum.accumulate([errors.get(one.number, np.inf) for one in tried])
 
 
 def compare(front: Front) -> list[object]:

@@ -11,11 +11,12 @@ from matplotlib.patches import Polygon
 
 from palpate.camera import CameraSpec, build_camera, dot_edges, render
 from palpate.design import MarkerLayout, Skin, place_markers
-from palpate.optimise.front import Entry, Front, TriedSkin, find_least
+from palpate.optimise.front import Entry, Front, TriedSkin, coarse_errors, find_least
 
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
 """Units of the objectives."""
-_BLUE, _GREY, _RED, _SILICONE = "#1864ab", "#adb5bd", "#c92a2a", "#e8c9a8"
+_BLUE, _GREY, _RED, _GREEN, _ORANGE = "#1864ab", "#adb5bd", "#c92a2a", "#2b8a3e", "#e67700"
+_SILICONE, _CAMERA = "#e8c9a8", "#343a40"
 
 
 def draw_search(front: Front) -> Figure:
@@ -23,16 +24,14 @@ def draw_search(front: Front) -> Figure:
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     axis, most, control = figure.add_subplot(), front.spec.markers, front.control
     for meets, colour, words in ((True, _BLUE, "meets the limits"), (False, _GREY, "does not")):
-        skins = [one for one in front.tried if one.meets is meets]
-        found = [(one.number, best.figure.worst_deg) for one in skins if (best := one.proposal.best(most))]
-        if found:
+        if found := coarse_errors(front.tried, most, meets=meets):
             axis.plot(*np.array(found).T, "o", ms=4, color=colour, label=words)
     _step(axis, front.tried, most, _BLUE, "least so far")
-    _step(axis, control.chance, most, "#e67700", "least by chance")
+    _step(axis, control.chance, most, _ORANGE, "least by chance")
     rival = find_least(control.grid, most)
     if rival is not None:
         words = f"best of the grid: {rival.tried.proposal.skin.build().name}, {rival.option.markers.count} dots"
-        axis.axhline(rival.value("error"), color="#2b8a3e", lw=1.0, ls="-.", label=words)
+        axis.axhline(rival.value("error"), color=_GREEN, lw=1.0, ls="-.", label=words)
     axis.axhline(front.spec.error_deg, color=_RED, lw=0.8, ls="--", label="wanted")
     axis.set(yscale="log", xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
     axis.legend(fontsize="small")
@@ -41,10 +40,7 @@ def draw_search(front: Front) -> Figure:
 
 def _step(axis: Axes, skins: Sequence[TriedSkin], markers: int, colour: str, words: str) -> None:
     """Draw the least error so far of skins that meet the limits, to the last of all."""
-    found = [
-        (one.number, best.figure.worst_deg) for one in skins if one.meets and (best := one.proposal.best(markers))
-    ]
-    if found:
+    if found := coarse_errors(skins, markers, meets=True):
         numbers, errors = np.array([*found, (skins[-1].number, np.inf)]).T
         axis.step(numbers, np.minimum.accumulate(errors), where="post", color=colour, label=words)
 
@@ -57,11 +53,11 @@ def draw_front(front: Front) -> Figure:
     axis = figure.add_subplot()
     every = [(entry.value(second), entry.value(first)) for entry in front.entries]
     if every:
-        axis.plot(*np.array(every).T, ".", color="#adb5bd", label="every design that meets the limits")
+        axis.plot(*np.array(every).T, ".", color=_GREY, label="every design that meets the limits")
         axis.plot(
             *np.array([(entry.value(second), entry.value(first)) for entry in front.best]).T,
             "o",
-            color="#1864ab",
+            color=_BLUE,
             label="front",
         )
         axis.legend(fontsize="small")
@@ -97,7 +93,7 @@ def _draw_section(axis: Axes, skin: Skin, layout: MarkerLayout, distance: float)
     eye = np.array([0.0, -distance])
     for end in cut[[cut[:, 0].argmin(), cut[:, 0].argmax()]][:, [0, 2]]:
         axis.plot(*np.array([eye, end]).T, color=_GREY, lw=0.8, zorder=0)
-    axis.plot(*eye, "s", ms=9, color="#343a40")
+    axis.plot(*eye, "s", ms=9, color=_CAMERA)
     axis.text(0.0, -distance + 4.0, "camera", ha="center", fontsize="small")
     axis.axhline(0.0, color=_GREY, lw=0.6, zorder=0)
     axis.set(title=skin.name, xlabel="mm", ylabel="mm, base plane at 0", aspect="equal")

@@ -73,6 +73,12 @@ class Entry:
         }[objective]
 
 
+def coarse_errors(skins: Sequence[TriedSkin], markers: int, *, meets: bool) -> list[tuple[int, float]]:
+    """Number and least error (degrees) by coarse presses of the skins that meet the constraints, or of the others."""
+    chosen = ((one, one.proposal.best(markers)) for one in skins if one.meets is meets)
+    return [(one.number, best.figure.worst_deg) for one, best in chosen if best is not None]
+
+
 def find_least(skins: Sequence[TriedSkin], markers: int) -> Entry | None:
     """The design of least error by coarse presses, of those that meet the constraints; `None` where none does."""
     fine = ((one, one.proposal.best(markers)) for one in skins if one.meets)

@@ -45,8 +45,7 @@ _COLUMNS = (
 
 
 def write_front(folder: Path, front: Front, command: str) -> None:
-    """Write ``report.md``, ``front.csv``, ``tried.csv``, ``front.json``, pictures, and ``winner.yaml``,
-    a study.
+    """Write ``report.md``, tables, ``front.json``, pictures, and ``winner.yaml``, a study.
 
     Raises
     ------
