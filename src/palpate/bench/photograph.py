@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.built import Deviation
-from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, dot_edges, render, tangent_pair
+from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, render, tangent_pair, wrap_dots
 from palpate.core import BoolArray, FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
@@ -73,26 +73,6 @@ def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: C
     there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
     edges = wrap_dots(skin, points, layout.diameter)[there]
     return Scene(edges, build_camera(deviation.camera(nominal)), spec, there[:-1])
-
-
-def wrap_dots(skin: Skin, centres: FloatArray, diameter: float) -> FloatArray:
-    """Edges of round dots that lie on the inner surface.
-
-    Parameters
-    ----------
-    skin
-        The skin.
-    centres
-        (m, 3) mm, on its inner surface.
-    diameter
-        Of a dot, mm.
-
-    Returns
-    -------
-    ndarray
-        (m, k, 3) mm.
-    """
-    return skin.nearest(dot_edges(centres, skin.normal(centres), diameter))
 
 
 def _misprint(skin: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:

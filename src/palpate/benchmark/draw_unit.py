@@ -17,7 +17,7 @@ from palpate.bench import Deviation, Scene, set_scene
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec
 from palpate.benchmark.unit_images import LABELS, UnitImages
 from palpate.built import draw_deviation
-from palpate.camera import Camera, centre_bias, render
+from palpate.camera import render, trace_centres
 from palpate.core import FloatArray, IntArray, child_seed, generator
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.twin import PrintedTwin, Twin
@@ -85,11 +85,11 @@ def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twi
     for number, press in enumerate(presses):
         for depth in press.depths:
             outline, label = press_unit(drawn, press, float(depth))
-            outlines.append(_centroids(drawn.scene.camera, outline[:-1]))
+            outlines.append(trace_centres(drawn.scene.camera, outline[:-1]))
             rows.append(label)
             numbers.append(number)
     noise = generator(seed, "noise", unit)
-    rest = _centroids(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1])
+    rest = trace_centres(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1])
     seen = np.full((len(rows) + 1, len(drawn.printed), 2), np.nan)
     seen[:, drawn.printed] = np.array([*outlines, rest])
     seen += spec.noise_px * noise.standard_normal(seen.shape)
@@ -163,12 +163,6 @@ def _outline(carried: FloatArray) -> FloatArray:
     """Outlines (m, 32, 3) through points (m, 8, 3) at even parts of a turn."""
     outline: FloatArray = np.moveaxis(resample(np.moveaxis(carried, 1, -1), _CORNERS, axis=-1), -1, 1)
     return outline
-
-
-def _centroids(camera: Camera, outlines: FloatArray) -> FloatArray:
-    """Centroids (m, 2) px of the traces of outlines (m, k, 3) mm."""
-    middle = outlines.mean(axis=1)
-    return camera.project(middle) + centre_bias(camera, middle, outlines)
 
 
 def _pictures(

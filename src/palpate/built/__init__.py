@@ -6,12 +6,12 @@ from palpate.built.force import Force, ForceScale, expect_force, expect_scale, l
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.built.foresee_budget import foresee_budget
 from palpate.built.identify import Identified, identify
-from palpate.built.mounting import MOUNTING
 from palpate.built.next_press import rank_presses
 from palpate.built.noise import NOISE_PX
 from palpate.built.ring_information import RingInformation, measure_rings
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
+from palpate.built.twin_error import TwinChecks
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel, learn_rest, model_unit
 
@@ -20,7 +20,6 @@ __all__ = [
     "IMPERFECTIONS",
     "KNOWN_TILTS",
     "KNOWN_TURN_DEG",
-    "MOUNTING",
     "NOISE_PX",
     "UNKNOWN",
     "BuiltFigure",
@@ -38,6 +37,7 @@ __all__ = [
     "RobotPress",
     "RobotSpec",
     "ToleranceSpec",
+    "TwinChecks",
     "UnitModel",
     "draw_deviation",
     "expect_force",

@@ -52,8 +52,6 @@ _OTHER_WALL = 2.0
 """Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
 _SHALLOW_MM = 0.6
 """Depth up to which an image tells so little of the tilt that the next one may begin elsewhere."""
-_CHECK_MM = 1.0
-"""Change of depth (mm) after which a fit that ends at the least or greatest 1/µ, as without slip, is checked anew."""
 _OUTLIER = 16.0
 """Most that a coordinate adds to the cost of a fit."""
 _BEYOND = (0.5, 0.1)
@@ -152,7 +150,6 @@ class PoseFitter:
         self._tables()
         self._last: FloatArray | None = None
         self._moved = self._motion = np.zeros(len(TOUCH))
-        self._checked_mm = np.inf
         self._by_unit: tuple[FloatArray, FloatArray] | None = None
         self._was_other = False
 
@@ -228,11 +225,18 @@ class PoseFitter:
         """Fit one image from where the last one was."""
         found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._go_on(seen_px))
         if self._last is not None and self._doubted(found):
-            again = self._fit(seen_px, self._begin(seen_px))
-            found = again if again.cost < found.cost else found
-            self._checked_mm = float(found.theta[2])
+            found = self._better(found, seen_px, self._begin(seen_px))
+        if self._at_limit(found.theta[3]):
+            usual = found.theta.copy()
+            usual[3] = self._mean[3]
+            found = self._better(found, seen_px, usual)
         self._follow(found)
         return found
+
+    def _better(self, found: PoseFit, seen_px: FloatArray, begin: FloatArray) -> PoseFit:
+        """A fit, or a better one that begins elsewhere."""
+        again = self._fit(seen_px, begin)
+        return again if again.cost < found.cost else found
 
     def _go_on(self, seen_px: FloatArray) -> FloatArray:
         """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
@@ -254,12 +258,11 @@ class PoseFitter:
     def _doubted(self, found: PoseFit) -> bool:
         """Whether a fit that began from the last may have gone astray."""
         assert self._last is not None
-        if found.misfit > _DOUBTED or abs(found.bend - self._last[_BEND]) > _OTHER_WALL:
-            return True
-        return self._at_limit(found.theta[3]) and abs(found.theta[2] - self._checked_mm) > _CHECK_MM
+        return found.misfit > _DOUBTED or abs(found.bend - self._last[_BEND]) > _OTHER_WALL
 
     def _at_limit(self, slip: float) -> bool:
-        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught."""
+        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught: walls without slip look
+        more like those of µ = 1 than those of µ = 3 do, as pressed dots turn back before they slip for good."""
         return self._slips[0] < self._slips[1] and not self._slips[0] < slip < self._slips[1]
 
     def _begin(self, seen_px: FloatArray) -> FloatArray:

@@ -7,8 +7,8 @@ each of many poses the image of such a unit is read by the fit of the twin, in i
 
 with the unit's numbers δq and the errors e of its dots in the image at rest, the same in all its images, and noise n
 of its own in each. Known presses take e for something of the unit (−T e, see `TaughtUnit`), so that a part of it
-cancels in what is read afterwards. How the unit sits on the robot is added, and what the twin itself is off
-(`TWIN_SD`, from the bench of one design). Nothing is pressed or trained.
+cancels in what is read afterwards. How the unit sits on the robot is added, and what the twin itself is off: by
+presses that it lacks (`measure_twin_error`), or without them `TWIN_SD`, from the bench of one design.
 
 Poses and known presses are drawn alike for every layout, camera and skin, and errors from the same random numbers by
 their covariance over all images of a unit, so that two designs differ by what they are and not by chance.
@@ -27,6 +27,7 @@ from palpate.built.mounting import Mounting, mount_unit
 from palpate.built.noise import MODEL_PX, NOISE_PX, layout_noise
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
+from palpate.built.twin_error import TwinChecks, measure_twin_error
 from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
@@ -109,7 +110,12 @@ class PoseGain(NamedTuple):
 
 
 def foresee(
-    twin: Twin, layout: MarkerLayout, camera: Camera, tolerance: ToleranceSpec, spec: ForeseeSpec | None = None
+    twin: Twin,
+    layout: MarkerLayout,
+    camera: Camera,
+    tolerance: ToleranceSpec,
+    spec: ForeseeSpec | None = None,
+    checks: TwinChecks | None = None,
 ) -> BuiltFigure:
     """Foresee the errors of built units of a design.
 
@@ -121,6 +127,8 @@ def foresee(
         How far units may be from it.
     spec
         Working range, and what is known of a unit beforehand.
+    checks
+        Presses on another mesh, between those of the twin, that tell what it is off; `None`: `TWIN_SD`.
     """
     spec = spec or ForeseeSpec()
     rest = camera.project(layout.positions)
@@ -134,6 +142,10 @@ def foresee(
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
+    if checks is not None:
+        off = measure_twin_error(model, checks, spec.known, spec.least_depth)
+        other = np.diag(off**2 - TWIN_SD[:3] ** 2)
+        gains = [gain._replace(of_image=gain.of_image + other) for gain in gains]
     taken = np.linalg.solve(spread, learnt.by_dot[:, np.repeat(model.seen, 2)])
     covariance = _over_images(gains, taken, np.repeat(noise[model.seen], 2))
     drawn = generator(spec.seed, "foresee", "errors").standard_normal((spec.units, len(covariance)))

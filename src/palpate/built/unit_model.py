@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from palpate.built.deviation import Deviation
 from palpate.built.shifted_cameras import ShiftedCameras, show
 from palpate.built.tolerance import ToleranceSpec
-from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, dot_edges
+from palpate.camera import Camera, CameraSpec, build_camera, centre_bias, trace_centres, wrap_dots
 from palpate.core import BoolArray, FloatArray
 from palpate.design import MarkerLayout
 from palpate.twin import PrintedTwin, Twin
@@ -56,6 +56,8 @@ _STEP_MM = 0.05
 _STEP = 0.02
 """Step of a difference by an unknown, over its standard deviation beforehand."""
 _LEAST_SD = 1e-6
+_CORNERS = 6
+"""Corners of the polygons that stand for dots; their traces' centres are those of discs to a thousandth of a px."""
 _FORGIVEN = 3.0
 """Standard deviations beyond which a misprint no longer pulls with its square."""
 
@@ -177,7 +179,7 @@ def _rest_spread(twin: Twin, nominal: CameraSpec, tolerance: ToleranceSpec, nois
 
 def _bias(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:
     """How far the trace of a dot lies from its centre (n, 2) px."""
-    return centre_bias(camera, points, dot_edges(points, twin.skin.normal(points), diameter))
+    return centre_bias(camera, points, wrap_dots(twin.skin, points, diameter, _CORNERS))
 
 
 class Look(NamedTuple):
@@ -222,8 +224,9 @@ class UnitModel:
         The twin of its print; a dot that was not seen is at its place in the layout.
     seen
         (m,) whether a dot was seen at rest.
-    bias_px
-        (m, 2) how far a dot's trace lies from its centre.
+    outlines
+        The twin of the edges of dots: what is seen is the centre of a trace, which is not the trace of the centre,
+        above all where the skin bends.
     place_by
         (m, 3, 10) mm: how the dots move on the undeformed surface as the camera changes.
     waves_beside
@@ -238,7 +241,7 @@ class UnitModel:
     camera: Camera
     dots: PrintedTwin
     seen: BoolArray
-    bias_px: FloatArray
+    outlines: PrintedTwin
     place_by: FloatArray
     waves_beside: tuple[tuple[FloatArray, FloatArray], ...]
     shifted: ShiftedCameras
@@ -274,7 +277,8 @@ class UnitModel:
             by_unit[..., -1] = by_pose[..., 4]
             carried = self._carried(pose, slip, bend)
             by_unit[..., :-1] = self.shifted.slopes(moved.positions, shown, carried)
-        pixels = np.where(self.seen[:, None], pixels + self.bias_px, np.nan)
+        edges = self.outlines.carry(moved.amplitudes).reshape(len(pixels), -1, 3)
+        pixels = np.where(self.seen[:, None], trace_centres(self.camera, edges), np.nan)
         touch = [k for k in range(by_pose.shape[-1]) if k != 4]
         return Look(pixels, by_pose[..., touch], by_unit, moved.force, moved.force_by[:, touch], moved.force_by[:, 4])
 
@@ -316,7 +320,7 @@ def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: 
         camera,
         twin.print_dots(places),
         seen,
-        bias,
+        twin.print_dots(wrap_dots(skin, places, layout.diameter, _CORNERS).reshape(-1, 3)),
         rates,
         tuple(beside),
         ShiftedCameras(camera, shifted, steps),

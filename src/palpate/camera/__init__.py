@@ -6,13 +6,21 @@ from palpate.camera.calibrate import CalibrateSpec, calibrate_camera
 from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
+from palpate.camera.dot_traces import (
+    centre_bias,
+    dot_edges,
+    tangent_pair,
+    trace_centres,
+    trace_size,
+    wrap_dots,
+)
 from palpate.camera.draw_board import write_board
 from palpate.camera.events import Events, EventSpec, stream_events
 from palpate.camera.lens import LENSES, Lens
 from palpate.camera.preset import list_presets, preset
 from palpate.camera.read_image import SUFFIXES as IMAGE_SUFFIXES
 from palpate.camera.read_image import decode_image, list_images, read_image
-from palpate.camera.render import RenderSpec, centre_bias, dot_edges, render, tangent_pair, trace_size
+from palpate.camera.render import RenderSpec, render
 from palpate.camera.source import SOURCES, Source, open_source, recording_suffixes
 from palpate.camera.spec import CameraSpec
 from palpate.camera.window import Window, WindowSpec, read_window
@@ -50,7 +58,9 @@ __all__ = [
     "render",
     "stream_events",
     "tangent_pair",
+    "trace_centres",
     "trace_size",
+    "wrap_dots",
     "write_board",
     "write_calibration",
 ]

@@ -1,9 +1,7 @@
 """Images of the inside of a dome: printed dots as discs on the deformed surface, and what spoils real images.
 
 Each dot is the ring of its edge carried by the surface, projected, and filled on a grid 8 times finer than the
-pixels. The centre of the trace is not the projection of the dot's centre: a disc of radius ρ tilted by t at distance
-Z appears as an ellipse whose centre lies f ρ² sin t cos t / Z² further to the side that is nearer. `centre_bias`
-gives it, for discs on any surface; without degradations the centroids agree with projection plus bias.
+pixels.
 """
 
 from __future__ import annotations
@@ -15,7 +13,6 @@ from palpate.camera.camera import Camera
 from palpate.core import FloatArray, Spec, load_opencv, parameter
 
 SUPERSAMPLING = 8
-_EDGE_POINTS = 32
 
 
 class RenderSpec(Spec):
@@ -39,88 +36,6 @@ class RenderSpec(Spec):
     noise_seed: int | None = parameter(
         None, unit="1", meaning="seed of the noise alone, where light and dirt stay; empty: seed gives it too", ge=0
     )
-
-
-def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:
-    """(k, 2) corners of a polygon with the area of a disc of `radius` mm, in its plane."""
-    angle = 2.0 * np.pi * np.arange(count) / count
-    grown = radius * np.sqrt(np.pi / (count / 2.0 * np.sin(2.0 * np.pi / count)))
-    return grown * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float) -> FloatArray:
-    """Edges of flat discs tangent to a surface.
-
-    Parameters
-    ----------
-    centres, normals
-        (m, 3) mm and unit vectors.
-    diameter
-        Of a dot, mm.
-
-    Returns
-    -------
-    ndarray
-        (m, k, 3) mm.
-
-    Examples
-    --------
-    >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
-    >>> float(np.linalg.norm(edges[0] - [0, 0, 20], axis=1).max().round(3))
-    1.003
-    """
-    first, second = tangent_pair(normals)
-    flat = edge_offsets(diameter / 2.0)
-    edges: FloatArray = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
-    return edges
-
-
-def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another.
-
-    Examples
-    --------
-    >>> first, second = tangent_pair(np.array([[0.0, 0.0, 1.0]]))
-    >>> float(first[0] @ second[0]), float(first[0, 2])
-    (0.0, 0.0)
-    """
-    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = np.cross(normals, aside)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return first, np.cross(normals, first)
-
-
-def centre_bias(camera: Camera, centres: FloatArray, edges: FloatArray) -> FloatArray:
-    """How far the centroid of each dot's trace lies from the projection of its centre.
-
-    Parameters
-    ----------
-    camera
-        The camera.
-    centres, edges
-        (m, 3) and (m, k, 3) mm.
-
-    Returns
-    -------
-    ndarray
-        (m, 2) px.
-    """
-    x, y = np.moveaxis(camera.project(edges), -1, 0)
-    nx, ny = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
-    cross = x * ny - nx * y
-    area = cross.sum(axis=1)
-    centroid = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1) / (
-        3.0 * area[:, None]
-    )
-    bias: FloatArray = centroid - camera.project(centres)
-    return bias
-
-
-def trace_size(camera: Camera, edges: FloatArray) -> FloatArray:
-    """Diameters (m,) px of discs as large as the traces of dots with these edges (m, k, 3) mm."""
-    x, y = np.moveaxis(camera.project(edges), -1, 0)
-    twice: FloatArray = np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
-    return np.sqrt(2.0 * twice / np.pi)
 
 
 def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) -> NDArray[np.uint8]:

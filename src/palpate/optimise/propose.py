@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from palpate.bench import DEGRADED, set_scene
-from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, draw_deviation, foresee
+from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, TwinChecks, draw_deviation, foresee
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe
 from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers, ring_diameters
@@ -21,6 +21,7 @@ from palpate.optimise.choose_rings import choose_rings, spread_rings
 from palpate.optimise.proposal import Proposal, Variant
 from palpate.optimise.setting import Setting, measure_settings, rank_settings
 from palpate.optimise.spec import GridSpec, RequirementsSpec
+from palpate.optimise.twin_checks import CheckTasks, plan_checks
 from palpate.sensor import Unit, open_sensor
 from palpate.study import (
     BuiltSpec,
@@ -70,6 +71,8 @@ class ProposalTask(Task):
     material: str
     grid: GridSpec | None = None
     """Whose layouts and camera are foreseen, where none are to be chosen."""
+    checks: CheckTasks | None = None
+    """Presses that tell what the twin is off; without them it is taken as off as the bench found of one design."""
 
     suffix = ".json"
 
@@ -87,12 +90,16 @@ class ProposalTask(Task):
         spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
         if self.grid is not None:
             spec["grid"] = self.grid.model_dump(mode="json", include={"designs": {"markers"}, "distance": True})
-        inputs = (self.twin.recipe.key, *((self.inverted.recipe.key,) if self.inverted else ()))
+        inputs = tuple(task.recipe.key for task in self.needs)
         return Recipe(kind="proposal", spec=spec, inputs=inputs, version=PROPOSE_VERSION)
 
     @property
     def needs(self) -> tuple[Task, ...]:
-        return (self.twin, *((self.inverted,) if self.inverted else ()))
+        return (
+            self.twin,
+            *((self.inverted,) if self.inverted else ()),
+            *(self.checks.presses if self.checks else ()),
+        )
 
     @property
     def cost(self) -> float:
@@ -104,7 +111,8 @@ class ProposalTask(Task):
         twin = read_twin(find_made(store, self.twin))
         second = second_state(read_press(find_made(store, self.inverted))) if self.inverted else None
         known = Proposal(self.skin, self.material, float(twin.reach_mm.min()), force, second)
-        proposal = propose(twin, known, self.spec, self.grid)
+        checks = self.checks.find(store) if self.checks else None
+        proposal = propose(twin, known, self.spec, self.grid, checks)
         store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
 
 
@@ -120,7 +128,7 @@ def plan_proposal(
     skin, material
         The skin.
     full
-        With the presses of a study's twin instead of fewer, coarser ones.
+        With the presses of a study's twin instead of fewer, coarser ones, and others that tell what it is off.
     grid
         Whose layouts and camera are foreseen; without it, rings and camera are chosen.
     """
@@ -138,10 +146,17 @@ def plan_proposal(
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
     inverted = PressTask(skin, straight.mesh, straight.material, straight.wall, plain, Branch.INVERTED)
-    return ProposalTask(twin, inverted if spec.single_state else None, spec, material, grid)
+    checks = plan_checks(twin, spec) if full else None
+    return ProposalTask(twin, inverted if spec.single_state else None, spec, material, grid, checks)
 
 
-def propose(twin: Twin, known: Proposal, spec: RequirementsSpec, grid: GridSpec | None = None) -> Proposal:
+def propose(
+    twin: Twin,
+    known: Proposal,
+    spec: RequirementsSpec,
+    grid: GridSpec | None = None,
+    checks: TwinChecks | None = None,
+) -> Proposal:
     """Choose markers and camera on the skin of a twin, for every number of rings, and foresee its units.
 
     A skin on which nothing can be printed, or that cannot be made, gets that problem instead.
@@ -156,9 +171,11 @@ def propose(twin: Twin, known: Proposal, spec: RequirementsSpec, grid: GridSpec 
         The requirements.
     grid
         Whose layouts and camera are taken as they are.
+    checks
+        Presses that tell what the twin is off.
     """
     try:
-        options = _choose(twin, known.material, spec) if grid is None else _as_given(twin, spec, grid)
+        options = _choose(twin, known.material, spec, checks) if grid is None else _as_given(twin, spec, grid)
         return replace(known, options=tuple(options))
     except MissingExtraError:
         raise
@@ -166,7 +183,7 @@ def propose(twin: Twin, known: Proposal, spec: RequirementsSpec, grid: GridSpec 
         return replace(known, problem=str(error.what))
 
 
-def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Variant]:
+def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: TwinChecks | None) -> Iterator[Variant]:
     """The best option of each camera and number of rings that can be read."""
     problems, found = [], False
     for choice in spec.cameras:
@@ -181,7 +198,7 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec) -> Iterator[Varia
                 refusal = _refuse(twin, markers, material, camera, spec)
                 if refusal is None:
                     found = True
-                    figure = _foresee(twin, markers, camera, spec)
+                    figure = _foresee(twin, markers, camera, spec, checks)
                     yield Variant(markers, choice.name, camera.spec.distance, choice.price, figure)
                     break
                 problem = refusal
@@ -250,5 +267,7 @@ def foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
     )
 
 
-def _foresee(twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec) -> BuiltFigure:
-    return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, foresee_spec(spec))
+def _foresee(
+    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: TwinChecks | None = None
+) -> BuiltFigure:
+    return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, foresee_spec(spec), checks)

@@ -26,7 +26,7 @@ from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
 from palpate.optimise.front import Entry, Front
 from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
-from palpate.optimise.propose import foresee_spec, plan_proposal
+from palpate.optimise.propose import ProposalTask, foresee_spec, plan_proposal
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study, write_json
 from palpate.twin import read_twin
@@ -143,7 +143,7 @@ def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, s
     designs += [_Candidate.rival(spec)] if spec.rival else []
     winner = designs[0]
     second, problem = winner.second_solver()
-    tasks = [task for design in designs for task in (*design.units, *design.trained_units)]
+    tasks = [task for one in designs for task in (*one.foreseen_by, *one.units, *one.trained_units)]
     reasons = do([*tasks, *second])
     problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
     return Proof(
@@ -164,8 +164,7 @@ def foresee_rival(
     if spec.rival is None:
         return None
     rival, store = _Candidate.rival(spec), ArtefactStore(out / "store")
-    do([rival.twin])
-    return rival.foresee(store) if store.find(rival.twin.recipe) else None
+    return None if do(rival.foreseen_by) else rival.foresee(store)
 
 
 @dataclass(frozen=True)
@@ -211,8 +210,17 @@ class _Candidate:
         )
 
     @cached_property
+    def _proposal(self) -> ProposalTask:
+        return plan_proposal(self.spec, self.skin, self.material, full=True)
+
+    @property
     def twin(self) -> TwinTask:
-        return plan_proposal(self.spec, self.skin, self.material, full=True).twin
+        return self._proposal.twin
+
+    @property
+    def foreseen_by(self) -> tuple[Task, ...]:
+        """The twin, and the presses that tell what it is off."""
+        return (self.twin, *(self._proposal.checks.presses if self._proposal.checks else ()))
 
     @cached_property
     def units(self) -> tuple[UnitTask, ...]:
@@ -243,18 +251,20 @@ class _Candidate:
         return (own, CalculixTask(own)), ""
 
     def foresee(self, store: ArtefactStore) -> BuiltFigure:
-        """What is foreseen of it, from its twin in the store."""
+        """What is foreseen of it, from its twin and the presses beside it in the store."""
         twin, layout = read_twin(find_made(store, self.twin)), place_markers(self.built, self.markers)
         spec = replace(foresee_spec(self.spec), known=self.bench.known)
-        return foresee(twin, layout, build_camera(self.camera), self.spec.tolerance, spec)
+        checks = self._proposal.checks.find(store) if self._proposal.checks else None
+        return foresee(twin, layout, build_camera(self.camera), self.spec.tolerance, spec, checks)
 
     def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:
         """What was foreseen and what was played."""
         empty = ProvenDesign(
             self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, foreseen=None, played=None
         )
-        if store.find(self.twin.recipe) is None:
-            return replace(empty, problem=next((reasons[task.recipe.key] for task in self.units), "it has no twin."))
+        lacks = next((task for task in self.foreseen_by if store.find(task.recipe) is None), None)
+        if lacks is not None:
+            return replace(empty, problem=reasons.get(lacks.recipe.key, f"There is no {lacks.name}."))
         presses = (read_press(find_made(store, press)) for press in self.twin.presses)
         played, failures = _gather(store, self.units, reasons)
         return replace(

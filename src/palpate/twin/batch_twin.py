@@ -33,8 +33,9 @@ class BatchTwin:
         The print's twin.
     camera
         What sees it.
-    bias_px
-        (m, 2) how far a dot's trace lies from its centre; 0 without it.
+    corners
+        How many places in turn are corners of one dot, seen where its trace has its centre, as in the outlines of a
+        `UnitModel`; 1: each is a dot.
     thickness
         By how much the wall is thicker than designed, mm.
     device, dtype
@@ -52,7 +53,7 @@ class BatchTwin:
         self,
         dots: PrintedTwin,
         camera: Camera,
-        bias_px: FloatArray | None = None,
+        corners: int = 1,
         thickness: float = 0.0,
         device: str = "cpu",
         dtype: str = "float64",
@@ -73,7 +74,7 @@ class BatchTwin:
         self._knots = [self._tensor(knots) for knots in twin.amplitudes.knots]
         self._table, self._order = self._tensor(pressed.reshape(-1, half)), self._tensor(twin.order)
         self._waves, self._places = self._tensor(dots.waves.T), self._tensor(dots.places)
-        self._bias = self._tensor(np.zeros(2) if bias_px is None else bias_px)
+        self._corners = corners
         self._turn, self._origin = self._tensor(camera.camera_from_dome.T), self._tensor(camera.origin)
         spec = camera.spec
         self._scale = self._tensor(np.array([spec.fx_px, spec.fy_px]))
@@ -89,7 +90,7 @@ class BatchTwin:
         slips
             (n,) 1/µ.
         """
-        return self._in_pieces(lambda *each: self._project(self._move(*each)), poses, slips)
+        return self._in_pieces(lambda *each: self._centre(self._project(self._move(*each))), poses, slips)
 
     def positions(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
         """Positions (n, m, 3) mm of the dots; `poses` and `slips` as for `pixels`."""
@@ -98,6 +99,16 @@ class BatchTwin:
     def forces(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
         """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `slips` as for `pixels`."""
         return self._in_pieces(self._force, poses, slips)
+
+    def _centre(self, pixels: Tensor) -> Tensor:
+        """Centres (n, m, 2) of the traces whose corners these are (n, m k, 2)."""
+        if self._corners == 1:
+            return pixels
+        x, y = pixels.unflatten(1, (-1, self._corners)).unbind(-1)
+        nx, ny = x.roll(-1, -1), y.roll(-1, -1)
+        cross = x * ny - nx * y
+        moments = self._torch.stack([((x + nx) * cross).sum(-1), ((y + ny) * cross).sum(-1)], dim=-1)
+        return moments / (3.0 * cross.sum(-1, keepdim=True))
 
     def _in_pieces(self, does: Callable[..., Tensor], poses: Any, slips: Any) -> Tensor:
         poses, slips = self._tensor(poses), self._tensor(slips)
@@ -156,7 +167,7 @@ class BatchTwin:
         seen = arm @ self._turn
         lens = self._camera.lens
         plane = _LENSES[lens.name](self._torch, seen[..., :2] / seen[..., 2:], lens.coefficients)
-        return plane * self._scale + self._middle + self._bias
+        return plane * self._scale + self._middle
 
 
 def _aim(torch: Any, window: Window, origin: Tensor, points: Tensor) -> Tensor:

@@ -131,12 +131,15 @@ class MovedDots(NamedTuple):
         (3,) N on the wall, dome's frame.
     force_by
         (3, 6 or 9) the same.
+    amplitudes
+        (2 r,) of the waves: what else is printed on the skin moves by them as well (`PrintedTwin.carry`).
     """
 
     positions: FloatArray
     by: FloatArray
     force: FloatArray
     force_by: FloatArray
+    amplitudes: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +208,11 @@ class PrintedTwin:
             out[..., 0] = each[..., 1] * c - around * (s / tilt)
             out[..., 1] = each[..., 1] * s + around * (c / tilt)
             out[..., 2:] = each[..., 2:count]
-        return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by)
+        return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by, rows[:, 0])
+
+    def carry(self, amplitudes: FloatArray) -> FloatArray:
+        """Where the dots are (m, 3) mm as the waves have these amplitudes (2 r,)."""
+        return np.asarray(self.places + (self.waves @ amplitudes).reshape(-1, 3))
 
     def _parts(
         self, place: FloatArray, made: tuple[float, float], azimuth: float, drift: FloatArray | None

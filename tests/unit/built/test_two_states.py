@@ -7,7 +7,7 @@ import pytest
 
 from palpate.bench.photograph import set_scene
 from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
-from palpate.camera import CameraSpec, RenderSpec, build_camera
+from palpate.camera import CameraSpec, RenderSpec, build_camera, trace_centres, wrap_dots
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec, solve_press
 from palpate.markers import Motion, Tracker
@@ -20,6 +20,7 @@ from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, read_twin, write_tw
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=1))
 LAYOUT = place_markers(DOME, MarkerSpec(count=169))
+EDGES = wrap_dots(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
 CAMERA = build_camera()
 NOISE = 0.02
 DEPTH = 6.0
@@ -48,8 +49,13 @@ def other() -> Press:
     return press(6.0, Branch.INVERTED, step=0.7)
 
 
+def shot(edges: np.ndarray) -> np.ndarray:
+    """Centres of the traces of dots with these edges."""
+    return trace_centres(CAMERA, edges.reshape(len(LAYOUT), -1, 3))
+
+
 def fitter(twin: Twin) -> PoseFitter:
-    rest, tolerance = CAMERA.project(LAYOUT.positions), ToleranceSpec()
+    rest, tolerance = shot(EDGES), ToleranceSpec()
     return PoseFitter(
         model_unit(twin, LAYOUT, learn_rest(twin, LAYOUT, CameraSpec(), rest, tolerance, NOISE), tolerance), NOISE
     )
@@ -57,7 +63,7 @@ def fitter(twin: Twin) -> PoseFitter:
 
 def read(reader: PoseFitter, seen: Press, image: int) -> tuple[PoseFit, float, float]:
     """The fit of an image, and what it is off in degrees and mm."""
-    found = reader.fit(CAMERA.project(seen.positions(LAYOUT.positions)[image]))
+    found = reader.fit(shot(seen.positions(EDGES)[image]))
     pose = (*seen.wall.pose_space.part(seen.wall.radial, seen.wall.turn_deg), seen.depth[image])
     off = np.abs(found.pose - pose)
     return found, float(off[:2].max()), float(off[2])

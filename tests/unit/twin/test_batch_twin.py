@@ -90,7 +90,7 @@ def test_pieces_join_without_a_seam(dots: PrintedTwin, monkeypatch: pytest.Monke
 
 
 def test_a_unit_looks_as_its_model_has_it(twin: Twin) -> None:
-    """Dots where the rest image shows them, the traces' bias, and a thicker wall."""
+    """Dots where the rest image shows them, centres of their traces, and a thicker wall."""
     rest = build_camera(CameraSpec(offset_x=0.2, tilt_y_deg=0.4)).project(LAYOUT.positions)
     rest[5] = np.nan
     belief = learn_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
@@ -98,11 +98,11 @@ def test_a_unit_looks_as_its_model_has_it(twin: Twin) -> None:
     mean[-1] = 0.05
     model = model_unit(twin, LAYOUT, replace(belief, mean=mean), ToleranceSpec())
     poses, slips = draw(40)
-    found = BatchTwin(model.dots, model.camera, model.bias_px, 0.05).pixels(poses, slips).numpy()
+    found = BatchTwin(model.outlines, model.camera, 6, 0.05).pixels(poses, slips).numpy()
     looked = np.array([model.look(*each, unit=False).pixels for each in zip(poses, slips, strict=True)])
     assert np.flatnonzero(np.isnan(looked[0, :, 0])).tolist() == [5]
     assert found[:, model.seen] == pytest.approx(looked[:, model.seen], abs=1e-9)
-    plain = BatchTwin(model.dots, model.camera, model.bias_px).pixels(poses, slips).numpy()
+    plain = BatchTwin(model.outlines, model.camera, 6).pixels(poses, slips).numpy()
     assert np.abs(plain - found)[:, model.seen].max() > 1e-3
 
 

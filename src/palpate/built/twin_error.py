@@ -1,0 +1,92 @@
+"""What a twin is off in the pose: a unit as designed, told and read by it from exact dots of presses that it lacks.
+
+Presses on another mesh, between the tilts and frictions of the twin, show how far its own mesh and the way between
+its presses lead it astray, with all that known presses make of that. Everything else is as the twin believes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.built.fit_pose import PoseFitter
+from palpate.built.identify import identify
+from palpate.built.noise import NOISE_PX
+from palpate.built.robot_press import KNOWN_TURN_DEG, RobotPress
+from palpate.built.unit_model import UnitModel
+from palpate.camera import trace_centres
+from palpate.core import FloatArray
+from palpate.fea import Branch, Press
+
+_READ_TURN_DEG = 36.0
+"""Turn from one direction to the next in which a press is read."""
+_READ_TURNS = 3
+"""Directions in which each press is read."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwinChecks:
+    """Presses that a twin is held against, of half models in one direction.
+
+    Attributes
+    ----------
+    known
+        Those that are known, in turn, each time two fifths of a turn further.
+    read
+        Those that are read afterwards.
+    """
+
+    known: Sequence[Press]
+    read: Sequence[Press]
+
+
+def measure_twin_error(model: UnitModel, checks: TwinChecks, count: int, least_depth: float) -> FloatArray:
+    """Root mean square errors (3,) in rx and ry (one figure for both, degrees) and depth (mm), without any noise.
+
+    Parameters
+    ----------
+    model
+        A unit as designed, as its image at rest tells it.
+    checks
+        Presses that its twin lacks.
+    count
+        How many presses are known beforehand; 0: none is.
+    least_depth
+        Of the images that count, mm.
+    """
+    told = [
+        see_press(model, checks.known[number % len(checks.known)], KNOWN_TURN_DEG * number, least_depth)
+        for number in range(count)
+    ]
+    fitter = PoseFitter(model, NOISE_PX)
+    if told:
+        unit = identify(model, told, NOISE_PX)
+        fitter = PoseFitter(model.believing(unit.belief), NOISE_PX, unit.mounting)
+    errors = []
+    for number, press in enumerate(press for press in checks.read for _ in range(_READ_TURNS)):
+        seen = see_press(model, press, _READ_TURN_DEG * number)
+        found = np.array([fitter.fit(pixels).pose for pixels in seen.pixels])
+        errors.append((found - seen.poses)[seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)])
+    off = np.concatenate(errors)
+    tilt, depth = np.sqrt(np.mean(off[:, :2] ** 2)), np.sqrt(np.mean(off[:, 2] ** 2))
+    return np.array([tilt, tilt, depth])
+
+
+def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0) -> RobotPress:
+    """Poses and exact dots of a press before it jumps, deeper than at rest, with its wall turned about the axis."""
+    turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+    azimuth = np.radians(turned.wall.turn_deg)
+    here = (press.depth > 0.0) & (press.branch == Branch.FLAT)
+    here &= press.depth >= _least(press.depth[here], least_depth)
+    tilt = press.wall.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
+    poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
+    edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.seen), -1, 3)
+    pixels = np.array([trace_centres(model.camera, each) for each in edges])
+    return RobotPress(poses, np.where(model.seen[:, None], pixels, np.nan))
+
+
+def _least(depths: FloatArray, least_depth: float) -> float:
+    """Depth in mm from which images count; where a press hardly gets there, its deeper half."""
+    return min(least_depth, 0.5 * float(depths.max(initial=0.0)))

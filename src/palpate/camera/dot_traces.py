@@ -1,0 +1,122 @@
+"""Printed dots and their traces in an image.
+
+The centre of a trace is not the projection of the centre of its dot: a disc of radius ρ tilted by t at distance Z
+appears as an ellipse whose centre lies f ρ² sin t cos t / Z² further to the side that is nearer, and where the skin
+is bent, or stretched unevenly, it lies elsewhere again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from palpate.camera.camera import Camera
+from palpate.core import FloatArray
+from palpate.design import Skin
+
+_EDGE_POINTS = 32
+
+
+def edge_offsets(radius: float, count: int = _EDGE_POINTS) -> FloatArray:
+    """(k, 2) corners of a polygon with the area of a disc of `radius` mm, in its plane."""
+    angle = 2.0 * np.pi * np.arange(count) / count
+    grown = radius * np.sqrt(np.pi / (count / 2.0 * np.sin(2.0 * np.pi / count)))
+    return grown * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def dot_edges(centres: FloatArray, normals: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
+    """Edges of flat discs tangent to a surface.
+
+    Parameters
+    ----------
+    centres, normals
+        (m, 3) mm and unit vectors.
+    diameter
+        Of a dot, mm.
+    corners
+        Of the polygons of the same area that stand for discs.
+
+    Returns
+    -------
+    ndarray
+        (m, k, 3) mm.
+
+    Examples
+    --------
+    >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
+    >>> float(np.linalg.norm(edges[0] - [0, 0, 20], axis=1).max().round(3))
+    1.003
+    """
+    first, second = tangent_pair(normals)
+    flat = edge_offsets(diameter / 2.0, corners)
+    edges: FloatArray = centres[:, None] + flat[:, :1] * first[:, None] + flat[:, 1:] * second[:, None]
+    return edges
+
+
+def wrap_dots(skin: Skin, centres: FloatArray, diameter: float, corners: int = _EDGE_POINTS) -> FloatArray:
+    """Edges of round dots that lie on the inner surface of a skin.
+
+    Parameters
+    ----------
+    skin
+        The skin.
+    centres
+        (m, 3) mm, on its inner surface.
+    diameter, corners
+        As for `dot_edges`.
+
+    Returns
+    -------
+    ndarray
+        (m, k, 3) mm.
+    """
+    return skin.nearest(dot_edges(centres, skin.normal(centres), diameter, corners))
+
+
+def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors (m, 3) each, at right angles to unit normals (m, 3) and to one another.
+
+    Examples
+    --------
+    >>> first, second = tangent_pair(np.array([[0.0, 0.0, 1.0]]))
+    >>> float(first[0] @ second[0]), float(first[0, 2])
+    (0.0, 0.0)
+    """
+    aside = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = np.cross(normals, aside)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(normals, first)
+
+
+def centre_bias(camera: Camera, centres: FloatArray, edges: FloatArray) -> FloatArray:
+    """How far the centroid of each dot's trace lies from the projection of its centre.
+
+    Parameters
+    ----------
+    camera
+        The camera.
+    centres, edges
+        (m, 3) and (m, k, 3) mm.
+
+    Returns
+    -------
+    ndarray
+        (m, 2) px.
+    """
+    bias: FloatArray = trace_centres(camera, edges) - camera.project(centres)
+    return bias
+
+
+def trace_centres(camera: Camera, edges: FloatArray) -> FloatArray:
+    """Centroids (m, 2) px of the traces of dots with these edges (m, k, 3) mm."""
+    x, y = np.moveaxis(camera.project(edges), -1, 0)
+    nx, ny = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    cross = x * ny - nx * y
+    moments = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1)
+    return np.asarray(moments / (3.0 * cross.sum(axis=1)[:, None]))
+
+
+def trace_size(camera: Camera, edges: FloatArray) -> FloatArray:
+    """Diameters (m,) px of discs as large as the traces of dots with these edges (m, k, 3) mm."""
+    x, y = np.moveaxis(camera.project(edges), -1, 0)
+    twice: FloatArray = np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
+    return np.sqrt(2.0 * twice / np.pi)
