@@ -57,7 +57,7 @@ def render(camera: Camera, edges: FloatArray, spec: RenderSpec | None = None) ->
 
     Examples
     --------
-    >>> from palpate.camera import build_camera
+    >>> from palpate.camera import build_camera, dot_edges
     >>> edges = dot_edges(np.array([[0.0, 0.0, 20.0]]), np.array([[0.0, 0.0, 1.0]]), diameter=2.0)
     >>> image = render(build_camera(), edges)
     >>> image.shape, image.dtype
