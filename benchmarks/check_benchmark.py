@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate.bench import set_scene
 from palpate.benchmark import deviation_of, read_set
-from palpate.camera import centre_bias
+from palpate.camera import trace_dots
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
@@ -42,8 +42,7 @@ def main(folder: str, count: int) -> None:
             mesh = mesh_skin(build_skin(built.dome(design.skin)), MeshSpec(cells=CELLS))
             press = solve_press(mesh, built.material(get_material(spec.material)), wall)
             edges = press.positions(scene.edges[:-1].reshape(-1, 3))[-1].reshape(-1, *scene.edges.shape[1:])
-            middle = edges.mean(axis=1)
-            solved = scene.camera.project(middle) + centre_bias(scene.camera, middle, edges)
+            solved = trace_dots(scene.camera, edges).centres
             noted = markers.markers_px[markers.image == table.image[row]][0]
             there = np.isfinite(noted).all(axis=1)
             moved = (noted - markers.rest_px[unit])[there]

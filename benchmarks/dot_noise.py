@@ -19,7 +19,7 @@ import numpy as np
 
 from palpate.bench import DEGRADED, Deviation, set_scene
 from palpate.built.noise import size_noise
-from palpate.camera import CameraSpec, centre_bias, render, trace_size
+from palpate.camera import CameraSpec, render, trace_dots
 from palpate.core import FloatArray, PalpateError, generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
@@ -45,9 +45,9 @@ def measure(diameter: float, distance: float, seed: int, images: int) -> list[Fl
         look = DEGRADED.model_copy(update={"seed": seed, "noise_seed": number})
         image = render(scene.camera, scene.edges, look)
         camera, dots = scene.camera, scene.edges[:-1]
-        truth = camera.project(layout.positions) + centre_bias(camera, layout.positions, dots)
+        truth, diameters = trace_dots(camera, dots)
         if detector is None:
-            spec = DetectSpec(diameter_px=float(np.median(trace_size(camera, dots))), polarity="dark")
+            spec = DetectSpec(diameter_px=float(np.median(diameters)), polarity="dark")
             detector, contrast = prepare_detector(image, spec), np.full(len(layout), np.nan)
         blobs = detector.find(image)
         off = np.linalg.norm(truth[:, None] - blobs.positions_px[None], axis=-1)
@@ -60,7 +60,7 @@ def measure(diameter: float, distance: float, seed: int, images: int) -> list[Fl
     off = off[:, kept]
     mean = np.nanmedian(off, axis=0)
     noise = 1.4826 * np.nanmedian(np.abs(off - mean), axis=(0, 2))
-    diameters, edge = trace_size(camera, dots)[kept], np.hypot(DEGRADED.blur_px, np.sqrt(1.0 / 12.0))
+    diameters, edge = diameters[kept], np.hypot(DEGRADED.blur_px, np.sqrt(1.0 / 12.0))
     bound = np.sqrt(4.0 * edge / (np.sqrt(np.pi) * diameters)) * DEGRADED.noise / contrast[kept]
     return [noise, mean, diameters, bound]
 

@@ -18,6 +18,7 @@ from palpate.bench import bench as virtual
 from palpate.bench.photograph import Scene, set_scene
 from palpate.built import Deviation, PoseFitter, RobotPress, draw_deviation, identify, learn_rest, model_unit
 from palpate.built.noise import NOISE_PX
+from palpate.camera import trace_dots
 from palpate.core import ArtefactStore, FloatArray, generator
 from palpate.design import MarkerSpec, skin_from_data
 from palpate.fea import Press
@@ -37,12 +38,8 @@ class ExactDots:
 
     def look(self, edges: FloatArray) -> FloatArray:
         """Centres of area of the traces of dots; the last is the orientation mark."""
-        x, y = np.moveaxis(self.scene.camera.project(edges.reshape(-1, 3)).reshape(*edges.shape[:2], 2), -1, 0)
-        x2, y2 = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
-        part = x * y2 - x2 * y
-        centres = np.stack([((x + x2) * part).sum(1), ((y + y2) * part).sum(1)], -1) / (3 * part.sum(1)[:, None])
         found = np.full((len(self.scene.printed), 2), np.nan)
-        found[self.scene.printed] = centres[:-1]
+        found[self.scene.printed] = trace_dots(self.scene.camera, edges).centres[:-1]
         return found
 
     def through(self, press: Press) -> Iterator[FloatArray]:

@@ -1,6 +1,6 @@
 """Bench: virtual units that deviate from the design, played from image to pose."""
 
-from palpate.bench.bench import BENCH_VERSION, Bench, play_unit
+from palpate.bench.bench import BENCH_VERSION, FINER, Bench, play_unit
 from palpate.bench.budget import run_budget
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.result import describe_bench, run_bench, write_bench
@@ -12,6 +12,7 @@ from palpate.built import Deviation, ToleranceSpec
 __all__ = [
     "BENCH_VERSION",
     "DEGRADED",
+    "FINER",
     "Bench",
     "Deviation",
     "Scene",

@@ -68,7 +68,8 @@ from palpate.twin import Twin
 
 BENCH_VERSION = "8"
 """Version of the code that decides what a played unit says; part of its key."""
-_FINER = 9.0 / 8.0
+FINER = 9.0 / 8.0
+"""Cells along a meridian of a built unit's presses over those of the training's."""
 _INVERTED_CORE = 2
 """Core of the meshes of inverted units (see `palpate.study.built_task`)."""
 
@@ -310,10 +311,10 @@ def _solve(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) 
 
 def _mesh_spec(bench: Bench, deviation: Deviation, branch: Branch) -> MeshSpec:
     if branch is Branch.INVERTED:
-        own = bench.spec.cells or round(_FINER * _own_cells(bench))
+        own = bench.spec.cells or round(FINER * _own_cells(bench))
         return MeshSpec(cells=own, core=_INVERTED_CORE)
     whole = bool(deviation.lateral or deviation.twist_deg)
-    cells = bench.spec.cells or (_own_cells(bench) if whole else round(_FINER * _own_cells(bench)))
+    cells = bench.spec.cells or (_own_cells(bench) if whole else round(FINER * _own_cells(bench)))
     return MeshSpec(cells=cells, whole=whole, filled=bench.material.fills)
 
 

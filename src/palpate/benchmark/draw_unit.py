@@ -17,7 +17,7 @@ from palpate.bench import Deviation, Scene, set_scene
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec
 from palpate.benchmark.unit_images import LABELS, UnitImages
 from palpate.built import draw_deviation
-from palpate.camera import render, trace_centres
+from palpate.camera import render, trace_dots
 from palpate.core import FloatArray, IntArray, child_seed, generator
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.twin import PrintedTwin, Twin
@@ -85,11 +85,11 @@ def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twi
     for number, press in enumerate(presses):
         for depth in press.depths:
             outline, label = press_unit(drawn, press, float(depth))
-            outlines.append(trace_centres(drawn.scene.camera, outline[:-1]))
+            outlines.append(trace_dots(drawn.scene.camera, outline[:-1]).centres)
             rows.append(label)
             numbers.append(number)
     noise = generator(seed, "noise", unit)
-    rest = trace_centres(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1])
+    rest = trace_dots(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1]).centres
     seen = np.full((len(rows) + 1, len(drawn.printed), 2), np.nan)
     seen[:, drawn.printed] = np.array([*outlines, rest])
     seen += spec.noise_px * noise.standard_normal(seen.shape)

@@ -261,8 +261,10 @@ class PoseFitter:
         return found.misfit > _DOUBTED or abs(found.bend - self._last[_BEND]) > _OTHER_WALL
 
     def _at_limit(self, slip: float) -> bool:
-        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught: walls without slip look
-        more like those of µ = 1 than those of µ = 3 do, as pressed dots turn back before they slip for good."""
+        """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
+
+        The cost has a second minimum there: dots under µ = 1 look more like those without slip than those of µ = 3.
+        """
         return self._slips[0] < self._slips[1] and not self._slips[0] < slip < self._slips[1]
 
     def _begin(self, seen_px: FloatArray) -> FloatArray:

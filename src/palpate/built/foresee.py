@@ -129,6 +129,11 @@ def foresee(
         Working range, and what is known of a unit beforehand.
     checks
         Presses on another mesh, between those of the twin, that tell what it is off; `None`: `TWIN_SD`.
+
+    Raises
+    ------
+    PalpateError
+        If the known presses among `checks` contradict the twin.
     """
     spec = spec or ForeseeSpec()
     rest = camera.project(layout.positions)

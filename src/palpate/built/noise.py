@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.camera import Camera, dot_edges, trace_size
+from palpate.camera import Camera, dot_edges, trace_dots
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
 
@@ -30,7 +30,7 @@ def size_noise(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArra
     Parameters
     ----------
     diameter_px
-        (m,) as from `palpate.camera.trace_size`.
+        (m,) as from `palpate.camera.trace_dots`.
     noise_px
         Of a dot of `NOISE_DOT_PX`.
 
@@ -46,7 +46,7 @@ def size_noise(diameter_px: FloatArray, noise_px: float = NOISE_PX) -> FloatArra
 def layout_noise(skin: Skin, layout: MarkerLayout, camera: Camera, noise_px: float = NOISE_PX) -> FloatArray:
     """Standard deviations (m,) px of a coordinate of a layout's dots, by their size in the image at rest."""
     edges = dot_edges(layout.positions, skin.normal(layout.positions), layout.diameter)
-    return size_noise(trace_size(camera, edges), noise_px)
+    return size_noise(trace_dots(camera, edges).diameters, noise_px)
 
 
 def weigh_dots(left: FloatArray, variance: float | FloatArray) -> FloatArray:

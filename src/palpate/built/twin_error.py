@@ -16,7 +16,7 @@ from palpate.built.identify import identify
 from palpate.built.noise import NOISE_PX
 from palpate.built.robot_press import KNOWN_TURN_DEG, RobotPress
 from palpate.built.unit_model import UnitModel
-from palpate.camera import trace_centres
+from palpate.camera import trace_dots
 from palpate.core import FloatArray
 from palpate.fea import Branch, Press
 
@@ -55,6 +55,11 @@ def measure_twin_error(model: UnitModel, checks: TwinChecks, count: int, least_d
         How many presses are known beforehand; 0: none is.
     least_depth
         Of the images that count, mm.
+
+    Raises
+    ------
+    PalpateError
+        If the known presses contradict the twin.
     """
     told = [
         see_press(model, checks.known[number % len(checks.known)], KNOWN_TURN_DEG * number, least_depth)
@@ -83,7 +88,7 @@ def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: f
     tilt = press.wall.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
     poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
     edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.seen), -1, 3)
-    pixels = np.array([trace_centres(model.camera, each) for each in edges])
+    pixels = np.array([trace_dots(model.camera, each).centres for each in edges])
     return RobotPress(poses, np.where(model.seen[:, None], pixels, np.nan))
 
 

@@ -7,11 +7,9 @@ from palpate.camera.calibration import Calibration
 from palpate.camera.calibration_file import read_calibration, write_calibration
 from palpate.camera.camera import Camera
 from palpate.camera.dot_traces import (
-    centre_bias,
     dot_edges,
     tangent_pair,
-    trace_centres,
-    trace_size,
+    trace_dots,
     wrap_dots,
 )
 from palpate.camera.draw_board import write_board
@@ -43,7 +41,6 @@ __all__ = [
     "WindowSpec",
     "build_camera",
     "calibrate_camera",
-    "centre_bias",
     "decode_image",
     "dot_edges",
     "list_images",
@@ -58,8 +55,7 @@ __all__ = [
     "render",
     "stream_events",
     "tangent_pair",
-    "trace_centres",
-    "trace_size",
+    "trace_dots",
     "wrap_dots",
     "write_board",
     "write_calibration",

@@ -7,6 +7,8 @@ is bent, or stretched unevenly, it lies elsewhere again.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from palpate.camera.camera import Camera
@@ -87,36 +89,18 @@ def tangent_pair(normals: FloatArray) -> tuple[FloatArray, FloatArray]:
     return first, np.cross(normals, first)
 
 
-def centre_bias(camera: Camera, centres: FloatArray, edges: FloatArray) -> FloatArray:
-    """How far the centroid of each dot's trace lies from the projection of its centre.
+class Traces(NamedTuple):
+    """Centroids (m, 2) px of the traces of dots, and diameters (m,) px of discs as large as they are."""
 
-    Parameters
-    ----------
-    camera
-        The camera.
-    centres, edges
-        (m, 3) and (m, k, 3) mm.
-
-    Returns
-    -------
-    ndarray
-        (m, 2) px.
-    """
-    bias: FloatArray = trace_centres(camera, edges) - camera.project(centres)
-    return bias
+    centres: FloatArray
+    diameters: FloatArray
 
 
-def trace_centres(camera: Camera, edges: FloatArray) -> FloatArray:
-    """Centroids (m, 2) px of the traces of dots with these edges (m, k, 3) mm."""
+def trace_dots(camera: Camera, edges: FloatArray) -> Traces:
+    """What an image shows of dots with these edges (m, k, 3) mm."""
     x, y = np.moveaxis(camera.project(edges), -1, 0)
     nx, ny = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
     cross = x * ny - nx * y
+    twice = cross.sum(axis=1)
     moments = np.stack([((x + nx) * cross).sum(axis=1), ((y + ny) * cross).sum(axis=1)], axis=-1)
-    return np.asarray(moments / (3.0 * cross.sum(axis=1)[:, None]))
-
-
-def trace_size(camera: Camera, edges: FloatArray) -> FloatArray:
-    """Diameters (m,) px of discs as large as the traces of dots with these edges (m, k, 3) mm."""
-    x, y = np.moveaxis(camera.project(edges), -1, 0)
-    twice: FloatArray = np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
-    return np.sqrt(2.0 * twice / np.pi)
+    return Traces(moments / (3.0 * twice[:, None]), np.sqrt(2.0 * np.abs(twice) / np.pi))

@@ -196,12 +196,12 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: TwinCheck
             )
             for camera, markers in _offers(settings, markers_in_rings(rings)):
                 refusal = _refuse(twin, markers, material, camera, spec)
-                if refusal is None:
+                figure = refusal or _foresee(twin, markers, camera, spec, checks)
+                if isinstance(figure, BuiltFigure):
                     found = True
-                    figure = _foresee(twin, markers, camera, spec, checks)
                     yield Variant(markers, choice.name, camera.spec.distance, choice.price, figure)
                     break
-                problem = refusal
+                problem = figure
             problems.append(problem)
     if not found:
         raise problems[0]
@@ -215,7 +215,8 @@ def _as_given(twin: Twin, spec: RequirementsSpec, grid: GridSpec) -> Iterator[Va
         if given.count <= spec.markers:
             rings = given.ring_diameters or ring_diameters(given.count, twin.skin.base_radius)
             markers = given.model_copy(update={"ring_diameters": rings})
-            figure = _foresee(twin, markers, camera, spec)
+            layout = place_markers(twin.skin, markers)
+            figure = foresee(twin, layout, camera, spec.tolerance, foresee_spec(spec))
             yield Variant(markers, choice.name, grid.distance, choice.price, figure)
 
 
@@ -268,6 +269,11 @@ def foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
 
 
 def _foresee(
-    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: TwinChecks | None = None
-) -> BuiltFigure:
-    return foresee(twin, place_markers(twin.skin, markers), camera, spec.tolerance, foresee_spec(spec), checks)
+    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: TwinChecks | None
+) -> BuiltFigure | PalpateError:
+    """What is foreseen of a layout, or why known presses tell nothing of its units: they contradict its twin."""
+    layout = place_markers(twin.skin, markers)
+    try:
+        return foresee(twin, layout, camera, spec.tolerance, foresee_spec(spec), checks)
+    except PalpateError as error:
+        return error

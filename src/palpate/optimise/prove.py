@@ -250,12 +250,15 @@ class _Candidate:
             return (), str(error.what)
         return (own, CalculixTask(own)), ""
 
-    def foresee(self, store: ArtefactStore) -> BuiltFigure:
-        """What is foreseen of it, from its twin and the presses beside it in the store."""
-        twin, layout = read_twin(find_made(store, self.twin)), place_markers(self.built, self.markers)
-        spec = replace(foresee_spec(self.spec), known=self.bench.known)
+    def foresee(self, store: ArtefactStore) -> BuiltFigure | None:
+        """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
+        twin, spec = read_twin(find_made(store, self.twin)), replace(foresee_spec(self.spec), known=self.bench.known)
+        layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
         checks = self._proposal.checks.find(store) if self._proposal.checks else None
-        return foresee(twin, layout, build_camera(self.camera), self.spec.tolerance, spec, checks)
+        try:
+            return foresee(twin, layout, camera, self.spec.tolerance, spec, checks)
+        except PalpateError:
+            return None
 
     def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:
         """What was foreseen and what was played."""

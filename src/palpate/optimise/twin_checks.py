@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from palpate.bench import FINER
 from palpate.built import KNOWN_TILTS, TwinChecks
 from palpate.core import ArtefactStore
 from palpate.fea import read_press
@@ -12,8 +13,6 @@ from palpate.mesh import mesh_skin
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import PressTask, TwinTask, find_made
 
-_FINER = 9 / 8
-"""Cells along a meridian over those of the twin's mesh, as of a bench."""
 _BETWEEN = (1, 3, 5)
 """Tilts that are read, each half way between two of the twin's, counted from the least."""
 _STEP_SHARE = 0.8
@@ -53,7 +52,7 @@ def plan_checks(twin: TwinTask, spec: RequirementsSpec) -> CheckTasks:
 def _plan(twin: TwinTask, spec: RequirementsSpec, tilts_deg: Sequence[float]) -> Iterator[PressTask]:
     own = twin.presses[0]
     coarse = mesh_skin(own.skin.build(), own.mesh).spec
-    mesh = coarse.model_copy(update={"cells": round(_FINER * (coarse.cells or 0))})
+    mesh = coarse.model_copy(update={"cells": round(FINER * (coarse.cells or 0))})
     contact = spec.tolerance.draw_friction(_FRICTION) if spec.tolerance.friction else own.wall.contact
     for tilt_deg in tilts_deg:
         wall = own.wall.model_copy(

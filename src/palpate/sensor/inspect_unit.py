@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.camera import Camera, centre_bias, dot_edges
+from palpate.camera import Camera, dot_edges, trace_dots
 from palpate.core import FloatArray, Spec, parameter
 from palpate.design import PRINT_TOLERANCE, Skin
 from palpate.markers import DetectSpec
@@ -104,8 +104,8 @@ def inspect_unit(
     registration = read_rest(images, unit, detect).registration
     camera, points = registration.camera, unit.layout.positions
     outward = unit.skin.normal(points)
-    bias = centre_bias(camera, points, dot_edges(points, outward, unit.layout.diameter))
     nominal = camera.project(points)
+    bias = trace_dots(camera, dot_edges(points, outward, unit.layout.diameter)).centres - nominal
     seen = nominal + registration.reprojection_residual_px
     found = np.isfinite(seen).all(axis=1)
     dots = np.full_like(points, np.nan)

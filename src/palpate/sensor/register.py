@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
-from palpate.camera import LENSES, Camera, CameraSpec, build_camera, centre_bias, dot_edges
+from palpate.camera import LENSES, Camera, CameraSpec, build_camera, dot_edges, trace_dots
 from palpate.core import FloatArray, PalpateError
 from palpate.design import MarkerLayout, Skin
 from palpate.markers import Naming, find_rings
@@ -124,7 +124,8 @@ def register_dome(
     edges = dot_edges(points, normals, layout.diameter)
     start = np.concatenate([[getattr(nominal, name) for name in _POSE], _lens_of(nominal)])
     start[5] = (start[5] - naming.turn_deg + 180.0) % 360.0 - 180.0
-    where = points, seen, centre_bias(_posed(nominal, start), points, edges)
+    about = _posed(nominal, start)
+    where = points, seen, trace_dots(about, edges).centres - about.project(points)
     held = fit = _fit(nominal, start, where)
     if refine_lens:
         fit = _fit(nominal, np.concatenate([_pose_of(held.camera), start[6:]]), where, held.rms_px / np.sqrt(2.0))
@@ -180,7 +181,8 @@ def _bend(
         return _posed(nominal, np.concatenate([pose, lens]))
 
     points = layout.positions[naming.found]
-    bias = centre_bias(fit.camera, points, dot_edges(points, skin.normal(points), layout.diameter))
+    edges = dot_edges(points, skin.normal(points), layout.diameter)
+    bias = trace_dots(fit.camera, edges).centres - fit.camera.project(points)
     which = np.flatnonzero(naming.found)
     seen = naming.positions_px[which] - bias
     pose, law = fit_law(rings, design, (which, seen), posed, (_pose_of(fit.camera), start[:6]))

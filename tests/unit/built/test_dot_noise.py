@@ -5,7 +5,7 @@ import pytest
 
 from palpate.bench import DEGRADED, Deviation, set_scene
 from palpate.built.noise import NOISE_DOT_PX, NOISE_PX, layout_noise, size_noise
-from palpate.camera import CameraSpec, build_camera, centre_bias, render, trace_size
+from palpate.camera import CameraSpec, build_camera, render, trace_dots
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import DetectSpec, prepare_detector
@@ -21,9 +21,8 @@ def test_the_law_is_what_the_detector_shows_on_degraded_images(diameter: float, 
         x, y = rng.uniform(-0.3, 0.3, 2)
         scene = set_scene(SKIN, layout, Deviation(offset_x=x, offset_y=y), CameraSpec(distance=distance), DEGRADED)
         image = render(scene.camera, scene.edges, DEGRADED.model_copy(update={"noise_seed": number}))
-        truth = scene.camera.project(layout.positions)
-        truth = truth + centre_bias(scene.camera, layout.positions, scene.edges[:-1])
-        size = float(np.median(trace_size(scene.camera, scene.edges[:-1])))
+        truth, sizes = trace_dots(scene.camera, scene.edges[:-1])
+        size = float(np.median(sizes))
         detector = detector or prepare_detector(image, DetectSpec(polarity="dark", diameter_px=size))
         found = detector.find(image).positions_px
         off = truth[:, None] - found

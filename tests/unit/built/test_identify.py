@@ -32,7 +32,7 @@ from palpate.built import (
 )
 from palpate.built.mounting import MOUNTING, Mounting
 from palpate.built.twin_error import measure_twin_error, see_press
-from palpate.camera import CameraSpec, WindowSpec, build_camera, render, trace_centres, wrap_dots
+from palpate.camera import CameraSpec, WindowSpec, build_camera, render, trace_dots, wrap_dots
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers, wall_normal
 from palpate.fea import Branch, Press, WallSpec, solve_press
@@ -79,7 +79,7 @@ class Built:
         return self._exact(edges) + self._rng.normal(0, NOISE, (len(LAYOUT), 2))
 
     def _exact(self, edges: np.ndarray) -> np.ndarray:
-        return trace_centres(self.camera, edges.reshape(len(LAYOUT), -1, 3))
+        return trace_dots(self.camera, edges.reshape(len(LAYOUT), -1, 3)).centres
 
     def press(self, press: Press, azimuth_deg: float) -> tuple[np.ndarray, np.ndarray]:
         """Poses (n, 3) on the robot's scale, and dots (n, m, 2), of images deeper than 2 mm."""
@@ -165,7 +165,7 @@ def test_dots_are_foreseen_where_a_picture_of_a_press_shows_them() -> None:
     fine = solve_press(
         mesh_skin(DOME, MeshSpec(cells=24)), ECOFLEX, wall.model_copy(update={"tilt_deg": 6.0, "image_step": 2.0})
     )
-    belief = learn_rest(own, large, NOMINAL, trace_centres(camera, edges), TOLERANCE, NOISE)
+    belief = learn_rest(own, large, NOMINAL, trace_dots(camera, edges).centres, TOLERANCE, NOISE)
     model = model_unit(own, large, replace(belief, mean=np.zeros(len(UNKNOWN))), TOLERANCE)
     bent = fine.positions(edges.reshape(-1, 3))[-1].reshape(edges.shape)
     rest, pressed = camera.project(large.positions), camera.project(fine.positions(large.positions)[-1])
@@ -196,11 +196,11 @@ def test_a_unit_behind_a_window_is_read_by_a_camera_that_knows_it(twin: Twin, se
     camera = build_camera(behind.model_copy(update={"offset_x": 0.2, "tilt_y_deg": 0.3, "distance": 48.2}))
     worst, edges = [], wrap_dots(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
     for nominal in (behind, NOMINAL):
-        rest = trace_centres(camera, edges.reshape(91, 32, 3))
+        rest = trace_dots(camera, edges.reshape(91, 32, 3)).centres
         belief = learn_rest(twin, LAYOUT, nominal, rest, TOLERANCE, NOISE)
         fitter = PoseFitter(model_unit(twin, LAYOUT, belief, TOLERANCE), NOISE)
         pressed = seen[1].positions(edges).reshape(-1, 91, 32, 3)
-        fits = [fitter.fit(trace_centres(camera, pressed[k])) for k in (5, 8)]
+        fits = [fitter.fit(trace_dots(camera, pressed[k]).centres) for k in (5, 8)]
         worst.append(max(np.abs(fit.pose[:2] - [10.0, 0.0]).max() for fit in fits))
     assert worst[0] < 0.1
     assert worst[1] > 3 * worst[0]

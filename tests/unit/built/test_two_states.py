@@ -7,7 +7,7 @@ import pytest
 
 from palpate.bench.photograph import set_scene
 from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
-from palpate.camera import CameraSpec, RenderSpec, build_camera, trace_centres, wrap_dots
+from palpate.camera import CameraSpec, RenderSpec, build_camera, trace_dots, wrap_dots
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec, solve_press
 from palpate.markers import Motion, Tracker
@@ -51,7 +51,7 @@ def other() -> Press:
 
 def shot(edges: np.ndarray) -> np.ndarray:
     """Centres of the traces of dots with these edges."""
-    return trace_centres(CAMERA, edges.reshape(len(LAYOUT), -1, 3))
+    return trace_dots(CAMERA, edges.reshape(len(LAYOUT), -1, 3)).centres
 
 
 def fitter(twin: Twin) -> PoseFitter:

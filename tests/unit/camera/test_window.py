@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from palpate.built.shifted_cameras import ShiftedCameras
-from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera, centre_bias, dot_edges, read_window
+from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera, dot_edges, read_window, trace_dots
 from palpate.cli.unit import UnitFlags
 from palpate.core import PalpateError
 from palpate.design import ConeSpec, Dome, MarkerSpec, place_markers
@@ -132,8 +132,7 @@ def test_the_camera_is_registered_behind_its_window() -> None:
     layout = place_markers(skin, MarkerSpec(count=61, diameter=0.6))
     nominal = CameraSpec(distance=24, window=WINDOWS[0])
     true = build_camera(nominal.model_copy(update={"distance": 24.3, "offset_x": 0.2, "tilt_y_deg": 0.8}))
-    bias = centre_bias(true, layout.positions, dot_edges(layout.positions, skin.normal(layout.positions), 0.6))
-    seen = true.project(layout.positions) + bias
+    seen = trace_dots(true, dot_edges(layout.positions, skin.normal(layout.positions), 0.6)).centres
     naming = Naming(np.arange(len(seen)), seen, np.ones(len(seen), bool), 0.0, False, (), -1, 0.0)
     found = register_dome(naming, layout, skin, nominal).camera.spec
     assert found.window == nominal.window

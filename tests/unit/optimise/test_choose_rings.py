@@ -5,13 +5,14 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from palpate.built import ForeseeSpec, ToleranceSpec, foresee, measure_rings
-from palpate.camera import CameraSpec, build_camera, dot_edges, trace_size
+from palpate.built import BuiltFigure, ForeseeSpec, ToleranceSpec, foresee, measure_rings
+from palpate.camera import CameraSpec, build_camera, dot_edges, trace_dots
 from palpate.core import PalpateError
-from palpate.design import MarkerLayout, MarkerSpec, place_markers
+from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, place_markers
 from palpate.optimise import (
     CameraChoice,
     PrintLimits,
+    Proposal,
     RequirementsSpec,
     RingPlaces,
     bound_rings,
@@ -19,6 +20,7 @@ from palpate.optimise import (
     place_rings,
 )
 from palpate.optimise.choose_rings import resize_dots, spread_rings
+from palpate.optimise.propose import propose
 from palpate.optimise.setting import dot_diameters, measure_settings, rank_settings
 from palpate.twin import Twin, read_twin
 from small_chain import write_small_twin
@@ -137,7 +139,7 @@ def test_larger_dots_keep_the_gap_of_the_smallest_on_skin_and_in_the_image(
     layout = place_markers(twin.skin, choose_rings(resized, 37).markers)
     assert layout.diameter == dot
     points, pixels = layout.positions, CAMERA.project(layout.positions)
-    size = trace_size(CAMERA, dot_edges(points, twin.skin.normal(points), dot))
+    size = trace_dots(CAMERA, dot_edges(points, twin.skin.normal(points), dot)).diameters
     apart = [np.linalg.norm(each[:, None] - each[None], axis=-1) + 99 * np.eye(37) for each in (points, pixels)]
     assert apart[0].min() >= dot + LIMITS.gap - 1e-3
     assert (apart[1] - size).min() >= 0.9 * (LIMITS.apart_px - size.max() / dot)
@@ -166,3 +168,21 @@ def test_one_diameter_of_dots_is_tried_where_no_greater_one_is_given() -> None:
     assert dot_diameters(RequirementsSpec()) == (1.0,)
     assert dot_diameters(RequirementsSpec(greatest_dot=1.0)) == (1.0,)
     assert dot_diameters(RequirementsSpec(dot=1.0, greatest_dot=1.1)) == (1.0, 1.05, 1.1)
+
+
+def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_other(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The checks of a twin tell a unit as known presses do, and those may be refused."""
+    spec = RequirementsSpec(name="small", markers=19, max_tilt_deg=9.0, depth=4.0, least_depth=1.0, known=0)
+    known = Proposal(DomeSpec(height=20, thickness=2), spec.materials[0], 4.0, 0.3)
+
+    def contradicted(twin: Twin, layout: MarkerLayout, *others: object) -> BuiltFigure:
+        if len(layout) == 7:
+            raise PalpateError("Known presses do not fit a unit of this design.", "")
+        return foresee(twin, layout, *others)
+
+    assert [option.markers.count for option in propose(twin, known, spec).options] == [7, 19]
+    monkeypatch.setattr("palpate.optimise.propose.foresee", contradicted)
+    left = propose(twin, known, spec)
+    assert ([option.markers.count for option in left.options], left.problem) == ([19], "")
