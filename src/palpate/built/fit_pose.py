@@ -43,7 +43,7 @@ _SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02])
 _TRUST = np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0])
 """Longest step."""
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
-"""Change of a touch within which the image depends on the unit's numbers as before."""
+"""Change of a touch within which the image depends on the unit, and traces lie about their dots, as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
 _DRIFTING_SLIP_SD = 0.2
@@ -150,7 +150,7 @@ class PoseFitter:
         self._tables()
         self._last: FloatArray | None = None
         self._moved = self._motion = np.zeros(len(TOUCH))
-        self._by_unit: tuple[FloatArray, FloatArray] | None = None
+        self._near: tuple[FloatArray, Look, FloatArray] | None = None
         self._was_other = False
 
     @cached_property
@@ -175,7 +175,8 @@ class PoseFitter:
             ]
         )
         slip = float(np.clip(self._mean[3], twin.slips[0], twin.slips[-1]))
-        self._shown = np.array([self.model.look(start, slip, unit=False).pixels for start in self._starts])
+        first = self.model.look(self._starts[0], slip, unit=False)
+        self._shown = np.array([self.model.look(start, slip, near=first).pixels for start in self._starts])
         covariance = self.mounting.covariance if self.mounting else self.model.belief.covariance
         self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
 
@@ -272,16 +273,18 @@ class PoseFitter:
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
         return np.array([*self._starts[int(away.argmin())], *self._mean[3:]])
 
-    def _look(self, theta: FloatArray, *, again: bool) -> tuple[Look, FloatArray]:
-        """What is seen at a pose and 1/µ, and how it depends on the unit: as nearby, or asked for `again`."""
-        known = self._by_unit
-        unit = known is None or (again and bool((np.abs(theta - known[0]) > _NEAR).any()))
+    def _look(self, theta: FloatArray) -> tuple[Look, FloatArray]:
+        """What is seen at a pose and 1/µ, and how it depends on the unit, which nearby is as it was."""
+        known = self._near
+        if known is not None and (np.abs(theta - known[0]) > _NEAR).any():
+            known = None
         drift = theta[_DRIFT:] if self._drifts else None
-        looked = self.model.look(theta[:3], float(theta[3]), drift, float(theta[_BEND]), unit=unit)
-        if looked.by_unit is not None:
-            known = self._by_unit = theta.copy(), looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
-        assert known is not None
-        return looked, known[1]
+        near = known[1] if known else None
+        looked = self.model.look(theta[:3], float(theta[3]), drift, float(theta[_BEND]), near=near)
+        if known is None:
+            assert looked.by_unit is not None
+            known = self._near = theta.copy(), looked, looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
+        return looked, known[2]
 
     def _fit(self, seen_px: FloatArray, begin: FloatArray) -> PoseFit:
         free, known = self._free, len(self._free)
@@ -293,7 +296,7 @@ class PoseFitter:
         bent, most, moved = _BEND in free, 1.0, np.zeros(len(free) + len(z))
         least = 0.0 if bent else _GAINED
         for step in range(1, (_BENT_STEPS if bent else _STEPS) + 1):
-            looked, every = self._look(theta, again=step in (1, 3))
+            looked, every = self._look(theta)
             by_unit = every[there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
             weight = weigh_dots(left, variance)

@@ -16,12 +16,12 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from palpate.built.deviation import Deviation
-from palpate.built.shifted_cameras import ShiftedCameras, show
+from palpate.built.shifted_cameras import ShiftedCameras, Shown, show
 from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import Camera, CameraSpec, build_camera, trace_dots, wrap_dots
 from palpate.core import BoolArray, FloatArray
 from palpate.design import MarkerLayout
-from palpate.twin import PrintedTwin, Twin
+from palpate.twin import MovedDots, PrintedTwin, Twin
 
 CAMERA = (
     "offset_x",
@@ -194,6 +194,8 @@ class Look(NamedTuple):
         given, over a mm of it in x and in y, and a degree of twist.
     by_unit
         (m, 2, 11) px over `UNKNOWN`; `None` where it was not asked for.
+    bias
+        (m, 2) px from the trace of a dot's centre to the centre of its trace.
     force, force_by
         (3,) N on the wall, and (3, 5 or 8) by the same.
     force_thicker
@@ -203,6 +205,7 @@ class Look(NamedTuple):
     pixels: FloatArray
     by_pose: FloatArray
     by_unit: FloatArray | None
+    bias: FloatArray
     force: FloatArray
     force_by: FloatArray
     force_thicker: FloatArray
@@ -262,33 +265,38 @@ class UnitModel:
         bend: float = 0.0,
         *,
         unit: bool = True,
+        near: Look | None = None,
     ) -> Look:
         """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
 
         `drift` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and `bend` its
-        curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit.
+        curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit. These and the bias of
+        traces change little from pose to pose: they are those of a look at one that is `near`, where that is given.
         """
         moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift, bend)
         pixels, slopes = shown = show(self.camera, moved.positions)
         by_pose = slopes @ moved.by
-        by_unit = None
-        if unit:
-            by_unit = np.empty((len(pixels), 2, len(UNKNOWN)))
-            by_unit[..., -1] = by_pose[..., 4]
-            carried = self._carried(pose, slip, bend)
-            by_unit[..., :-1] = self.shifted.slopes(moved.positions, shown, carried)
-        edges = self.outlines.carry(moved.amplitudes).reshape(len(pixels), -1, 3)
-        pixels = np.where(self.seen[:, None], trace_dots(self.camera, edges).centres, np.nan)
+        if near is not None:
+            by_unit, bias = near.by_unit, near.bias
+        else:
+            by_unit = self._by_unit(moved, shown, by_pose[..., 4]) if unit else None
+            bias = self._bias(moved.amplitudes, pixels)
+        pixels = np.where(self.seen[:, None], pixels + bias, np.nan)
         touch = [k for k in range(by_pose.shape[-1]) if k != 4]
-        return Look(pixels, by_pose[..., touch], by_unit, moved.force, moved.force_by[:, touch], moved.force_by[:, 4])
+        by_force = moved.force_by
+        return Look(pixels, by_pose[..., touch], by_unit, bias, moved.force, by_force[:, touch], by_force[:, 4])
 
-    def _carried(self, pose: FloatArray, slip: float, bend: float) -> FloatArray:
-        """How pressed dots (m, 3, 10) mm move as their places do."""
-        rates = self.place_by.copy()
-        amplitude = self.dots.amplitudes(pose, slip, float(self.belief.mean[-1]), bend)
+    def _by_unit(self, moved: MovedDots, shown: Shown, by_thickness: FloatArray) -> FloatArray:
+        """Derivatives (m, 2, 11) px by `UNKNOWN`; a camera that changes takes the places of the dots along."""
+        carried = self.place_by.copy()
         for waves, along in self.waves_beside:
-            rates += (waves @ amplitude).reshape(-1, 3)[:, :, None] * along[:, None, :]
-        return rates
+            carried += (waves @ moved.amplitudes).reshape(-1, 3)[:, :, None] * along[:, None, :]
+        return np.dstack([self.shifted.slopes(moved.positions, shown, carried), by_thickness])
+
+    def _bias(self, amplitudes: FloatArray, pixels: FloatArray) -> FloatArray:
+        """From the traces of centres (m, 2) px to the centres of traces, where the waves have amplitudes (2 r,)."""
+        edges = self.outlines.carry(amplitudes).reshape(len(pixels), -1, 3)
+        return np.asarray(trace_dots(self.camera, edges).centres - pixels)
 
 
 def model_unit(twin: Twin, layout: MarkerLayout, belief: UnitBelief, tolerance: ToleranceSpec) -> UnitModel:

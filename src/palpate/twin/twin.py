@@ -246,13 +246,6 @@ class PrintedTwin:
         )
         return even, odd
 
-    def amplitudes(self, pose: FloatArray, slip: float, thickness: float, bend: float = 0.0) -> FloatArray:
-        """Amplitudes (2 r,) of the waves at a pose, without drift."""
-        order, tilt, azimuth = self.twin.order, float(np.hypot(pose[0], pose[1])), float(np.arctan2(pose[1], pose[0]))
-        place = np.array([slip, tilt, float(pose[2])])
-        value = self._parts(place, (thickness, bend), azimuth, None)[0][: len(order), 0]
-        return np.concatenate([value * np.cos(order * azimuth), value * np.sin(order * azimuth)])
-
 
 def _turn_force(parts: FloatArray, azimuth: float) -> FloatArray:
     """Force (3, n) N from its parts up the slope, along the dome's axis and the tilt's; the last over the azimuth."""
