@@ -7,7 +7,8 @@ each of many poses the image of such a unit is read by the fit of the twin, in i
 
 with the unit's numbers δq and the errors e of its dots in the image at rest, the same in all its images, and noise n
 of its own in each. Known presses take e for something of the unit (−T e, see `TaughtUnit`), so that a part of it
-cancels in what is read afterwards. How the unit sits on the robot is added, and what the twin itself is off: by
+cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
+part of δq, as it is measured whole. How the unit sits on the robot is added, and what the twin itself is off: by
 presses that it lacks (`measure_twin_error`), or without them `TWIN_SD`, from the bench of one design.
 
 Poses and known presses are drawn alike for every layout, camera and skin, and errors from the same random numbers by
@@ -16,6 +17,7 @@ their covariance over all images of a unit, so that two designs differ by what t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -34,7 +36,7 @@ from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-FORESEE_VERSION = "3"
+FORESEE_VERSION = "4"
 """Version of the code that decides what is foreseen; part of an artefact's key."""
 
 
@@ -115,7 +117,7 @@ def foresee(
     camera: Camera,
     tolerance: ToleranceSpec,
     spec: ForeseeSpec | None = None,
-    checks: TwinChecks | None = None,
+    checks: Sequence[TwinChecks] = (),
 ) -> BuiltFigure:
     """Foresee the errors of built units of a design.
 
@@ -128,7 +130,7 @@ def foresee(
     spec
         Working range, and what is known of a unit beforehand.
     checks
-        Presses on another mesh, between those of the twin, that tell what it is off; `None`: `TWIN_SD`.
+        Presses on another mesh, between those of the twin, that tell what it is off; without any, `TWIN_SD`.
 
     Raises
     ------
@@ -147,12 +149,16 @@ def foresee(
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
-    if checks is not None:
+    if checks:
         off = measure_twin_error(model, checks, spec.known, spec.least_depth)
         other = np.diag(off**2 - TWIN_SD[:3] ** 2)
         gains = [gain._replace(of_image=gain.of_image + other) for gain in gains]
-    taken = np.linalg.solve(spread, learnt.by_dot[:, np.repeat(model.seen, 2)])
-    covariance = _over_images(gains, taken, np.repeat(noise[model.seen], 2))
+    by_chance = np.linalg.cholesky(learnt.by_chance + 1e-15 * np.eye(len(spread)))
+    unknown, taken = (
+        np.linalg.solve(spread, by_chance),
+        np.linalg.solve(spread, learnt.by_dot[:, np.repeat(model.seen, 2)]),
+    )
+    covariance = _over_images(gains, unknown, taken, np.repeat(noise[model.seen], 2))
     drawn = generator(spec.seed, "foresee", "errors").standard_normal((spec.units, len(covariance)))
     errors = (drawn @ np.linalg.cholesky(covariance).T).reshape(spec.units, -1, 3)
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
@@ -173,13 +179,15 @@ def dot_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: ForeseeSpe
     return np.full(len(layout), spec.noise_px)
 
 
-def _over_images(gains: list[PoseGain], taken: FloatArray, noise: FloatArray) -> FloatArray:
+def _over_images(gains: list[PoseGain], unknown: FloatArray, taken: FloatArray, noise: FloatArray) -> FloatArray:
     """Covariance (3 p, 3 p) of the errors of one unit's images.
 
     Parameters
     ----------
     gains
         Of p poses.
+    unknown
+        (15, 15) a root of the covariance of what is not known of the unit, over the standard deviations believed in.
     taken
         (15, 2 n) what known presses take an error of a dot at rest for, each over its standard deviation.
     noise
@@ -188,7 +196,8 @@ def _over_images(gains: list[PoseGain], taken: FloatArray, noise: FloatArray) ->
     by_unit = np.concatenate([gain.by_unit for gain in gains])
     by_dot = noise * np.concatenate([gain.by_dot for gain in gains])
     cancelled = by_unit @ (noise * taken) @ by_dot.T
-    found = by_unit @ by_unit.T + by_dot @ by_dot.T - cancelled - cancelled.T
+    by_chance = by_unit @ unknown
+    found = by_chance @ by_chance.T + by_dot @ by_dot.T - cancelled - cancelled.T
     for k, gain in enumerate(gains):
         found[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += gain.of_image
     return np.asarray(found, float)

@@ -126,11 +126,13 @@ def identify(
 class TaughtUnit(NamedTuple):
     """What presses would leave unknown of a unit.
 
-    `covariance` is (15, 15), of `UNKNOWN` and `MOUNTING`; `by_dot` (15, 2 m) what an error (px) of each coordinate of
-    the dots at rest, which is in all images, is taken for.
+    `covariance` is (15, 15), of `UNKNOWN` and `MOUNTING`, as it would be believed; `by_chance` the same if the twin
+    were right, by noise, robot and what is not known beforehand alone; `by_dot` (15, 2 m) what an error (px) of each
+    coordinate of the dots at rest, which is in all images, is taken for.
     """
 
     covariance: FloatArray
+    by_chance: FloatArray
     by_dot: FloatArray
 
 
@@ -153,14 +155,17 @@ def learn_presses(
         As for `identify`; noise also (m,) of each dot.
     """
     if not presses:
-        return TaughtUnit(mounting.covariance, np.zeros((len(mounting.covariance), 2 * len(model.seen))))
+        none = np.zeros((len(mounting.covariance), 2 * len(model.seen)))
+        return TaughtUnit(mounting.covariance, mounting.covariance, none)
     fit = _Fit(model, [press for press, _ in presses], noise_px, robot)
     values = np.zeros(fit.size)
     values[fit.slips] = [slip for _, slip in presses]
     found = fit.assemble(model, mounting, values)
     information = fit.information(mounting)
-    by_dot: FloatArray = np.asarray(np.linalg.solve(found.normal + information, found.common), float)
-    return TaughtUnit(fit.covariance(found, information)[: fit.shared, : fit.shared], by_dot[: fit.shared])
+    inverse: FloatArray = np.asarray(np.linalg.inv(found.normal + information), float)
+    by_dot, kept = inverse @ found.common, slice(fit.shared)
+    by_chance = inverse @ (information + found.noise) @ inverse + by_dot * np.repeat(fit.noise**2, 2) @ by_dot.T
+    return TaughtUnit(fit.covariance(found, information)[kept, kept], by_chance[kept, kept], by_dot[kept])
 
 
 def twin_off_sd() -> FloatArray:
@@ -220,10 +225,14 @@ def press_information(
 
 
 class _Normal(NamedTuple):
-    """Normal matrix and gradient of all dots, how the gradient changes with each dot's place, and the misfit."""
+    """What all dots say.
+
+    Normal matrix and gradient, covariance of the gradient by noise, how it changes with each dot's place, and misfit.
+    """
 
     normal: FloatArray
     gradient: FloatArray
+    noise: FloatArray
     common: FloatArray
     misfit: float
 
@@ -239,7 +248,7 @@ class _Fit:
         self, model: UnitModel, presses: Sequence[RobotPress], noise_px: float | FloatArray, robot: RobotSpec
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
-        noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
+        self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
         self.noise_px = float(np.median(noise))
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
         self.drift_sd = np.array(model.tolerance.drift_sd)
@@ -355,7 +364,8 @@ class _Fit:
 
     def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> _Normal:
         """What all dots say."""
-        normal, gradient = np.zeros((self.size, self.size)), np.zeros(self.size)
+        normal, noise = np.zeros((2, self.size, self.size))
+        gradient = np.zeros(self.size)
         common = np.zeros((self.size, 2 * len(model.seen)))
         squares, count = 0.0, 0
         for k, press in enumerate(self.presses):
@@ -370,10 +380,11 @@ class _Fit:
                 weight = weigh_dots(left, variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian
+                noise[np.ix_(columns, columns)] += (weighted.T * np.repeat(self.noise[there], 2) ** 2) @ weighted
                 gradient[columns] += weighted.T @ left
                 common[np.ix_(columns, np.flatnonzero(np.repeat(there, 2)))] += weighted.T
                 squares, count = squares + float(left @ (left / np.repeat(variance, 2))), count + len(left)
-        return _Normal(normal, gradient, common, squares / max(count, 1))
+        return _Normal(normal, gradient, noise, common, squares / max(count, 1))
 
 
 def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:

@@ -61,6 +61,8 @@ class RingInformation:
         (g,) standard deviation of a dot's coordinate in an image.
     model_px
         The same of what a fit takes the twin to be off.
+    twin_off
+        (15,) the same of what known presses take the twin to be off in `UNKNOWN` and `MOUNTING`.
     """
 
     rest: FloatArray
@@ -76,6 +78,7 @@ class RingInformation:
     mounting_sd: FloatArray
     noise_px: FloatArray
     model_px: float
+    twin_off: FloatArray
 
     def printed(
         self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
@@ -125,15 +128,15 @@ class RingInformation:
         if presses is None:
             return replace(self, reads=self.reads * assumed / (2.0 * own), model_px=0.0)
         normal = presses.normal * (own + presses.alike_variance[:, None, None]) / own
-        presses, reads = presses._replace(normal=normal), self.reads * assumed / own
-        none = 0.0 * self.common, 0.0 * self.crossed
-        return replace(self, presses=presses, reads=reads, model_px=0.0, common=none[0], crossed=none[1])
+        presses = presses._replace(normal=normal, alike_variance=0.0 * presses.alike_variance)
+        same = replace(self, presses=presses, reads=self.reads * assumed / own, model_px=0.0)
+        return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_off=0.0 * self.twin_off)
 
     def variance(self, share: FloatArray) -> float:
         """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
         on = np.flatnonzero(share)
         part = share[on]
-        covariance, taken = self._learn(on, part)
+        covariance, too_wide, taken = self._learn(on, part)
         spread = np.linalg.cholesky(covariance + 1e-15 * np.eye(_SHARED))
         free = np.flatnonzero(np.isfinite(self.touch_prior))
         touch = len(self.touch_prior)
@@ -151,6 +154,8 @@ class RingInformation:
         gain = to_robot @ np.linalg.inv(normal)
         found = np.einsum("pai,pai->pa", gain, to_robot - gain @ off)
         if taken is not None:
+            believed = np.linalg.solve(spread, np.linalg.solve(spread, too_wide).T)
+            found = found - np.einsum("pai,ij,paj->pa", gain[:, :, len(free) :], believed, gain[:, :, len(free) :])
             # what known presses take an error at rest for, and what an image makes of it again
             by_unit = gain @ seen[:, :, len(free) :] - to_robot[:, :, len(free) :]
             crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
@@ -158,23 +163,33 @@ class RingInformation:
             found = found - 2.0 * np.einsum("pai,pai->pa", again, gain)
         return float(found.mean() + np.mean(TWIN_SD[:2] ** 2))
 
-    def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-        """Covariance (15, 15) of unit and mounting before an image is read, and what known presses make (15, n) of
-        the gradient."""
+    def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+        """Covariance (15, 15) of unit and mounting that is believed before an image is read, how much of it is not by
+        chance, and what known presses make (15, n) of the gradient."""
         rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", part, self.rest[on]))
         covariance = np.diag(np.concatenate([np.zeros(len(CAMERA)), self.unit_sd[-1:], self.mounting_sd]) ** 2)
         covariance[: len(CAMERA), : len(CAMERA)] = rest[: len(CAMERA), : len(CAMERA)]
         known = self.presses
         if known is None:
-            return covariance, None
+            return covariance, 0.0 * covariance, None
         size = _SHARED + len(known.own_prior)
         before = np.zeros((size, size))
         before[:_SHARED, :_SHARED] = np.linalg.inv(covariance + 1e-18 * np.eye(_SHARED))
         before[np.arange(_SHARED, size), np.arange(_SHARED, size)] = known.own_prior
-        inverse = np.linalg.inv(before + np.einsum("g,gij->ij", part, known.normal[on]))
-        alike = inverse @ np.einsum("g,gij->ij", part * known.alike_variance[on], self.common[on]) @ inverse
-        learnt = (inverse + alike)[:_SHARED, :_SHARED]
-        return np.asarray(learnt + np.diag(twin_off_sd() ** 2), float), inverse[:_SHARED]
+        normal, own = part[:, None, None] * known.normal[on], self.noise_px[on] ** 2
+        model = known.alike_variance[on] / (own + known.alike_variance[on])
+        inverse = np.linalg.inv(before + normal.sum(axis=0))
+        alike, at_rest, averaged = (
+            inverse @ np.einsum("g,gij->ij", share, each) @ inverse
+            for share, each in (
+                (part * known.alike_variance[on], self.common[on]),
+                (part * own, self.common[on]),
+                (model, normal),
+            )
+        )
+        off = np.diag(self.twin_off**2)
+        learnt, too_wide = (inverse + alike)[:_SHARED, :_SHARED], (alike - at_rest + averaged)[:_SHARED, :_SHARED]
+        return np.asarray(learnt + off, float), np.asarray(too_wide + off, float), inverse[:_SHARED]
 
 
 def measure_rings(
@@ -241,6 +256,7 @@ def measure_rings(
         mounting_sd=mounting_sd(tolerance),
         noise_px=noise,
         model_px=MODEL_PX,
+        twin_off=twin_off_sd(),
     )
 
 

@@ -28,7 +28,7 @@ _READ_TURNS = 3
 
 @dataclass(frozen=True, eq=False)
 class TwinChecks:
-    """Presses that a twin is held against, of half models in one direction.
+    """Presses of one friction that a twin is held against, of half models in one direction.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class TwinChecks:
     read: Sequence[Press]
 
 
-def measure_twin_error(model: UnitModel, checks: TwinChecks, count: int, least_depth: float) -> FloatArray:
+def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: int, least_depth: float) -> FloatArray:
     """Root mean square errors (3,) in rx and ry (one figure for both, degrees) and depth (mm), without any noise.
 
     Parameters
@@ -50,7 +50,7 @@ def measure_twin_error(model: UnitModel, checks: TwinChecks, count: int, least_d
     model
         A unit as designed, as its image at rest tells it.
     checks
-        Presses that its twin lacks.
+        Presses that its twin lacks, one for each friction.
     count
         How many presses are known beforehand; 0: none is.
     least_depth
@@ -61,6 +61,13 @@ def measure_twin_error(model: UnitModel, checks: TwinChecks, count: int, least_d
     PalpateError
         If the known presses contradict the twin.
     """
+    off = np.concatenate([_read_checks(model, each, count, least_depth) for each in checks])
+    tilt, depth = np.sqrt(np.mean(off[:, :2] ** 2)), np.sqrt(np.mean(off[:, 2] ** 2))
+    return np.array([tilt, tilt, depth])
+
+
+def _read_checks(model: UnitModel, checks: TwinChecks, count: int, least_depth: float) -> FloatArray:
+    """Errors (n, 3) of the images of presses of one friction that are read."""
     told = [
         see_press(model, checks.known[number % len(checks.known)], KNOWN_TURN_DEG * number, least_depth)
         for number in range(count)
@@ -74,9 +81,7 @@ def measure_twin_error(model: UnitModel, checks: TwinChecks, count: int, least_d
         seen = see_press(model, press, _READ_TURN_DEG * number)
         found = np.array([fitter.fit(pixels).pose for pixels in seen.pixels])
         errors.append((found - seen.poses)[seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)])
-    off = np.concatenate(errors)
-    tilt, depth = np.sqrt(np.mean(off[:, :2] ** 2)), np.sqrt(np.mean(off[:, 2] ** 2))
-    return np.array([tilt, tilt, depth])
+    return np.concatenate(errors)
 
 
 def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0) -> RobotPress:

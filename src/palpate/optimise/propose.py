@@ -111,7 +111,7 @@ class ProposalTask(Task):
         twin = read_twin(find_made(store, self.twin))
         second = second_state(read_press(find_made(store, self.inverted))) if self.inverted else None
         known = Proposal(self.skin, self.material, float(twin.reach_mm.min()), force, second)
-        checks = self.checks.find(store) if self.checks else None
+        checks = self.checks.find(store) if self.checks else ()
         proposal = propose(twin, known, self.spec, self.grid, checks)
         store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
 
@@ -155,7 +155,7 @@ def propose(
     known: Proposal,
     spec: RequirementsSpec,
     grid: GridSpec | None = None,
-    checks: TwinChecks | None = None,
+    checks: Sequence[TwinChecks] = (),
 ) -> Proposal:
     """Choose markers and camera on the skin of a twin, for every number of rings, and foresee its units.
 
@@ -183,7 +183,7 @@ def propose(
         return replace(known, problem=str(error.what))
 
 
-def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: TwinChecks | None) -> Iterator[Variant]:
+def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[TwinChecks]) -> Iterator[Variant]:
     """The best option of each camera and number of rings that can be read."""
     problems, found = [], False
     for choice in spec.cameras:
@@ -269,7 +269,7 @@ def foresee_spec(spec: RequirementsSpec) -> ForeseeSpec:
 
 
 def _foresee(
-    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: TwinChecks | None
+    twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: Sequence[TwinChecks]
 ) -> BuiltFigure | PalpateError:
     """What is foreseen of a layout, or why known presses tell nothing of its units: they contradict its twin."""
     layout = place_markers(twin.skin, markers)

@@ -254,7 +254,7 @@ class _Candidate:
         """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
         twin, spec = read_twin(find_made(store, self.twin)), replace(foresee_spec(self.spec), known=self.bench.known)
         layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
-        checks = self._proposal.checks.find(store) if self._proposal.checks else None
+        checks = self._proposal.checks.find(store) if self._proposal.checks else ()
         try:
             return foresee(twin, layout, camera, self.spec.tolerance, spec, checks)
         except PalpateError:

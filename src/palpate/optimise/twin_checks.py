@@ -17,50 +17,49 @@ _BETWEEN = (1, 3, 5)
 """Tilts that are read, each half way between two of the twin's, counted from the least."""
 _STEP_SHARE = 0.8
 """Step from image to image over the twin's, so that depths lie between its own as well."""
-_FRICTION = 0.25
-"""Quantile of the tolerance's frictions under which is pressed; twins are furthest off under slippery walls."""
+_FRICTIONS = (0.2113, 0.7887)
+"""Quantiles of the tolerance's frictions under which is pressed, those of Gauss's rule: some twins are further off on
+slippery walls, others on those that hold."""
 
 
 @dataclass(frozen=True)
 class CheckTasks:
-    """The presses of `TwinChecks`, not done yet."""
+    """The presses of `TwinChecks`, not done yet: for each friction the known ones and those that are read."""
 
-    known: tuple[PressTask, ...]
-    read: tuple[PressTask, ...]
+    by_friction: tuple[tuple[tuple[PressTask, ...], tuple[PressTask, ...]], ...]
 
     @property
     def presses(self) -> tuple[PressTask, ...]:
         """All of them."""
-        return (*self.known, *self.read)
+        return tuple(task for pair in self.by_friction for tasks in pair for task in tasks)
 
-    def find(self, store: ArtefactStore) -> TwinChecks:
+    def find(self, store: ArtefactStore) -> tuple[TwinChecks, ...]:
         """The presses, done."""
-        known, read = ([read_press(find_made(store, task)) for task in tasks] for tasks in (self.known, self.read))
-        return TwinChecks(known, read)
+        return tuple(
+            TwinChecks(*([read_press(find_made(store, task)) for task in tasks] for tasks in pair))
+            for pair in self.by_friction
+        )
 
 
 def plan_checks(twin: TwinTask, spec: RequirementsSpec) -> CheckTasks:
     """The presses that a twin is held against."""
     tilts = sorted({press.wall.radial for press in twin.presses})
+    known = [share * spec.max_tilt_deg for share in KNOWN_TILTS]
     between = [0.5 * (tilts[k - 1] + tilts[k]) for k in _BETWEEN if k < len(tilts)]
-    return CheckTasks(
-        known=tuple(_plan(twin, spec, [share * spec.max_tilt_deg for share in KNOWN_TILTS])),
-        read=tuple(_plan(twin, spec, between)),
-    )
+    tolerance, own = spec.tolerance, twin.presses[0].wall.contact
+    rough = [round(tolerance.draw_friction(share), 3) for share in _FRICTIONS] if tolerance.friction else [own]
+    return CheckTasks(tuple((tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in rough))
 
 
-def _plan(twin: TwinTask, spec: RequirementsSpec, tilts_deg: Sequence[float]) -> Iterator[PressTask]:
+def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> Iterator[PressTask]:
     own = twin.presses[0]
     coarse = mesh_skin(own.skin.build(), own.mesh).spec
     mesh = coarse.model_copy(update={"cells": round(FINER * (coarse.cells or 0))})
-    contact = spec.tolerance.draw_friction(_FRICTION) if spec.tolerance.friction else own.wall.contact
     for tilt_deg in tilts_deg:
-        wall = own.wall.model_copy(
-            update={
-                "tilt_deg": round(tilt_deg, 6),
-                "contact": contact,
-                "image_step": _STEP_SHARE * own.wall.image_step,
-            }
-        )
+        changed = {
+            "tilt_deg": round(tilt_deg, 6),
+            "contact": contact,
+            "image_step": _STEP_SHARE * own.wall.image_step,
+        }
         plain = own.solver.model_copy(update={"derivatives": ()})
-        yield replace(own, mesh=mesh, wall=wall, solver=plain)
+        yield replace(own, mesh=mesh, wall=own.wall.model_copy(update=changed), solver=plain)

@@ -30,6 +30,7 @@ from palpate.built import (
     read_unit,
     write_unit,
 )
+from palpate.built.fit_pose import TWIN_SD
 from palpate.built.mounting import MOUNTING, Mounting
 from palpate.built.twin_error import measure_twin_error, see_press
 from palpate.camera import CameraSpec, WindowSpec, build_camera, render, trace_dots, wrap_dots
@@ -444,10 +445,10 @@ def test_what_a_twin_is_off_is_what_units_show_without_any_noise(twin: Twin) -> 
             poses, dots = unit.press(seen[k % 3], 40.0 * k)
             errors += [fitter.fit(image).pose - pose for pose, image in zip(poses, dots, strict=True)]
     shown = np.sqrt(np.mean(np.square(errors), axis=0))
-    off = measure_twin_error(as_designed(twin), TwinChecks(known, seen), 5, 2.0)
+    off = measure_twin_error(as_designed(twin), [TwinChecks(known, seen)], 5, 2.0)
     assert off[0] == off[1] == pytest.approx(np.sqrt(np.mean(shown[:2] ** 2)), rel=0.4)
     assert off[2] == pytest.approx(shown[2], rel=0.6)
-    itself = TwinChecks([solve(tilt, 0.8, 9) for tilt in (4.0, 8.0)], [solve(12.0, 0.8, 9)])
+    itself = [TwinChecks([solve(tilt, 0.8, 9) for tilt in (4.0, 8.0)], [solve(12.0, 0.8, 9)])]
     assert measure_twin_error(as_designed(twin), itself, 5, 2.0)[0] < 0.4 * off[0]
 
 
@@ -455,9 +456,9 @@ def test_what_a_twin_is_off_is_part_of_what_is_foreseen(twin: Twin) -> None:
     """In squares it stands in place of the usual figure; and a press that jumps is looked at before it does."""
     spec = ForeseeSpec(units=400, poses=30, least_depth=2.0, noise_px=NOISE)
     coarse = solve(6.0, 1.0, 5)
-    checks = TwinChecks([], [coarse])
+    checks = [TwinChecks([], [coarse])]
     off = measure_twin_error(as_designed(twin), checks, 0, 2.0)
-    usual, known = (foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec, each) for each in (None, checks))
+    usual, known = (foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec, each) for each in ((), checks))
     assert off[0] > 0.05
     assert known.rmse_deg**2 - usual.rmse_deg**2 == pytest.approx(off[0] ** 2 - 0.015**2, rel=0.15)
     jumps = replace(coarse, branch=np.where(coarse.depth > 3.0, Branch.INVERTED, coarse.branch))
@@ -551,11 +552,14 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
     assert "of another design than H20 T2 with 37 markers" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("known_presses", [0, 5])
-def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(twin: Twin, known_presses: int) -> None:
-    """Whole fits of 24 units that the twin draws, with five times the usual noise: what is wrong about a dot at rest
-    is so in known presses and in readings, and cancels in part; without that a third more would be foreseen."""
-    rng, noise, robot = np.random.default_rng(5), 5 * NOISE, RobotSpec()
+@pytest.mark.parametrize(("known_presses", "noise"), [(0, 5 * NOISE), (5, 5 * NOISE), (5, NOISE)])
+def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(
+    twin: Twin, known_presses: int, noise: float
+) -> None:
+    """Whole fits of 24 units that the twin draws. With five times the usual noise what is wrong about a dot at rest
+    rules, which is so in known presses and in readings, and cancels in part; without that a third more would be
+    foreseen. With the usual noise a unit is told better than a fit believes that allows for a twin that is off."""
+    rng, robot = np.random.default_rng(5), RobotSpec()
     spec = ForeseeSpec(poses=200, least_depth=2.0, max_tilt_deg=12.0, noise_px=noise, known=known_presses)
     errors = []
     for number in range(24):
@@ -584,8 +588,9 @@ def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(twin: Twin
             tilt, turn = 12.0 * rng.uniform(), 2 * np.pi * rng.uniform()
             pose = np.array([tilt * np.cos(turn), tilt * np.sin(turn), rng.uniform(2, 4)])
             errors.append((fitter.fit(image(pose, rng.uniform(0.6, 1.3))).pose - mounted.to_robot(pose))[:2])
-    played = np.sqrt(np.mean(np.square(errors)))
-    assert foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg == pytest.approx(played, rel=0.15)
+    foreseen = foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
+    itself = np.sqrt(foreseen**2 - TWIN_SD[0] ** 2)
+    assert itself == pytest.approx(np.sqrt(np.mean(np.square(errors))), rel=0.15)
 
 
 def test_dots_that_stay_wrong_do_not_lead_the_fit_astray(twin: Twin, units: list[Built]) -> None:
