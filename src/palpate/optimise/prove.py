@@ -7,10 +7,12 @@ store: a proof that was stopped goes on where it was.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -315,9 +317,9 @@ def _gather(
     """The figures of all units of a design that could be played, and why others could not."""
     failures = [reasons[task.recipe.key] for task in tasks if task.recipe.key in reasons]
     made = (task for task in tasks if task.recipe.key not in reasons)
-    found = [json.loads(find_made(store, task).read_text("utf-8")) for task in made]
-    failures += [unit["failure"] for unit in found if unit["failure"]]
-    units = [unit for unit in found if unit["seen"]]
+    found = {task.recipe.key: json.loads(find_made(store, task).read_text("utf-8")) for task in made}
+    failures += [unit["failure"] for unit in found.values() if unit["failure"]]
+    units = [unit for unit in found.values() if unit["seen"]]
     if not units:
         return None, failures or ["No image of any unit gave a pose."]
     images, seen = (sum(unit[name] for unit in units) for name in ("images", "seen"))
@@ -330,8 +332,16 @@ def _gather(
         worst_deg=float(np.quantile([unit["worst_deg"] for unit in units], 0.95)),
         depth_rmse=float(np.sqrt(squares[2])),
         failures=tuple(failures),
+        by_unit=tuple(_by_unit(found.get(task.recipe.key)) for task in tasks),
     )
     return figure, failures
+
+
+def _by_unit(unit: Mapping[str, Any] | None) -> tuple[float, float] | None:
+    """RMSE of rx and ry, and greatest error, of a unit; `None` where it could not be played or gave no pose."""
+    if unit is None or not unit["seen"]:
+        return None
+    return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["worst_deg"])
 
 
 def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SecondSolver:

@@ -1,15 +1,27 @@
 """The proof: how far what was played is from what was foreseen, and in which order."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from palpate.built import BuiltFigure
 from palpate.optimise import BenchFigure, Proof, ProvenDesign, SecondSolver
 from palpate.optimise.proof import proof_lines
 
+FIGURES = ((0.020, 0.080), (0.0203, 0.0808)), ((0.021, 0.083), (0.0201, 0.0800))
+"""Foreseen and played of two designs."""
 
-def design(title: str, foreseen: tuple[float, float], played: tuple[float, float]) -> ProvenDesign:
-    told = BuiltFigure(5, *foreseen, depth_rmse=0.01, noise_deg=0.01)
-    return ProvenDesign(title, "H20 T2", 91, 48.0, 0.6, told, BenchFigure(20, 2160, 0, *played, depth_rmse=0.01))
+
+def design(
+    title: str, foreseen: tuple[float, float], played: tuple[float, float], shares: Sequence[float] = (1.0,) * 20
+) -> ProvenDesign:
+    """A design whose units have these shares of both figures that were played."""
+    told, units = BuiltFigure(5, *foreseen, depth_rmse=0.01, noise_deg=0.01), tuple(shares)
+    by_unit = tuple((share * played[0], share * played[1]) for share in units)
+    found = BenchFigure(len(units), 2160, 0, *played, depth_rmse=0.01, by_unit=by_unit)
+    return ProvenDesign(title, "H20 T2", 91, 48.0, 0.6, told, found)
 
 
 def test_the_figure_that_is_farthest_off_counts() -> None:
@@ -22,6 +34,42 @@ def test_the_order_is_the_same_only_where_both_figures_say_so() -> None:
     assert Proof((winner, rival), known=5).same_order
     assert not Proof((outlier, rival), known=5).same_order
     assert "is not the same" in "\n".join(proof_lines(Proof((outlier, rival), known=5)))
+
+
+def test_an_order_that_other_units_would_turn_is_not_contradicted() -> None:
+    """Two designs one per cent apart, read by units that are not alike, and by units that all say the same."""
+    rng = np.random.default_rng(1)
+    better = design("winner", (0.020, 0.080), (0.0203, 0.0808), rng.uniform(0.7, 1.3, 20))
+    worse = design("rival", (0.021, 0.083), (0.0201, 0.0800), rng.uniform(0.7, 1.3, 20))
+    page = "\n".join(proof_lines(proof := Proof((better, worse), known=5)))
+    assert not proof.same_order
+    assert proof.contradicted == ()
+    assert "so few units do not tell apart" in page
+    alike = rng.uniform(0.7, 1.3, 20)
+    sure = Proof((design("winner", *FIGURES[0], alike), design("rival", *FIGURES[1], alike)), known=5)
+    assert sure.contradicted == ("winner and rival",)
+    assert "of winner and rival the other one is better" in "\n".join(proof_lines(sure))
+
+
+def test_spans_are_those_of_the_normal_distribution_where_units_are_many() -> None:
+    """The mean square of n numbers has a standard deviation of that of a square over the root of n."""
+    shares = np.abs(np.random.default_rng(2).standard_normal(600))
+    spans = design("winner", (0.02, 0.08), (0.02, 0.08), shares).played.spans
+    squares = (0.02 * shares) ** 2
+    half = 1.645 * squares.std() / np.sqrt(len(shares)) / (2.0 * np.sqrt(squares.mean()))
+    assert spans[0].mean() == pytest.approx(np.sqrt(squares.mean()), rel=0.01)
+    assert np.diff(spans[0])[0] == pytest.approx(2.0 * half, rel=0.1)
+
+
+def test_units_that_gave_no_pose_are_left_out_of_both() -> None:
+    units = ((0.02, 0.08), None, (0.03, 0.09))
+    found = BenchFigure(2, 216, 0, 0.0255, 0.09, 0.01, ("unit 2: dark",), units)
+    one = replace(design("winner", (0.02, 0.08), (0.0255, 0.09)), played=found)
+    other = design("rival", (0.03, 0.1), (0.02, 0.08), (1.0, 50.0, 1.0))
+    assert found.spans[0] == pytest.approx([0.02, 0.03])
+    assert Proof((one, other), known=5).contradicted == ()
+    apart = replace(found, by_unit=(None, (0.02, 0.08), None)), replace(found, by_unit=((0.02, 0.08), None, None))
+    assert Proof(tuple(replace(one, played=each) for each in apart), known=5).contradicted == ()
 
 
 def test_a_page_says_from_which_depth_the_solvers_part() -> None:
