@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.built.fit_pose import TWIN_SD, touch_sd
-from palpate.built.identify import learn_presses
+from palpate.built.learn_presses import learn_presses
 from palpate.built.mounting import Mounting, mount_unit
 from palpate.built.noise import MODEL_PX, NOISE_PX, layout_noise
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.built.foresee import ForeseeSpec, pose_gain
-from palpate.built.identify import learn_presses
+from palpate.built.learn_presses import learn_presses
 from palpate.built.mounting import Mounting
 from palpate.built.robot_press import RobotPress
 from palpate.built.unit_model import UnitModel

@@ -16,7 +16,8 @@ import numpy as np
 from palpate.built.fit_pose import TWIN_SD, touch_sd
 from palpate.built.foresee import ForeseeSpec, dot_noise, draw_places, known_presses
 from palpate.built.groups import add_up
-from palpate.built.identify import PressInformation, press_information, twin_off_sd
+from palpate.built.identify import twin_off_sd
+from palpate.built.learn_presses import PressInformation, press_information
 from palpate.built.mounting import Mounting, mounting_sd
 from palpate.built.noise import MODEL_PX, layout_noise
 from palpate.built.tolerance import ToleranceSpec
