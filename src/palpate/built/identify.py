@@ -119,7 +119,7 @@ def identify(
     """
     if not presses:
         raise PalpateError("There is no known press.", "Press at least once, better three times, at known poses.")
-    return PressFit(model, presses, noise_px, robot or RobotSpec()).run(model)
+    return UnitFit(model, presses, noise_px, robot or RobotSpec()).run(model)
 
 
 def twin_off_sd() -> FloatArray:
@@ -127,7 +127,7 @@ def twin_off_sd() -> FloatArray:
     return np.array([_TWIN_SD.get(name, 0.0) for name in (*UNKNOWN, *MOUNTING)])
 
 
-class PressNormal(NamedTuple):
+class UnitNormal(NamedTuple):
     """What all dots say.
 
     Normal matrix and gradient, covariance of the gradient by noise, how it changes with each dot's place, and misfit.
@@ -140,7 +140,7 @@ class PressNormal(NamedTuple):
     misfit: float
 
 
-class PressFit:
+class UnitFit:
     """The unknowns: unit (11), mounting (4), then those of every press.
 
     These are 1/µ, and rx, ry, depth by which the robot is off; where robots drift, also how far its wall has done so
@@ -232,7 +232,7 @@ class PressFit:
         every = np.arange(self.shared, self.size).reshape(-1, self.own)
         return np.concatenate([np.arange(len(UNKNOWN), self.shared), every[:, 0], every[:, 4:].ravel()])
 
-    def covariance(self, found: PressNormal, information: FloatArray) -> FloatArray:
+    def covariance(self, found: UnitNormal, information: FloatArray) -> FloatArray:
         """Covariance of all unknowns.
 
         What is wrong about a dot at rest, and about the twin, is so in every image: it does not average out.
@@ -265,7 +265,7 @@ class PressFit:
         )
         return looked.pixels, np.concatenate(parts, axis=-1)
 
-    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> PressNormal:
+    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> UnitNormal:
         """What all dots say."""
         normal, noise = np.zeros((2, self.size, self.size))
         gradient = np.zeros(self.size)
@@ -287,7 +287,7 @@ class PressFit:
                 gradient[columns] += weighted.T @ left
                 common[np.ix_(columns, np.flatnonzero(np.repeat(there, 2)))] += weighted.T
                 squares, count = squares + float(left @ (left / np.repeat(variance, 2))), count + len(left)
-        return PressNormal(normal, gradient, noise, common, squares / max(count, 1))
+        return UnitNormal(normal, gradient, noise, common, squares / max(count, 1))
 
 
 def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:

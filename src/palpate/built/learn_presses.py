@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.built.groups import add_up
-from palpate.built.identify import PressFit
+from palpate.built.identify import UnitFit
 from palpate.built.mounting import Mounting
 from palpate.built.robot_press import RobotPress, RobotSpec
 from palpate.built.unit_model import UnitModel
@@ -49,7 +49,7 @@ def learn_presses(
     if not presses:
         none = np.zeros((len(mounting.covariance), 2 * len(model.seen)))
         return TaughtUnit(mounting.covariance, mounting.covariance, none)
-    fit = PressFit(model, [press for press, _ in presses], noise_px, robot)
+    fit = UnitFit(model, [press for press, _ in presses], noise_px, robot)
     values = np.zeros(fit.size)
     values[fit.slips] = [slip for _, slip in presses]
     found = fit.assemble(model, mounting, values)
@@ -93,7 +93,7 @@ def press_information(
 
     The other parameters are those of `learn_presses`, the noise (g,) that of every group.
     """
-    fit, groups = PressFit(model, [press for press, _ in presses], noise_px[group], robot), int(group.max()) + 1
+    fit, groups = UnitFit(model, [press for press, _ in presses], noise_px[group], robot), int(group.max()) + 1
     variance = fit.variance[:, None, None]
     normal = np.zeros((groups, fit.size, fit.size))
     alike = np.zeros((len(group), 2, fit.size))
