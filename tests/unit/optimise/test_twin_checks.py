@@ -1,0 +1,37 @@
+"""The presses that tell what a twin is off are none of its own."""
+
+import numpy as np
+import pytest
+
+from palpate.built import ToleranceSpec
+from palpate.design import DomeSpec
+from palpate.optimise import RequirementsSpec
+from palpate.optimise.propose import plan_proposal
+
+SPEC = RequirementsSpec(name="small", depth=4.0)
+TASK = plan_proposal(SPEC, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True)
+
+
+def test_checks_lie_between_the_presses_of_a_twin_and_on_another_mesh() -> None:
+    own = [press.wall for press in TASK.twin.presses]
+    for press in TASK.checks.presses:
+        assert press.wall.radial not in {wall.radial for wall in own}
+        assert press.wall.contact not in {wall.contact for wall in own}
+        assert press.wall.radial < max(wall.radial for wall in own)
+        assert press.mesh.cells > 20
+        assert press.solver.derivatives == ()
+
+
+def test_their_frictions_have_mean_and_variance_of_those_that_are_met() -> None:
+    frictions = sorted({press.wall.contact for press in TASK.checks.presses})
+    met = SPEC.tolerance.friction * np.linspace(1.0, 2.0, 10_001)
+    assert len(frictions) == 2
+    assert np.mean(frictions) == pytest.approx(met.mean(), abs=1e-3)
+    assert np.var(frictions) == pytest.approx(met.var(), rel=1e-2)
+
+
+def test_walls_without_friction_are_checked_once() -> None:
+    smooth = SPEC.model_copy(update={"tolerance": ToleranceSpec(friction=0.0)})
+    checks = plan_proposal(smooth, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True).checks
+    assert len(checks.presses) == 5
+    assert {press.wall.contact for press in checks.presses} == {TASK.twin.presses[0].wall.contact}
