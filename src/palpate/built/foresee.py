@@ -151,8 +151,8 @@ def foresee(
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
     if checks:
         off = measure_twin_error(model, checks, spec.known, spec.least_depth)
-        other = np.diag(off**2 - TWIN_SD[:3] ** 2)
-        gains = [gain._replace(of_image=gain.of_image + other) for gain in gains]
+        other = [np.diag(off.near(pose) ** 2 - TWIN_SD[:3] ** 2) for pose, _ in places]
+        gains = [gain._replace(of_image=gain.of_image + each) for gain, each in zip(gains, other, strict=True)]
     by_chance = np.linalg.cholesky(learnt.by_chance + 1e-15 * np.eye(len(spread)))
     unknown, taken = (
         np.linalg.solve(spread, by_chance),

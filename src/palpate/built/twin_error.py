@@ -24,6 +24,10 @@ _READ_TURN_DEG = 36.0
 """Turn from one direction to the next in which a press is read."""
 _READ_TURNS = 3
 """Directions in which each press is read."""
+_NEAR = np.array([0.25, 0.125])
+"""Standard deviations of an image's weight for a pose in tilt and depth, over the greatest of them."""
+_FARTHEST = 200.0
+"""Squared distance, over these, from which images count alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +46,45 @@ class TwinChecks:
     read: Sequence[Press]
 
 
-def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: int, least_depth: float) -> FloatArray:
-    """Root mean square errors (3,) in rx and ry (one figure for both, degrees) and depth (mm), without any noise.
+@dataclass(frozen=True, eq=False)
+class TwinError:
+    """What a twin is off, without any noise.
+
+    Attributes
+    ----------
+    places
+        (n, 2) tilts (degrees) and depths (mm) of the images that were read.
+    squares
+        (n, 2) mean square error of rx and ry (degrees²), and square error of the depth (mm²), of each.
+    reach
+        (2,) tilt and depth up to which images lie.
+    """
+
+    places: FloatArray
+    squares: FloatArray
+    reach: FloatArray
+
+    @property
+    def rms(self) -> FloatArray:
+        """Over all images (3,): rx and ry (one figure for both, degrees) and depth (mm)."""
+        return np.asarray(np.sqrt(self.squares.mean(axis=0)[[0, 0, 1]]))
+
+    def near(self, pose: FloatArray) -> FloatArray:
+        """The same (3,) about a pose (3,): twins are off most where a wall is tilted and hardly touches."""
+        away = (self.places - [np.hypot(pose[0], pose[1]), pose[2]]) / (_NEAR * self.reach)
+        weight = np.exp(-0.5 * np.minimum((away**2).sum(axis=1), _FARTHEST))
+        return np.asarray(np.sqrt(weight @ self.squares / weight.sum())[[0, 0, 1]])
+
+
+def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: int, least_depth: float) -> TwinError:
+    """Errors of a unit as designed that its twin reads from presses which the twin lacks.
 
     Parameters
     ----------
     model
         A unit as designed, as its image at rest tells it.
     checks
-        Presses that its twin lacks, one for each friction.
+        The presses, one for each friction.
     count
         How many presses are known beforehand; 0: none is.
     least_depth
@@ -61,13 +95,19 @@ def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: in
     PalpateError
         If the known presses contradict the twin.
     """
-    off = np.concatenate([_read_checks(model, each, count, least_depth) for each in checks])
-    tilt, depth = np.sqrt(np.mean(off[:, :2] ** 2)), np.sqrt(np.mean(off[:, 2] ** 2))
-    return np.array([tilt, tilt, depth])
+    poses, errors = (
+        np.concatenate(each)
+        for each in zip(*(_read_checks(model, one, count, least_depth) for one in checks), strict=True)
+    )
+    places = np.column_stack([np.hypot(poses[:, 0], poses[:, 1]), poses[:, 2]])
+    squares = np.column_stack([np.mean(errors[:, :2] ** 2, axis=1), errors[:, 2] ** 2])
+    return TwinError(places, squares, np.maximum(places.max(axis=0), 1e-9))
 
 
-def _read_checks(model: UnitModel, checks: TwinChecks, count: int, least_depth: float) -> FloatArray:
-    """Errors (n, 3) of the images of presses of one friction that are read."""
+def _read_checks(
+    model: UnitModel, checks: TwinChecks, count: int, least_depth: float
+) -> tuple[FloatArray, FloatArray]:
+    """Poses and errors (n, 3) of the images of presses of one friction that are read."""
     told = [
         see_press(model, checks.known[number % len(checks.known)], KNOWN_TURN_DEG * number, least_depth)
         for number in range(count)
@@ -76,12 +116,14 @@ def _read_checks(model: UnitModel, checks: TwinChecks, count: int, least_depth: 
     if told:
         unit = identify(model, told, NOISE_PX)
         fitter = PoseFitter(model.believing(unit.belief), NOISE_PX, unit.mounting)
-    errors = []
+    poses, errors = [], []
     for number, press in enumerate(press for press in checks.read for _ in range(_READ_TURNS)):
         seen = see_press(model, press, _READ_TURN_DEG * number)
         found = np.array([fitter.fit(pixels).pose for pixels in seen.pixels])
-        errors.append((found - seen.poses)[seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)])
-    return np.concatenate(errors)
+        counts = seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)
+        poses.append(seen.poses[counts])
+        errors.append((found - seen.poses)[counts])
+    return np.concatenate(poses), np.concatenate(errors)
 
 
 def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0) -> RobotPress:

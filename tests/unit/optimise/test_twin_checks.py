@@ -35,3 +35,12 @@ def test_walls_without_friction_are_checked_once() -> None:
     checks = plan_proposal(smooth, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True).checks
     assert len(checks.presses) == 5
     assert {press.wall.contact for press in checks.presses} == {TASK.twin.presses[0].wall.contact}
+
+
+def test_tilts_that_are_read_have_mean_and_variance_of_those_that_are_met() -> None:
+    (_, read), _ = TASK.checks.by_friction
+    tilts, met = [press.wall.radial for press in read], np.linspace(0.0, SPEC.max_tilt_deg, 10_001)
+    weights = np.array([5.0, 8.0, 5.0]) / 18.0
+    mean = weights @ tilts
+    assert mean == pytest.approx(met.mean(), rel=0.05)
+    assert weights @ (np.array(tilts) - mean) ** 2 == pytest.approx(met.var(), rel=0.1)
