@@ -128,9 +128,18 @@ def twin_off_sd() -> FloatArray:
 
 
 class UnitNormal(NamedTuple):
-    """What all dots say.
+    """What all dots say of the n unknowns.
 
-    Normal matrix and gradient, covariance of the gradient by noise, how it changes with each dot's place, and misfit.
+    Attributes
+    ----------
+    normal, gradient
+        (n, n) and (n,) of half the weighted squares, over the variance.
+    noise
+        (n, n) covariance of the gradient by the noise of images alone.
+    common
+        (n, 2 m) how the gradient changes with each coordinate (px) of the dots at rest.
+    misfit
+        Mean square of what is left over its expectation.
     """
 
     normal: FloatArray
@@ -141,7 +150,7 @@ class UnitNormal(NamedTuple):
 
 
 class UnitFit:
-    """The unknowns: unit (11), mounting (4), then those of every press.
+    """A fit of known presses. Its unknowns are unit (11), mounting (4), then those of every press.
 
     These are 1/µ, and rx, ry, depth by which the robot is off; where robots drift, also how far its wall has done so
     at the twin's deepest.

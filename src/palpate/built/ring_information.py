@@ -137,7 +137,7 @@ class RingInformation:
         """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
         on = np.flatnonzero(share)
         part = share[on]
-        covariance, too_wide, taken = self._learn(on, part)
+        covariance, excess, taken = self._learn(on, part)
         spread = np.linalg.cholesky(covariance + 1e-15 * np.eye(_SHARED))
         free = np.flatnonzero(np.isfinite(self.touch_prior))
         touch = len(self.touch_prior)
@@ -155,8 +155,8 @@ class RingInformation:
         gain = to_robot @ np.linalg.inv(normal)
         found = np.einsum("pai,pai->pa", gain, to_robot - gain @ off)
         if taken is not None:
-            believed = np.linalg.solve(spread, np.linalg.solve(spread, too_wide).T)
-            found = found - np.einsum("pai,ij,paj->pa", gain[:, :, len(free) :], believed, gain[:, :, len(free) :])
+            by_shared, share = gain[:, :, len(free) :], np.linalg.solve(spread, np.linalg.solve(spread, excess).T)
+            found = found - np.einsum("pai,ij,paj->pa", by_shared, share, by_shared)
             # what known presses take an error at rest for, and what an image makes of it again
             by_unit = gain @ seen[:, :, len(free) :] - to_robot[:, :, len(free) :]
             crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
@@ -189,8 +189,8 @@ class RingInformation:
             )
         )
         off = np.diag(self.twin_off**2)
-        learnt, too_wide = (inverse + alike)[:_SHARED, :_SHARED], (alike - at_rest + averaged)[:_SHARED, :_SHARED]
-        return np.asarray(learnt + off, float), np.asarray(too_wide + off, float), inverse[:_SHARED]
+        learnt, excess = (inverse + alike)[:_SHARED, :_SHARED], (alike - at_rest + averaged)[:_SHARED, :_SHARED]
+        return np.asarray(learnt + off, float), np.asarray(excess + off, float), inverse[:_SHARED]
 
 
 def measure_rings(

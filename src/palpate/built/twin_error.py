@@ -26,8 +26,6 @@ _READ_TURNS = 3
 """Directions in which each press is read."""
 _NEAR = np.array([0.25, 0.125])
 """Standard deviations of an image's weight for a pose in tilt and depth, over the greatest of them."""
-_FARTHEST = 200.0
-"""Squared distance, over these, from which images count alike."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +54,10 @@ class TwinError:
         (n, 2) tilts (degrees) and depths (mm) of the images that were read.
     squares
         (n, 2) mean square error of rx and ry (degrees²), and square error of the depth (mm²), of each.
-    reach
-        (2,) tilt and depth up to which images lie.
     """
 
     places: FloatArray
     squares: FloatArray
-    reach: FloatArray
 
     @property
     def rms(self) -> FloatArray:
@@ -70,9 +65,13 @@ class TwinError:
         return np.asarray(np.sqrt(self.squares.mean(axis=0)[[0, 0, 1]]))
 
     def near(self, pose: FloatArray) -> FloatArray:
-        """The same (3,) about a pose (3,): twins are off most where a wall is tilted and hardly touches."""
-        away = (self.places - [np.hypot(pose[0], pose[1]), pose[2]]) / (_NEAR * self.reach)
-        weight = np.exp(-0.5 * np.minimum((away**2).sum(axis=1), _FARTHEST))
+        """The same (3,) about a pose (3,), rx, ry (degrees) and depth (mm), by Gaussian weights of images nearby.
+
+        Twins are off most where a wall is tilted and hardly touches.
+        """
+        widths = np.maximum(_NEAR * self.places.max(axis=0), 1e-9)
+        away = (((self.places - [np.hypot(pose[0], pose[1]), pose[2]]) / widths) ** 2).sum(axis=1)
+        weight = np.exp(-0.5 * (away - away.min()))
         return np.asarray(np.sqrt(weight @ self.squares / weight.sum())[[0, 0, 1]])
 
 
@@ -101,7 +100,7 @@ def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: in
     )
     places = np.column_stack([np.hypot(poses[:, 0], poses[:, 1]), poses[:, 2]])
     squares = np.column_stack([np.mean(errors[:, :2] ** 2, axis=1), errors[:, 2] ** 2])
-    return TwinError(places, squares, np.maximum(places.max(axis=0), 1e-9))
+    return TwinError(places, squares)
 
 
 def _read_checks(

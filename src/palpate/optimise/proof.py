@@ -51,12 +51,15 @@ class BenchFigure:
 
     @property
     def spans(self) -> FloatArray:
-        """Between what RMSE and 19 of 20 (2, 2) lie nine times in ten for units drawn from those that were played."""
+        """Between what RMSE and 19 of 20 (2, 2), degrees, lie nine times in ten for units drawn from those played."""
         return np.quantile(_draw_figures([self])[0], [0.05, 0.95], axis=0).T
 
 
 def _draw_figures(played: Sequence[BenchFigure]) -> FloatArray:
-    """RMSE and error of 19 of 20 (d, draws, 2) of designs by units drawn, for all alike, from those of all."""
+    """RMSE and error of 19 of 20 (d, draws, 2), degrees, of d designs by units drawn, alike for all of them.
+
+    Drawn with replacement (the bootstrap) from the units that gave a pose with every design; nan without any.
+    """
     together = zip(*(figure.by_unit for figure in played), strict=True)
     units = np.array([unit for unit in together if None not in unit])
     if not len(units):
@@ -170,7 +173,7 @@ class Proof:
 
     def as_dict(self) -> dict[str, Any]:
         """As JSON data."""
-        return {**asdict(self), "same_order": self.same_order}
+        return {**asdict(self), "same_order": self.same_order, "contradicted": self.contradicted}
 
 
 def proof_lines(proof: Proof | None) -> Iterator[str]:

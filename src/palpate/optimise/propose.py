@@ -71,7 +71,7 @@ class ProposalTask(Task):
     material: str
     grid: GridSpec | None = None
     """Whose layouts and camera are foreseen, where none are to be chosen."""
-    checks: CheckTasks | None = None
+    checks: tuple[CheckTasks, ...] = ()
     """Presses that tell what the twin is off; without them it is taken as off as the bench found of one design."""
 
     suffix = ".json"
@@ -98,7 +98,7 @@ class ProposalTask(Task):
         return (
             self.twin,
             *((self.inverted,) if self.inverted else ()),
-            *(self.checks.presses if self.checks else ()),
+            *(press for checks in self.checks for press in checks.presses),
         )
 
     @property
@@ -111,7 +111,7 @@ class ProposalTask(Task):
         twin = read_twin(find_made(store, self.twin))
         second = second_state(read_press(find_made(store, self.inverted))) if self.inverted else None
         known = Proposal(self.skin, self.material, float(twin.reach_mm.min()), force, second)
-        checks = self.checks.find(store) if self.checks else ()
+        checks = [each.find(store) for each in self.checks]
         proposal = propose(twin, known, self.spec, self.grid, checks)
         store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
 
@@ -146,7 +146,7 @@ def plan_proposal(
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
     inverted = PressTask(skin, straight.mesh, straight.material, straight.wall, plain, Branch.INVERTED)
-    checks = plan_checks(twin, spec) if full else None
+    checks = plan_checks(twin, spec) if full else ()
     return ProposalTask(twin, inverted if spec.single_state else None, spec, material, grid, checks)
 
 

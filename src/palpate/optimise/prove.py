@@ -222,7 +222,7 @@ class _Candidate:
     @property
     def foreseen_by(self) -> tuple[Task, ...]:
         """The twin, and the presses that tell what it is off."""
-        return (self.twin, *(self._proposal.checks.presses if self._proposal.checks else ()))
+        return (self.twin, *(press for checks in self._proposal.checks for press in checks.presses))
 
     @cached_property
     def units(self) -> tuple[UnitTask, ...]:
@@ -256,7 +256,7 @@ class _Candidate:
         """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
         twin, spec = read_twin(find_made(store, self.twin)), replace(foresee_spec(self.spec), known=self.bench.known)
         layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
-        checks = self._proposal.checks.find(store) if self._proposal.checks else ()
+        checks = [each.find(store) for each in self._proposal.checks]
         try:
             return foresee(twin, layout, camera, self.spec.tolerance, spec, checks)
         except PalpateError:

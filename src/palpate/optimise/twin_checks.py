@@ -25,31 +25,30 @@ slippery walls, others on those that hold."""
 
 @dataclass(frozen=True)
 class CheckTasks:
-    """The presses of `TwinChecks`, not done yet: for each friction the known ones and those that are read."""
+    """The presses of `TwinChecks`, not done yet."""
 
-    by_friction: tuple[tuple[tuple[PressTask, ...], tuple[PressTask, ...]], ...]
+    known: tuple[PressTask, ...]
+    read: tuple[PressTask, ...]
 
     @property
     def presses(self) -> tuple[PressTask, ...]:
         """All of them."""
-        return tuple(task for pair in self.by_friction for tasks in pair for task in tasks)
+        return (*self.known, *self.read)
 
-    def find(self, store: ArtefactStore) -> tuple[TwinChecks, ...]:
+    def find(self, store: ArtefactStore) -> TwinChecks:
         """The presses, done."""
-        return tuple(
-            TwinChecks(*([read_press(find_made(store, task)) for task in tasks] for tasks in pair))
-            for pair in self.by_friction
-        )
+        known, read = ([read_press(find_made(store, task)) for task in tasks] for tasks in (self.known, self.read))
+        return TwinChecks(known, read)
 
 
-def plan_checks(twin: TwinTask, spec: RequirementsSpec) -> CheckTasks:
-    """The presses that a twin is held against."""
+def plan_checks(twin: TwinTask, spec: RequirementsSpec) -> tuple[CheckTasks, ...]:
+    """The presses that a twin is held against, one `CheckTasks` for each friction."""
     tilts = sorted({press.wall.radial for press in twin.presses})
     known = [share * spec.max_tilt_deg for share in KNOWN_TILTS]
     between = [tilts[k - 1] + share * (tilts[k] - tilts[k - 1]) for k, share in _READ if k < len(tilts)]
     tolerance, own = spec.tolerance, twin.presses[0].wall.contact
-    rough = [round(tolerance.draw_friction(share), 3) for share in _FRICTIONS] if tolerance.friction else [own]
-    return CheckTasks(tuple((tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in rough))
+    contacts = [round(tolerance.draw_friction(share), 3) for share in _FRICTIONS] if tolerance.friction else [own]
+    return tuple(CheckTasks(tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in contacts)
 
 
 def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> Iterator[PressTask]:

@@ -7,6 +7,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from palpate.built import (
+    KNOWN_TILTS,
+    KNOWN_TURN_DEG,
     UNKNOWN,
     Deviation,
     ForceScale,
@@ -471,12 +473,13 @@ def test_what_a_twin_is_off_is_part_of_what_is_foreseen(twin: Twin) -> None:
 
 
 def test_what_a_twin_is_off_is_that_of_images_nearby() -> None:
-    """Images that hardly touch are off by 0.03°, others by 0.01°; far from all of them the mean counts."""
+    """Images that hardly touch are off by 0.03°, others by 0.01°; far from all of them the nearest counts."""
     places = np.array([(tilt, depth) for tilt in (1.0, 5.0, 11.0) for depth in np.linspace(2.4, 8.0, 9)])
     tilt_deg = np.where(places[:, 1] < 3.0, 0.03, 0.01)
-    off = TwinError(places, np.column_stack([tilt_deg, 0.5 * tilt_deg]) ** 2, places.max(axis=0))
+    off = TwinError(places, np.column_stack([tilt_deg, 0.5 * tilt_deg]) ** 2)
     assert off.near(np.array([3.0, -4.0, 8.0])) == pytest.approx([0.01, 0.01, 0.005], rel=0.02)
     assert 0.02 < off.near(np.array([3.0, 4.0, 2.4]))[0] < 0.03
+    assert off.near(np.array([90.0, 0.0, 80.0])) == pytest.approx([0.01, 0.01, 0.005])
     poses = [np.array([tilt, 0.0, depth]) for tilt in np.linspace(0, 12, 25) for depth in np.linspace(2.4, 8.0, 25)]
     assert np.sqrt(np.mean([off.near(pose) ** 2 for pose in poses], axis=0)) == pytest.approx(off.rms, rel=0.1)
 
@@ -606,6 +609,26 @@ def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(
     foreseen = foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
     itself = np.sqrt(foreseen**2 - TWIN_SD[0] ** 2)
     assert itself == pytest.approx(np.sqrt(np.mean(np.square(errors))), rel=0.15)
+
+
+def test_what_robots_cost_is_what_they_cost_a_sensor_without_error(twin: Twin) -> None:
+    """Seating and turn by least squares, with their priors, from the robot's tilts alone, whatever the design."""
+    tilt, robot = 12.0, RobotSpec()
+
+    def by_mounting(rx: float, ry: float) -> np.ndarray:
+        return np.array([[1.0, 0.0, -np.radians(ry)], [0.0, 1.0, np.radians(rx)]])
+
+    turns = np.radians(KNOWN_TURN_DEG * np.arange(5))
+    tilts = tilt * np.array([KNOWN_TILTS[number % 2] for number in range(5)])
+    told = np.vstack([by_mounting(*pair) for pair in zip(tilts * np.cos(turns), tilts * np.sin(turns), strict=True)])
+    sides = np.array([TOLERANCE.seating_tilt_deg] * 2 + [TOLERANCE.seating_turn_deg])
+    left = np.linalg.inv(told.T @ told / robot.tilt_deg**2 + np.diag(3.0 / sides**2))
+    grid = [(tilt * share, turn) for share in np.linspace(0.005, 0.995, 100) for turn in turns]
+    met = [by_mounting(rise * np.cos(turn), rise * np.sin(turn)) for rise, turn in grid]
+    cost = np.sqrt(np.mean([np.trace(each @ left @ each.T) / 2.0 for each in met]))
+    spec = ForeseeSpec(poses=400, least_depth=2.0, max_tilt_deg=tilt, noise_px=1e-3, known=5, robot=robot)
+    found = foresee(twin, LAYOUT, build_camera(NOMINAL), TOLERANCE, spec).rmse_deg
+    assert np.sqrt(found**2 - TWIN_SD[0] ** 2) == pytest.approx(cost, rel=0.06)
 
 
 def test_dots_that_stay_wrong_do_not_lead_the_fit_astray(twin: Twin, units: list[Built]) -> None:
