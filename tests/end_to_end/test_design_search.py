@@ -119,7 +119,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     monkeypatch.setattr(prove, "UNITS", 3)
     monkeypatch.setattr(prove, "plan_proposal", lambda *design, full: propose.plan_proposal(*design))
     text = WANTED.replace("skins: 5", "skins: 1").replace("[2, 3]", "[2.5, 3]").replace("known: 2", "known: 0")
-    wanted.write_text(text + "proof: played\nrival: {thickness: 3, markers: {count: 19}}\n")
+    wanted.write_text(text + "proof: trained\nrival: {thickness: 3, markers: {count: 19}}\n")
     spec, out = read_requirements(wanted), tmp_path / "out"
     front = prove_front(optimise_design(spec, out, workers=2), out, workers=2)
     made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
@@ -130,6 +130,10 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         assert one.played is not None
         assert (one.played.units, one.played.without_pose) == (3, 0)
         assert one.off < 0.6, "three units on a coarse mesh"
+        assert one.trained is not None
+        assert (one.trained.units, one.trained.without_pose) == (3, 0)
+        assert one.trained != one.played
+        assert one.trained.rmse_deg < 1, "a sensor that always says upright would be off by 3.7"
     if proof.second is None:
         assert "CalculiX" in proof.second_problem
     else:
@@ -137,7 +141,9 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         assert proof.second.depth == pytest.approx(3.0)
         assert proof.second.markers_mm < 0.1
     write_front(out, front, "palpate optimise")
-    assert "Foreseen and played are within" in (out / "report.md").read_text()
+    page = (out / "report.md").read_text()
+    assert "Foreseen and played are within" in page
+    assert "network: RMSE" in page
     assert prove_front(optimise_design(spec, out, workers=1), out, workers=1).proof == proof
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is played twice"
     # the same units by the bench itself
