@@ -25,8 +25,6 @@ CONTROL = "control.journal"
 """File of the skins drawn by chance in it."""
 ASKED = "requirements.json"
 """File of the requirements in it."""
-_HOPELESS_DEG = 3.0
-"""Error that a skin counts as having of which none is known."""
 _SEARCHED = ("error", "force", "size")
 """Objectives that depend on the skin; for the others every skin offers all that it can."""
 _SLACK = 0.005
@@ -90,6 +88,17 @@ def prove_front(
     return replace(front, proof=prove(front, out, _Judge(front.spec, out, workers, observer, cluster).run))
 
 
+def values(spec: RequirementsSpec, proposal: Proposal) -> tuple[float, ...]:
+    """What the search makes least; infinite where it is not known of a skin, for which the worst known stands in."""
+    best = proposal.best(spec.markers)
+    known = {
+        "error": math.log10(best.figure.worst_deg) if best else math.inf,
+        "force": math.log10(proposal.force_n) if proposal.force_n else math.inf,
+        "size": proposal.size_mm,
+    }
+    return tuple(known[name] for name in spec.objectives if name in known) or (known["error"],)
+
+
 def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
     """By how much a skin misses each constraint, over what is allowed."""
     found = {"reach": 1.0 - _SLACK - proposal.reach_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
@@ -117,7 +126,7 @@ class _Judge:
         tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
         return [
             Judged(
-                self._values(proposal),
+                values(self.spec, proposal),
                 violations(self.spec, proposal),
                 {"proposal": proposal.to_data(), "version": PROPOSE_VERSION},
             )
@@ -196,15 +205,6 @@ class _Judge:
             else Proposal.from_data(json.loads(find_made(store, task).read_text("utf-8")))
             for task in tasks
         ]
-
-    def _values(self, proposal: Proposal) -> tuple[float, ...]:
-        best = proposal.best(self.spec.markers)
-        known = {
-            "error": math.log10(best.figure.worst_deg if best else _HOPELESS_DEG),
-            "force": math.log10(max(proposal.force_n, 1e-3)),
-            "size": proposal.size_mm,
-        }
-        return tuple(known[name] for name in self.spec.objectives if name in known) or (known["error"],)
 
 
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:

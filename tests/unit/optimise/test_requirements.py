@@ -1,6 +1,7 @@
 """Requirements that contradict themselves or the workshop, and fronts by hand."""
 
 import json
+import math
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,7 +24,7 @@ from palpate.optimise import (
     read_requirements,
 )
 from palpate.optimise.front import Control
-from palpate.optimise.optimise_design import violations
+from palpate.optimise.optimise_design import values, violations
 from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.write_front import report, winner_study, write_front
@@ -225,3 +226,14 @@ def test_skins_that_fall_short_of_the_depth_do_not_say_what_matters() -> None:
     assert find_influences(tried, space, 169).explained < 0.5
     short = [replace(one, violations={"reach": 0.2}) if one.number % 7 == 0 else one for one in tried]
     assert find_influences(short, space, 169).explained > 0.98
+
+
+def test_what_is_not_known_of_a_skin_is_told_as_such() -> None:
+    # a skin that jumps was told as one of 3 degrees and 0.001 N, and the search went by the latter
+    spec = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
+    jumps = Proposal(DomeSpec(), "zaid_2024_ecoflex_00_30", problem="8 of 16 presses jump to another state")
+    assert values(spec, jumps) == (math.inf, math.inf)
+    assert violations(spec, jumps)["made"] > 0
+    unread = Proposal(DomeSpec(), "zaid_2024_ecoflex_00_30", 8.0, 0.5)
+    assert values(spec, unread) == (math.inf, math.log10(0.5))
+    assert values(SPEC, skin(0, 20.0, 0.5, 0.3, 0.2).proposal)[0] == math.log10(0.2)

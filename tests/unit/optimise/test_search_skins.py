@@ -1,5 +1,6 @@
 """The search on a stand-in whose optimum is known: against chance, cut off and gone on with."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -48,6 +49,30 @@ def test_it_comes_within_a_twentieth_of_a_search_ten_times_as_long(tmp_path: Pat
     drawn = rng.uniform(*np.array(list(SPACE.ranges.values())).T, (200_000, 3))
     true = min(error(dict(zip(SPACE.ranges, row, strict=True))) for row in drawn[drawn[:, 1] >= 1.6][:20_000])
     assert least(search_skins(SPACE, judge, SearchPlan(44), tmp_path / "journal")) <= 1.05 * true
+
+
+@pytest.mark.parametrize(("told", "better"), [(math.inf, True), (1.5, False)])
+def test_skins_of_which_nothing_is_known_do_not_hide_how_the_others_differ(
+    tmp_path: Path, told: float, better: bool
+) -> None:
+    # of real skins errors differ by a tenth, and one that jumped was once told as one of three degrees
+    def judge_some(places: Sequence[Place]) -> list[Judged]:
+        found = [(place["thickness"] < 1.3, one) for place, one in zip(places, judge(places), strict=True)]
+        return [
+            Judged((told if jumps else 0.05 * one.values[0],), {**one.violations, "made": 1.0 if jumps else -1.0}, {})
+            for jumps, one in found
+        ]
+
+    found = [
+        min(
+            10 ** (one.judged.values[0] / 0.05)
+            for one in search_skins(SPACE, judge_some, SearchPlan(24, seed), tmp_path / str(seed))
+            if max(one.judged.violations.values()) <= 0
+        )
+        for seed in range(2)
+    ]
+    assert (max(found) < 4 * LEAST) == better
+    assert (min(found) > 4 * LEAST) != better
 
 
 def test_whoever_watches_is_told_after_every_batch(tmp_path: Path) -> None:
