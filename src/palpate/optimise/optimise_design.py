@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,7 +14,15 @@ from palpate.optimise.front import Control, Front, TriedSkin
 from palpate.optimise.proposal import Proposal
 from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
 from palpate.optimise.prove import foresee_rival, prove
-from palpate.optimise.search_skins import Judged, Sampler, SearchPlan, Tried, search_skins
+from palpate.optimise.search_skins import (
+    Judged,
+    Sampler,
+    SearchPlan,
+    Tried,
+    read_tried,
+    rewrite_journal,
+    search_skins,
+)
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import Observer, Task, find_made, run_tasks, writable
@@ -69,10 +77,10 @@ def optimise_design(
     plan = SearchPlan(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
-    tried = search_skins(space, judge.judge, plan, out / JOURNAL, judge.say_best)
+    tried = judge.search(space, plan, out / JOURNAL, judge.say_best)
     rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
     control = Control(tuple(judge.draw(space, plan)), tuple(judge.grid()))
-    front = Front(spec, tuple(judge.recall(tried)), rival=rival, control=control)
+    front = Front(spec, tuple(map(judge.skin, tried)), rival=rival, control=control)
     return replace(front, tried=judge.finish(front)) if spec.finalists else front
 
 
@@ -120,38 +128,54 @@ class _Judge:
     observer: Observer | None
     cluster: str
 
+    def search(
+        self,
+        space: SkinSpace,
+        plan: SearchPlan,
+        journal: Path,
+        watch: Callable[[Sequence[Tried]], None] | None = None,
+    ) -> tuple[Tried, ...]:
+        """Skins that are tried. A search that goes on does so by what is said now of those tried before."""
+        before = read_tried(journal, plan.objectives)
+        now = self.judge_again(before)
+        if now != before:
+            rewrite_journal(journal, space, plan, now)
+        return search_skins(space, self.judge, plan, journal, watch)
+
     def judge(self, places: Sequence[Place]) -> list[Judged]:
         """Values, violations and proposals at places."""
         space = SkinSpace.of(self.spec)
         tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
-        return [
-            Judged(
-                values(self.spec, proposal),
-                violations(self.spec, proposal),
-                {"proposal": proposal.to_data(), "version": PROPOSE_VERSION},
-            )
-            for proposal in self._do(tasks)
-        ]
+        return [self._judged(proposal) for proposal in self._do(tasks)]
+
+    def judge_again(self, tried: Sequence[Tried]) -> tuple[Tried, ...]:
+        """The same skins as this version judges them; presses are kept."""
+        old = [one for one in tried if one.judged.note.get("version") != PROPOSE_VERSION]
+        anew = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
+        return tuple(
+            replace(one, judged=anew.get(one.number) or self._judged(self.skin(one).proposal)) for one in tried
+        )
+
+    def _judged(self, proposal: Proposal) -> Judged:
+        note = {"proposal": proposal.to_data(), "version": PROPOSE_VERSION}
+        return Judged(values(self.spec, proposal), violations(self.spec, proposal), note)
 
     def say_best(self, tried: Sequence[Tried]) -> None:
         """Say how many skins were tried, and the least error of those that meet the constraints."""
         if self.observer is None:
             return
-        skins = (self._of(one) for one in tried if one.judged.note.get("version") == PROPOSE_VERSION)
-        best = min(Front(self.spec, tuple(skins)).entries, key=lambda entry: entry.value("error"), default=None)
+        best = min(
+            Front(self.spec, tuple(map(self.skin, tried))).entries,
+            key=lambda entry: entry.value("error"),
+            default=None,
+        )
         so_far = (
             f"skin {best.tried.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
         self.observer.noted(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
-    def recall(self, tried: Sequence[Tried]) -> Iterator[TriedSkin]:
-        """What is known of skins that were tried; those that an earlier version judged are judged again."""
-        old = [one for one in tried if one.judged.note.get("version") != PROPOSE_VERSION]
-        again = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
-        return (self._of(replace(one, judged=again.get(one.number, one.judged))) for one in tried)
-
     @staticmethod
-    def _of(tried: Tried) -> TriedSkin:
+    def skin(tried: Tried) -> TriedSkin:
         """What was found of a skin, as the journal has it."""
         judged = tried.judged
         return TriedSkin(tried.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
@@ -160,7 +184,7 @@ class _Judge:
         """What is known of the skins of the control, drawn by chance and else as those of the search."""
         if self.spec.control:
             chance = replace(plan, trials=self.spec.control, sampler="random")
-            yield from self.recall(search_skins(space, self.judge, chance, self.out / CONTROL))
+            yield from map(self.skin, self.search(space, chance, self.out / CONTROL))
 
     def grid(self) -> Iterator[TriedSkin]:
         """What is known of the designs of the grid."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -33,7 +33,7 @@ class Judged:
     Attributes
     ----------
     values
-        What is made least.
+        What is made least; infinite where it is not known, for which the process takes the worst that is.
     violations
         Constraints by name: above 0 where one is not met.
     note
@@ -124,6 +124,24 @@ def search_skins(
         if watch is not None:
             watch(_tried(study))
     return _tried(study)
+
+
+def read_tried(journal: Path, objectives: int = 1) -> tuple[Tried, ...]:
+    """Every place that a journal says was judged; none where there is no journal."""
+    return _tried(_open(journal, objectives)) if journal.exists() else ()
+
+
+def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Sequence[Tried]) -> None:
+    """Put a journal of the same places in the place of one, as they are judged now: what is proposed goes by it."""
+    new = journal.with_name(f"{journal.name}.new")
+    new.unlink(missing_ok=True)
+    study, told = _open(new, plan.objectives), replace(plan, sampler="random")  # which need not fit what is given
+    for one in tried:
+        study.enqueue_trial(dict(one.place))
+        trial = _ask(study, space, one.number, told)
+        assert trial is not None
+        _tell(study, trial, one.judged)
+    new.replace(journal)
 
 
 def _tried(study: optuna.Study) -> tuple[Tried, ...]:

@@ -1,14 +1,19 @@
 """The folder of a search, read while it runs and when it is finished."""
 
 import json
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from palpate.core import PalpateError
-from palpate.optimise import is_search, read_search
-from palpate.optimise.optimise_design import JOURNAL
-from small_search import MATERIAL, SPEC, write_search
+from palpate.design import DomeSpec
+from palpate.optimise import Judged, Proposal, SearchPlan, SkinSpace, is_search, read_search, search_skins
+from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, values, violations
+from palpate.optimise.propose import PROPOSE_VERSION
+from palpate.optimise.space import Place
+from small_search import MATERIAL, SPEC, propose, write_search
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -22,6 +27,33 @@ def test_a_running_search_shows_what_was_tried_so_far(tmp_path: Path) -> None:
     assert front.winner is not None
     assert found.rows[found.winner]["skin"] == front.winner.tried.number
     assert {row["skin"] for row in found.rows[found.front :]} == set(range(8))
+
+
+def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Path) -> None:
+    # the third jumped, and an earlier version told it as one of three degrees and 0.001 N
+    space, plan, journal = SkinSpace.of(SPEC), SearchPlan(8, 3, "random", objectives=2), tmp_path / JOURNAL
+    jumps = Proposal(DomeSpec(), MATERIAL, problem="8 of 16 presses jump to another state")
+    drawn: list[Place] = []
+
+    def judge(places: Sequence[Place]) -> list[Judged]:
+        drawn.extend(places)
+        found = [(0.477, -3.0, jumps) if place is drawn[2] else (-1.0, -0.5, propose(place)) for place in places]
+        return [
+            Judged((error, force), violations(SPEC, one), {"proposal": one.to_data(), "version": PROPOSE_VERSION})
+            for error, force, one in found
+        ]
+
+    before = search_skins(space, judge, plan, journal)
+    again = _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal)
+    assert [one.place for one in again] == [one.place for one in before] == drawn
+    assert again[2].judged.values == (math.inf, math.inf)
+    assert all(one.judged.values == values(SPEC, Proposal.from_data(one.judged.note["proposal"])) for one in again)
+    (tmp_path / ASKED).write_text(SPEC.model_dump_json())
+    assert read_search(tmp_path).skins == 8
+    told = journal.read_bytes()
+    assert _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal) == again
+    assert journal.read_bytes().startswith(told), "a journal that says what is said now is not written anew"
+    assert not list(tmp_path.glob("*.new*"))
 
 
 def test_a_line_that_is_being_written_is_left_for_the_next_time(tmp_path: Path) -> None:

@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from palpate.optimise import Judged, RequirementsSpec, SearchPlan, SkinSpace, search_skins
+from palpate.optimise.search_skins import Sampler, read_tried, rewrite_journal
 from palpate.optimise.space import Place
 
 pytest.importorskip("optuna")
@@ -73,6 +75,42 @@ def test_skins_of_which_nothing_is_known_do_not_hide_how_the_others_differ(
     ]
     assert (max(found) < 4 * LEAST) == better
     assert (min(found) > 4 * LEAST) != better
+
+
+@pytest.mark.parametrize("sampler", ["gp", "random"])
+def test_a_journal_written_anew_goes_on_as_the_old_one_would(tmp_path: Path, sampler: Sampler) -> None:
+    plan, whole, cut = SearchPlan(16, 3, sampler), tmp_path / "whole", tmp_path / "cut"
+    expected = search_skins(SPACE, judge, plan, whole)
+    tried = search_skins(SPACE, judge, replace(plan, trials=12), cut)
+    rewrite_journal(cut, SPACE, plan, tried)
+    assert read_tried(cut) == tried
+    assert search_skins(SPACE, judge, plan, cut) == expected
+    # and by other values, it goes on otherwise where it goes by them
+    other = [replace(one, judged=replace(one.judged, values=(one.place["aspect"],))) for one in tried]
+    rewrite_journal(cut, SPACE, plan, other)
+    found = search_skins(SPACE, judge, plan, cut)
+    assert (found[12:] == expected[12:]) == (sampler == "random")
+
+
+@pytest.mark.parametrize("known", [0, 1])
+def test_two_objectives_are_searched_where_hardly_anything_is_known(tmp_path: Path, known: int) -> None:
+    def judge_few(places: Sequence[Place]) -> list[Judged]:
+        first = [known and not calls for _ in places]
+        calls.append(len(places))
+        return [
+            Judged(
+                (error(place), place["thickness"]) if one else (math.inf, math.inf),
+                {"made": -1.0 if one else 1.0},
+                {},
+            )
+            for one, place in zip(first, places, strict=True)
+        ]
+
+    calls: list[int] = []
+    found = search_skins(SPACE, judge_few, SearchPlan(14, 1, objectives=2), tmp_path / "journal")
+    assert calls == [4, 4, 4, 2]
+    assert len({tuple(one.place.values()) for one in found}) > 10, "it goes on looking elsewhere"
+    assert read_tried(tmp_path / "journal", 2) == found
 
 
 def test_whoever_watches_is_told_after_every_batch(tmp_path: Path) -> None:
