@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from palpate.camera import CameraSpec, build_camera, dot_edges, render
-from palpate.design import MarkerLayout, Skin, place_markers
+from palpate.camera import CameraSpec, build_camera, render, wrap_dots
+from palpate.design import MarkerLayout, Skin, place_markers, place_orientation_mark
 from palpate.optimise.front import Entry, Front, TriedSkin, coarse_errors, find_least
 
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
@@ -32,9 +32,8 @@ def draw_search(front: Front) -> Figure:
     if rival is not None:
         words = f"best of the grid: {rival.tried.proposal.skin.build().name}, {rival.option.markers.count} dots"
         axis.axhline(rival.value("error"), color=_GREEN, lw=1.0, ls="-.", label=words)
-    axis.set(yscale="log", xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
-    axis.yaxis.set_major_formatter("{x:g}")
-    axis.yaxis.set_minor_formatter("{x:g}")
+    axis.set(xlabel="skins tried", ylabel="error of 19 of 20 units, deg")
+    _plain_logarithm(axis)
     shown = axis.get_ylim()  # by what was found: what is wanted can be far above all of it
     axis.axhline(front.spec.error_deg, color=_RED, lw=0.8, ls="--", label=f"wanted: {front.spec.error_deg:g}°")
     axis.set_ylim(shown)
@@ -50,23 +49,51 @@ def _step(axis: Axes, skins: Sequence[TriedSkin], markers: int, colour: str, wor
 
 
 def draw_front(front: Front) -> Figure:
-    """The front over its first two objectives; over the number of markers where there is one."""
+    """The front over its first two objectives, with the number of dots; over that number where one is asked."""
     names = front.spec.objectives if len(front.spec.objectives) > 1 else (*front.spec.objectives, "markers")
     first, second = (name if name != names[0] or k == 0 else "error" for k, name in enumerate(names[:2]))
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axis = figure.add_subplot()
-    every = [(entry.value(second), entry.value(first)) for entry in front.entries]
-    if every:
-        axis.plot(*np.array(every).T, ".", color=_GREY, label="every design that meets the limits")
-        axis.plot(
-            *np.array([(entry.value(second), entry.value(first)) for entry in front.best]).T,
-            "o",
-            color=_BLUE,
-            label="front",
-        )
+    for entries, style, colour, words in (
+        (front.entries, ".", _GREY, "every design that meets the limits"),
+        (front.best, "o", _BLUE, "front"),
+    ):
+        if entries:
+            places = [(entry.value(second), entry.value(first)) for entry in entries]
+            axis.plot(*np.array(places).T, style, color=colour, label=words)
+    if second != "markers":
+        _write_dots(axis, front.best, second, first)
+    if front.rival is not None and first == "error":
+        words = f"the rival, foreseen: {front.rival.worst_deg:.3f}°"
+        axis.axhline(front.rival.worst_deg, color=_GREEN, lw=1.0, ls="-.", label=words)
+    axis.set(xlabel=_label(second), ylabel=_label(first))
+    axis.margins(x=0.12)
+    _plain_logarithm(axis)
+    if axis.get_legend_handles_labels()[0]:
         axis.legend(fontsize="small")
-    axis.set(xlabel=_label(second), ylabel=_label(first), yscale="log")
     return figure
+
+
+def _write_dots(axis: Axes, entries: Sequence[Entry], second: str, first: str) -> None:
+    """The number of dots beside each design, left and right by turns."""
+    for turn, entry in enumerate(sorted(entries, key=lambda entry: entry.value(first))):
+        right = turn % 2 == 0
+        axis.annotate(
+            f"{entry.option.markers.count} dots",
+            (entry.value(second), entry.value(first)),
+            (6 if right else -6, 0),
+            textcoords="offset points",
+            ha="left" if right else "right",
+            va="center",
+            fontsize="x-small",
+        )
+
+
+def _plain_logarithm(axis: Axes) -> None:
+    """A logarithmic scale with plain numbers."""
+    axis.set_yscale("log")
+    axis.yaxis.set_major_formatter("{x:g}")
+    axis.yaxis.set_minor_formatter("{x:g}")
 
 
 def _label(objective: str) -> str:
@@ -81,7 +108,8 @@ def draw_design(entry: Entry, camera: CameraSpec) -> Figure:
     figure = Figure(figsize=(8.4, 4.2), layout="constrained")
     section, image = figure.subplots(1, 2, width_ratios=(1, 1.25))
     _draw_section(section, skin, layout, camera.distance)
-    edges = dot_edges(layout.positions, skin.normal(layout.positions), layout.diameter)
+    printed = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
+    edges = wrap_dots(skin, printed, layout.diameter)
     image.imshow(render(eye, edges), cmap="gray", vmin=0, vmax=255)
     image.set(title=f"what the camera sees at rest, {eye.width_px} x {eye.height_px} px", xticks=[], yticks=[])
     return figure
@@ -100,4 +128,5 @@ def _draw_section(axis: Axes, skin: Skin, layout: MarkerLayout, distance: float)
     axis.plot(*eye, "s", ms=9, color=_CAMERA)
     axis.text(0.0, -distance + 4.0, "camera", ha="center", fontsize="small")
     axis.axhline(0.0, color=_GREY, lw=0.6, zorder=0)
-    axis.set(title=skin.name, xlabel="mm", ylabel="mm, base plane at 0", aspect="equal")
+    axis.set(title=skin.name, xlabel="mm", ylabel="mm, base plane at 0")
+    axis.set_aspect("equal", adjustable="datalim")

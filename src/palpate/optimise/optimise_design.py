@@ -37,6 +37,8 @@ _SEARCHED = ("error", "force", "size")
 """Objectives that depend on the skin; for the others every skin offers all that it can."""
 _SLACK = 0.005
 """Share of the depth by which a skin may fall short of it."""
+_ROUNDS = 3
+"""Rounds of finalists: the next ones are pressed in place of those that break a limit at full fidelity."""
 
 
 def optimise_design(
@@ -194,26 +196,16 @@ class _Judge:
         return (TriedSkin(number, one, violations(self.spec, one)) for number, one in enumerate(found))
 
     def finish(self, front: Front) -> tuple[TriedSkin, ...]:
-        """The same skins, the best of which are pressed at full fidelity."""
-        first, best = self.spec.objectives[0], dict[int, float]()
-        for entry in front.entries:
-            value = entry.value(first)
-            best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
-        chosen = [front.winner.tried.number] if front.winner else []
-        chosen += [entry.tried.number for _, entry in front.ends]
-        chosen += [entry.tried.number for entry in front.best if len(self.spec.objectives) > 1]
-        chosen += sorted(best, key=lambda number: (best[number], number))
-        skins, numbers = set[str](), list[int]()
-        for number in dict.fromkeys(chosen):
-            name = repr(front.tried[number].proposal.skin)
-            if name not in skins and len(numbers) < self.spec.finalists:
-                skins.add(name)
-                numbers.append(number)
+        """The same skins, the best pressed at full fidelity; the next in place of those that break a limit there."""
         by_number = {one.number: one for one in front.tried}
-        asked = [by_number[number].proposal for number in numbers]
-        tasks = [plan_proposal(self.spec, proposal.skin, proposal.material, full=True) for proposal in asked]
-        for number, full in zip(numbers, self._do(tasks), strict=True):
-            by_number[number] = replace(by_number[number], full=full, violations=violations(self.spec, full))
+        candidates, wanted = _candidates(front), self.spec.finalists
+        for _ in range(_ROUNDS):
+            asked = [by_number[number] for number in candidates[:wanted]]
+            del candidates[:wanted]
+            tasks = [plan_proposal(self.spec, one.proposal.skin, one.proposal.material, full=True) for one in asked]
+            for one, full in zip(asked, self._do(tasks), strict=True):
+                by_number[one.number] = replace(one, full=full, violations=violations(self.spec, full))
+            wanted = sum(not by_number[one.number].meets for one in asked)
         return tuple(by_number.values())
 
     def run(self, tasks: Sequence[Task]) -> dict[str, str]:
@@ -229,6 +221,20 @@ class _Judge:
             else Proposal.from_data(json.loads(find_made(store, task).read_text("utf-8")))
             for task in tasks
         ]
+
+
+def _candidates(front: Front) -> list[int]:
+    """Numbers of skins that meet the limits, each skin once: winner, ends and front before others by their error."""
+    first, best = front.spec.objectives[0], dict[int, float]()
+    for entry in front.entries:
+        value = entry.value(first)
+        best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
+    chosen = [front.winner.tried.number] if front.winner else []
+    chosen += [entry.tried.number for _, entry in front.ends]
+    chosen += [entry.tried.number for entry in front.best if len(front.spec.objectives) > 1]
+    chosen += sorted(best, key=lambda number: (best[number], number))
+    first_of = {repr(front.tried[number].proposal.skin): number for number in reversed(chosen)}
+    return [number for number in dict.fromkeys(chosen) if number in first_of.values()]
 
 
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:

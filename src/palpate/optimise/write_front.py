@@ -12,7 +12,7 @@ from typing import Any
 from palpate.core import provenance, writing, written_whole
 from palpate.optimise.design_study import camera_of, winner_study
 from palpate.optimise.draw_front import draw_design, draw_front, draw_search
-from palpate.optimise.front import Entry, Front, find_least
+from palpate.optimise.front import WORDS, Entry, Front, find_least
 from palpate.optimise.influence import Influences, find_influences
 from palpate.optimise.proof import proof_lines
 from palpate.optimise.space import SkinSpace
@@ -133,6 +133,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
         f"all frictions, after {spec.known} known presses: `worst_deg` is what 19 of 20 units stay below. They are "
         "no measurement.",
         "",
+        *_dropped_lines(front),
         *_end_lines(front),
         *proof_lines(front.proof),
         "## The front",
@@ -173,6 +174,14 @@ def _winner_lines(winner: Entry) -> list[str]:
         f"units stay below {option.figure.worst_deg:.3f}° (RMSE {option.figure.rmse_deg:.3f}°); at most "
         f"{proposal.force_n:.2f} N. `winner.yaml` is its study.",
     ]
+
+
+def _dropped_lines(front: Front) -> Iterator[str]:
+    """Finalists that broke a limit when they were pressed finely; nothing where none did."""
+    for one in front.tried:
+        if one.full is not None and not one.meets:
+            broken = " and ".join(WORDS[name] for name, by in one.violations.items() if by > 0)
+            yield from (f"Skin {one.number} met the limits by coarse presses alone: by fine ones {broken}.", "")
 
 
 def _end_lines(front: Front) -> list[str]:

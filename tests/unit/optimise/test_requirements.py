@@ -3,7 +3,7 @@
 import json
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +24,8 @@ from palpate.optimise import (
     read_requirements,
 )
 from palpate.optimise.front import Control
-from palpate.optimise.optimise_design import values, violations
+from palpate.optimise.optimise_design import _Judge, values, violations
+from palpate.optimise.propose import ProposalTask
 from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
 from palpate.optimise.write_front import report, winner_study, write_front
@@ -165,6 +166,31 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     assert "The requirements are met." in page
     assert "Too few skins were tried to say what matters." in page
     assert "4 skins were tried, 2 meet the limits" in page
+
+
+def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of four skins that meet the limits by coarse presses the best two do not by fine ones."""
+    tried = tuple(skin(number, 20.0 - number, 0.5, 0.5, 0.3, 0.1 + 0.01 * number) for number in range(4))
+    short, asked = {20.0, 19.0}, list[float]()
+
+    def press_finely(self: _Judge, tasks: Sequence[ProposalTask]) -> list[Proposal]:
+        asked.extend(task.skin.height for task in tasks)
+        coarse = [next(one.proposal for one in tried if one.proposal.skin == task.skin) for task in tasks]
+        return [replace(one, reach_mm=7.9) if one.skin.height in short else one for one in coarse]
+
+    monkeypatch.setattr(_Judge, "_do", press_finely)
+    spec = SPEC.model_copy(update={"finalists": 2})
+    front = Front(spec, tried)
+    finished = replace(front, tried=_Judge(spec, tmp_path, None, None, "").finish(front))
+    assert asked == [20.0, 19.0, 18.0, 17.0]
+    assert finished.winner is not None
+    assert finished.winner.tried.number == 2
+    page = report(finished, find_influences(tried, SkinSpace.of(spec), 169), "")
+    for number in (0, 1):
+        assert f"Skin {number} met the limits by coarse presses alone: by fine ones the skin cannot be" in page
+    assert "Skin 2 met" not in page
 
 
 def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -> None:
