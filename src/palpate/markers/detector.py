@@ -25,6 +25,8 @@ _ROUNDS = (1, 1)
 _ROUNDS_TO_MEASURE = (8, 0)
 _EDGE_PX = 0.8
 """Blur of an edge to begin with: a pixel's own width and a lens in focus."""
+GAP = 2.6
+"""Greatest step between dots of one field, over the median distance of nearest neighbours, where none is given."""
 _CLEAR = 40.0
 """Contrast of a blob's sum over its noise at which half of its elongation is believed."""
 
@@ -121,7 +123,9 @@ class Detector:
         return Blobs(found[:, :2], found[:, 2], unknown, unknown, cut, measure_noise(grey))
 
 
-def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None, *, doubt: bool = True) -> Detector:
+def prepare_detector(
+    image: NDArray[Any], spec: DetectSpec | None = None, *, doubt: bool = True, gap: float = GAP
+) -> Detector:
     """Choose polarity, size and mask from an image, where the spec leaves them open.
 
     `palpate.markers.choose_field` says how.
@@ -134,6 +138,9 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None, *, dou
         What is known of the dots.
     doubt
         Whether what does not look printed is refused, as lamps and grain; not where dots are held against a design.
+    gap
+        Greatest distance between dots of one field, over the median distance of nearest neighbours: what lies further
+        away is masked.
 
     Raises
     ------
@@ -152,7 +159,7 @@ def prepare_detector(image: NDArray[Any], spec: DetectSpec | None = None, *, dou
     dark = field.dark
     rough = Detector(spec, dark, spec.diameter_px or field.diameter_px, None)
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
-    mask = _find_mask(blobs, grey.shape) if spec.mask == "auto" else None
+    mask = _find_mask(blobs, grey.shape, gap) if spec.mask == "auto" else None
     found = Detector(spec, dark, rough.diameter_px, mask, edge)
     known = spec.diameter_px is not None and spec.polarity != "auto"
     if doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):
@@ -203,7 +210,7 @@ def _determinant(spread: FloatArray) -> FloatArray:
     return np.asarray(spread[:, 0] * spread[:, 2] - spread[:, 1] ** 2)
 
 
-def _find_mask(blobs: Blobs, shape: tuple[int, int]) -> BoolArray | None:
+def _find_mask(blobs: Blobs, shape: tuple[int, int], gap: float) -> BoolArray | None:
     """Where the largest group of neighbouring dots is, and one spacing more."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -213,7 +220,7 @@ def _find_mask(blobs: Blobs, shape: tuple[int, int]) -> BoolArray | None:
         return None
     tree = cKDTree(blobs.positions_px)
     spacing = float(np.median(tree.query(blobs.positions_px, 2)[0][:, 1]))
-    pairs = tree.query_pairs(2.6 * spacing, output_type="ndarray")
+    pairs = tree.query_pairs(gap * spacing, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(blobs), len(blobs)))
     _, group = connected_components(graph, directed=False)
     largest = group == np.bincount(group).argmax()

@@ -53,6 +53,17 @@ class MarkerPattern:
         """Least distance of two markers."""
         return float(cKDTree(self.expected_px).query(self.expected_px, 2)[0][:, 1].min())
 
+    @property
+    def widest_gap(self) -> float:
+        """Longest step on the shortest way through all markers, over the median distance of nearest neighbours."""
+        from scipy.sparse.csgraph import minimum_spanning_tree
+
+        if len(self) < 2:
+            return 0.0
+        away = np.linalg.norm(self.expected_px[:, None] - self.expected_px, axis=-1)
+        steps: FloatArray = minimum_spanning_tree(away).data
+        return float(steps.max() / np.median(np.sort(away, axis=1)[:, 1]))
+
 
 def build_pattern(
     positions: FloatArray, project: Callable[[FloatArray], FloatArray], mark: FloatArray | None = None

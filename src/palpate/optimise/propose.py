@@ -36,7 +36,7 @@ from palpate.study import (
 )
 from palpate.twin import Twin, read_twin
 
-PROPOSE_VERSION = f"5/{FORESEE_VERSION}"
+PROPOSE_VERSION = f"6/{FORESEE_VERSION}"
 """Version of the code that decides what is proposed and foreseen; part of an artefact's key."""
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
@@ -55,8 +55,10 @@ _JUDGED_BY = (
     "process",
 )
 """Requirements that decide what is found of a skin; the others decide what is made of that."""
-_LOOKED_AT = 3
-"""Units whose images at rest are drawn and read, before a layout is offered."""
+_LOOKED_AT, _LOOKED_AT_FULLY = 3, 20
+"""Units whose images at rest are drawn and read, before a layout is offered, and at full fidelity."""
+_FIRST_UNIT = 1001
+"""The first of them: none that a proof plays."""
 _SETTINGS = 3
 """Settings of camera and dots, the best by even rings, in which rings are exchanged until a layout can be read."""
 
@@ -195,7 +197,7 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[
                 "Allow a greater distance, smaller dots, or a larger skin.",
             )
             for camera, markers in _offers(settings, markers_in_rings(rings)):
-                refusal = _refuse(twin, markers, material, camera, spec)
+                refusal = _refuse(twin, markers, material, camera, spec, _LOOKED_AT_FULLY if checks else _LOOKED_AT)
                 figure = refusal or _foresee(twin, markers, camera, spec, checks)
                 if isinstance(figure, BuiltFigure):
                     found = True
@@ -231,15 +233,15 @@ def _offers(settings: Sequence[Setting], markers: int) -> Iterator[tuple[Camera,
 
 
 def _refuse(
-    twin: Twin, markers: MarkerSpec, material: str, camera: Camera, spec: RequirementsSpec
+    twin: Twin, markers: MarkerSpec, material: str, camera: Camera, spec: RequirementsSpec, units: int
 ) -> PalpateError | None:
-    """Why a layout is not offered: it cannot be made, or one of the first units cannot be read at rest."""
+    """Why a layout is not offered: it cannot be made, or one of so many units cannot be read at rest."""
     layout = place_markers(twin.skin, markers)
     for finding in check_process(twin.skin, layout, get_material(material), camera, spec.process):
         if finding.severity is Severity.ERROR:
             return PalpateError(finding.message, finding.remedy)
     unit = Unit(twin.skin, layout, nominal=camera.spec, tolerance=spec.tolerance)
-    for number in range(1, _LOOKED_AT + 1):
+    for number in range(_FIRST_UNIT, _FIRST_UNIT + units):
         deviation = draw_deviation(spec.tolerance, spec.seed, number)
         scene = set_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
         try:

@@ -15,6 +15,7 @@ from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import place_orientation_mark
 from palpate.markers import (
+    GAP,
     Detector,
     DetectSpec,
     MarkerPattern,
@@ -39,6 +40,8 @@ from palpate.sensor.unit import Unit
 _FOUND, _DIRT = (0.8, 1.5), 10
 """Least and greatest number of dots, over the design's, with which a size that the design gives is believed; and how
 many more there may be of what is no dot."""
+_SPARE = 1.3
+"""By what gaps in a field may be wider than in the design's image: dots are missing, cameras stand askew."""
 
 
 @dataclass
@@ -198,8 +201,9 @@ def _find_and_name(
 
     Where few dots are lost in clutter, so that none or others are found, by the size that the design gives them.
     """
+    gap = max(GAP, _SPARE * pattern.widest_gap)
     try:
-        detector = prepare_detector(image, detect, doubt=False)  # naming holds the dots against the design
+        detector = prepare_detector(image, detect, doubt=False, gap=gap)  # naming holds the dots against the design
         return detector, name_markers(detector.find(image).positions_px, pattern)
     except PalpateError:
         camera = unit.lens or unit.nominal
@@ -209,7 +213,7 @@ def _find_and_name(
         size = camera.fx_px * unit.layout.diameter / away
         for spec in (DetectSpec(polarity="dark", diameter_px=size), DetectSpec(polarity="bright", diameter_px=size)):
             with suppress(PalpateError):
-                detector = prepare_detector(image, spec, doubt=False)
+                detector = prepare_detector(image, spec, doubt=False, gap=gap)
                 found = detector.find(image).positions_px
                 if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout) + _DIRT:
                     return detector, name_markers(found, pattern)

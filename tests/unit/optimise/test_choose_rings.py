@@ -1,5 +1,6 @@
 """Rings chosen by exchange, held against every choice there is, against `foresee`, and against their bound."""
 
+from collections.abc import Sequence
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -22,6 +23,7 @@ from palpate.optimise import (
 from palpate.optimise.choose_rings import resize_dots, spread_rings
 from palpate.optimise.propose import propose
 from palpate.optimise.setting import dot_diameters, measure_settings, rank_settings
+from palpate.sensor import Unit
 from palpate.twin import Twin, read_twin
 from small_chain import write_small_twin
 
@@ -186,3 +188,25 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
     monkeypatch.setattr("palpate.optimise.propose.foresee", contradicted)
     left = propose(twin, known, spec)
     assert ([option.markers.count for option in left.options], left.problem) == ([19], "")
+
+
+def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A layout that one of 20 units cannot be read by is offered by the coarse search, and not to a finalist."""
+    spec = RequirementsSpec(name="small", markers=19, max_tilt_deg=9.0, depth=4.0, least_depth=1.0, known=0)
+    known = Proposal(DomeSpec(height=20, thickness=2), spec.materials[0], 4.0, 0.3)
+    opened = list[int]()
+
+    def open_most(images: Sequence[object], unit: Unit, twin: Twin) -> None:
+        opened.append(len(unit.layout))
+        if opened[-1] == 7 and opened.count(7) >= 12:
+            raise PalpateError("Ring 1 was not found.", "")
+
+    monkeypatch.setattr("palpate.optimise.propose.open_sensor", open_most)
+    monkeypatch.setattr("palpate.optimise.propose.foresee", lambda *_: BuiltFigure(0, 0.05, 0.2, 0.01, 0.02))
+    assert [option.markers.count for option in propose(twin, known, spec).options] == [7, 19]
+    assert (opened.count(7), opened.count(19)) == (3, 3)
+    fully = propose(twin, known, spec, checks=(None,))  # type: ignore[arg-type]  # nothing is foreseen by them here
+    assert [option.markers.count for option in fully.options] == [19]
+    assert opened.count(19) == 3 + 20

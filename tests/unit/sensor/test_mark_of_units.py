@@ -8,7 +8,7 @@ import pytest
 from palpate.bench import DEGRADED, set_scene
 from palpate.built import ToleranceSpec, draw_deviation
 from palpate.camera import CameraSpec
-from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, place_markers
 from palpate.sensor import Unit
 from palpate.sensor.sensor import read_rest
 
@@ -37,3 +37,20 @@ def test_numbers_are_told_of_every_unit(rings, distance):
         off = np.linalg.norm(naming.positions_px[there] - centres, axis=1)[found]
         assert np.median(off) < 0.2
         assert off.max() < 4.0  # a few touch; another's place is 6 px away
+
+
+def test_outer_rings_beyond_a_wide_gap_belong_to_the_field():
+    """Two rings beyond 27 px without a dot, where neighbours are 10 px apart: in one of 20 units they were masked."""
+    skin, tolerance, camera = build_skin(FLAT), ToleranceSpec(), CameraSpec(distance=30.0)
+    layout = place_markers(skin, MarkerSpec(ring_diameters=WIDE_GAP, diameter=1.0))
+    scene = set_scene(skin, layout, draw_deviation(tolerance, 0, 8), camera, DEGRADED)
+    naming = read_rest(
+        [scene.at_rest()], Unit(skin, layout, nominal=camera, tolerance=tolerance), None, None, True
+    ).naming
+    assert not naming.ambiguous
+    assert naming.found.sum() >= scene.printed.sum() - 1
+
+
+FLAT = EllipsoidSpec(height=19.2, thickness=1.2, aspect=0.6, taper=0.8)
+WIDE_GAP = (4.128, 7.179, 10.217, 16.231, 20.658, 29.144, 31.809)
+"""A layout that a search chose."""
