@@ -66,7 +66,7 @@ from palpate.sensor import (
 )
 from palpate.twin import Twin
 
-BENCH_VERSION = "9"
+BENCH_VERSION = "10"
 """Version of the code that decides what a played unit says; part of its key."""
 FINER = 9.0 / 8.0
 """Cells along a meridian of a built unit's presses over those of the training's."""
