@@ -1,7 +1,7 @@
 """Markers: from images to dots, their numbers and their paths through a press."""
 
 from palpate.markers.blobs import Blobs
-from palpate.markers.detector import GAP, Detector, prepare_detector
+from palpate.markers.detector import Detector, prepare_detector
 from palpate.markers.motion import Motion, learn_motion
 from palpate.markers.name_by_press import PressFit, name_by_press
 from palpate.markers.name_markers import Naming, name_markers
@@ -12,7 +12,6 @@ from palpate.markers.tracker import Tracker, find_markers
 from palpate.markers.tracks import Sighting, Tracks
 
 __all__ = [
-    "GAP",
     "Blobs",
     "DetectSpec",
     "Detector",

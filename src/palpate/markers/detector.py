@@ -25,8 +25,8 @@ _ROUNDS = (1, 1)
 _ROUNDS_TO_MEASURE = (8, 0)
 _EDGE_PX = 0.8
 """Blur of an edge to begin with: a pixel's own width and a lens in focus."""
-GAP = 2.6
-"""Greatest step between dots of one field, over the median distance of nearest neighbours, where none is given."""
+_GAP = 2.6
+"""Step between dots of one field that is always allowed, over the median distance of nearest neighbours."""
 _CLEAR = 40.0
 """Contrast of a blob's sum over its noise at which half of its elongation is believed."""
 
@@ -124,7 +124,7 @@ class Detector:
 
 
 def prepare_detector(
-    image: NDArray[Any], spec: DetectSpec | None = None, *, doubt: bool = True, gap: float = GAP
+    image: NDArray[Any], spec: DetectSpec | None = None, *, doubt: bool = True, gap: float = 0.0
 ) -> Detector:
     """Choose polarity, size and mask from an image, where the spec leaves them open.
 
@@ -139,8 +139,8 @@ def prepare_detector(
     doubt
         Whether what does not look printed is refused, as lamps and grain; not where dots are held against a design.
     gap
-        Greatest distance between dots of one field, over the median distance of nearest neighbours: what lies further
-        away is masked.
+        Greatest step between dots of one field, over the median distance of nearest neighbours; less than 2.6 counts
+        as that. What lies further away is masked.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def prepare_detector(
     dark = field.dark
     rough = Detector(spec, dark, spec.diameter_px or field.diameter_px, None)
     blobs, edge = rough._fit(grey, _ROUNDS_TO_MEASURE)
-    mask = _find_mask(blobs, grey.shape, gap) if spec.mask == "auto" else None
+    mask = _find_mask(blobs, grey.shape, max(gap, _GAP)) if spec.mask == "auto" else None
     found = Detector(spec, dark, rough.diameter_px, mask, edge)
     known = spec.diameter_px is not None and spec.polarity != "auto"
     if doubt and not known and not is_printed(found._fit(grey, _ROUNDS)[0], field):

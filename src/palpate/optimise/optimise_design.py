@@ -234,7 +234,7 @@ def _candidates(front: Front) -> list[int]:
     chosen += [entry.tried.number for entry in front.best if len(front.spec.objectives) > 1]
     chosen += sorted(best, key=lambda number: (best[number], number))
     first_of = {repr(front.tried[number].proposal.skin): number for number in reversed(chosen)}
-    return [number for number in dict.fromkeys(chosen) if number in first_of.values()]
+    return sorted(first_of.values(), key=chosen.index)
 
 
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:

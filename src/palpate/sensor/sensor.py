@@ -15,7 +15,6 @@ from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import place_orientation_mark
 from palpate.markers import (
-    GAP,
     Detector,
     DetectSpec,
     MarkerPattern,
@@ -201,7 +200,7 @@ def _find_and_name(
 
     Where few dots are lost in clutter, so that none or others are found, by the size that the design gives them.
     """
-    gap = max(GAP, _SPARE * pattern.widest_gap)
+    gap = _SPARE * pattern.widest_gap
     try:
         detector = prepare_detector(image, detect, doubt=False, gap=gap)  # naming holds the dots against the design
         return detector, name_markers(detector.find(image).positions_px, pattern)

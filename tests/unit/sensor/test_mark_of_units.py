@@ -12,6 +12,10 @@ from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin, plac
 from palpate.sensor import Unit
 from palpate.sensor.sensor import read_rest
 
+FLAT = EllipsoidSpec(height=19.2, thickness=1.2, aspect=0.6, taper=0.8)
+WIDE_GAP = (4.128, 7.179, 10.217, 16.231, 20.658, 29.144, 31.809)
+"""Skin and rings that a search chose."""
+
 
 @pytest.mark.parametrize("rings", [1, 2, 3, 4, 6])
 @pytest.mark.parametrize("distance", [30.0, 38.0])
@@ -44,13 +48,7 @@ def test_outer_rings_beyond_a_wide_gap_belong_to_the_field():
     skin, tolerance, camera = build_skin(FLAT), ToleranceSpec(), CameraSpec(distance=30.0)
     layout = place_markers(skin, MarkerSpec(ring_diameters=WIDE_GAP, diameter=1.0))
     scene = set_scene(skin, layout, draw_deviation(tolerance, 0, 8), camera, DEGRADED)
-    naming = read_rest(
-        [scene.at_rest()], Unit(skin, layout, nominal=camera, tolerance=tolerance), None, None, True
-    ).naming
+    unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
+    naming = read_rest([scene.at_rest()], unit, None, None, True).naming
     assert not naming.ambiguous
     assert naming.found.sum() >= scene.printed.sum() - 1
-
-
-FLAT = EllipsoidSpec(height=19.2, thickness=1.2, aspect=0.6, taper=0.8)
-WIDE_GAP = (4.128, 7.179, 10.217, 16.231, 20.658, 29.144, 31.809)
-"""A layout that a search chose."""
