@@ -1,6 +1,6 @@
 """Bench: virtual units that deviate from the design, played from image to pose."""
 
-from palpate.bench.bench import BENCH_VERSION, FINER, Bench, play_unit
+from palpate.bench.bench import FINER, Bench, play_unit
 from palpate.bench.budget import run_budget
 from palpate.bench.photograph import Scene, set_scene
 from palpate.bench.result import describe_bench, run_bench, write_bench
@@ -10,7 +10,6 @@ from palpate.bench.write_budget import describe_budget, write_budget
 from palpate.built import Deviation, ToleranceSpec
 
 __all__ = [
-    "BENCH_VERSION",
     "DEGRADED",
     "FINER",
     "Bench",

@@ -28,7 +28,7 @@ from palpate.bench.played import COLUMNS, TOLD, Played, ToldNumber, list_learnt,
 from palpate.bench.spec import VirtualBenchSpec
 from palpate.built import KNOWN_TILTS, KNOWN_TURN_DEG, Deviation, RobotSpec
 from palpate.camera import CameraSpec
-from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance
+from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, generator, provenance, stage_version
 from palpate.deck import CalculixSpec
 from palpate.design import (
     TILT_DEPTH,
@@ -41,12 +41,12 @@ from palpate.design import (
     wall_normal,
 )
 from palpate.fea import (
-    FEA_VERSION,
     PRESS_SOLVERS,
     Branch,
     Ended,
     Press,
     WallSpec,
+    press_version,
     read_press,
     solve_press,
     write_press,
@@ -66,8 +66,6 @@ from palpate.sensor import (
 )
 from palpate.twin import Twin
 
-BENCH_VERSION = "10"
-"""Version of the code that decides what a played unit says; part of its key."""
 FINER = 9.0 / 8.0
 """Cells along a meridian of a built unit's presses over those of the training's."""
 _INVERTED_CORE = 2
@@ -125,7 +123,7 @@ class Bench:
             "dome": self.dome.model_dump(mode="json"),
             "markers": len(self.layout),
             "model_sha256": self.model_sha256,
-            "made_by": provenance() | {"bench": BENCH_VERSION},
+            "made_by": provenance() | {"unit_trial": stage_version("unit_trial")},
         }
 
     def check(self) -> None:
@@ -355,14 +353,17 @@ def _bend(bench: Bench, deviation: Deviation, tilt_deg: float) -> float:
 def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
     calculix = bench.spec.solver == "calculix"
     solver = CalculixSpec() if calculix else SolverSpec()
+    skin, material = deviation.dome(bench.dome), deviation.material(bench.material)
+    wall = _wall(bench, deviation, tilt_deg, branch)
     spec = {
-        "dome": deviation.dome(bench.dome).model_dump(mode="json"),
+        "dome": skin.model_dump(mode="json"),
         "mesh": _mesh_spec(bench, deviation, branch).model_dump(mode="json"),
-        "material": deviation.material(bench.material).key_data(),
-        "wall": _wall(bench, deviation, tilt_deg, branch).model_dump(mode="json"),
+        "material": material.key_data(),
+        "wall": wall.model_dump(mode="json"),
         "solver": {bench.spec.solver: solver.model_dump(mode="json")},
     }
-    return Recipe(kind="inverted" if branch is Branch.INVERTED else "press", spec=spec, version=FEA_VERSION)
+    kind = "inverted" if branch is Branch.INVERTED else "press"
+    return Recipe(kind=kind, spec=spec, version=press_version(skin, material, wall))
 
 
 def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
@@ -376,4 +377,4 @@ def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
     }
     tilts, branch = unit_tilts(bench.spec, deviation.unit), _branch(bench, deviation)
     inputs = tuple(_press_recipe(bench, deviation, tilt, branch).key for tilt in tilts)
-    return Recipe(kind="unit", spec=spec, inputs=inputs, version=BENCH_VERSION)
+    return Recipe(kind="unit", spec=spec, inputs=inputs, version=stage_version("unit_trial"))

@@ -17,11 +17,9 @@ from palpate.benchmark.spec import (
     TwinPressSpec,
 )
 from palpate.benchmark.unit_images import UnitImages
-from palpate.benchmark.unit_task import BENCHMARK_VERSION
 
 __all__ = [
     "BASELINES",
-    "BENCHMARK_VERSION",
     "PRESETS",
     "SCORE_COLUMNS",
     "TINY_BASELINES",

@@ -19,13 +19,11 @@ from palpate.benchmark.score_page import SCORE_COLUMNS, compare_page, score_rows
 from palpate.benchmark.set_files import CHECKSUMS, digest
 from palpate.benchmark.spec import BaselineSpec
 from palpate.benchmark.unit_task import plan_design_twin
-from palpate.core import ArtefactStore, PalpateError, Recipe
+from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.sensor import write_report
 from palpate.study import find_made, run_tasks
 from palpate.twin import read_twin
 
-BASELINE_VERSION = "1"
-"""Version of the code that decides what a baseline predicts."""
 BASELINES = {
     "ridge": "ridge regression on dots",
     "paper": "the paper's perceptron on dots",
@@ -55,7 +53,7 @@ class _Desk:
         fields |= {"network": {"network", "seed", "jitter_px"}, "picture": {"seed", "picture_px", "picture_epochs"}}
         chosen = self.spec.model_dump(mode="json", include=fields[name])
         about = digest(self.benchmark.folder / CHECKSUMS)
-        return Recipe("baseline", {"name": name, "part": part, "spec": chosen}, (about,), BASELINE_VERSION)
+        return Recipe("baseline", {"name": name, "part": part, "spec": chosen}, (about,), stage_version("baseline"))
 
 
 def run_baselines(

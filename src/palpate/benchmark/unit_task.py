@@ -8,13 +8,11 @@ from functools import cached_property
 from palpate.benchmark.draw_unit import draw_unit
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec, TwinPressSpec
 from palpate.benchmark.unit_images import write_unit_images
-from palpate.core import ArtefactStore, Recipe
+from palpate.core import ArtefactStore, Recipe, stage_version
 from palpate.mesh import MeshSpec
 from palpate.study import BuiltSpec, MaterialSpec, Task, TwinTask, find_made, plan_twin, study_of
 from palpate.twin import read_twin
 
-BENCHMARK_VERSION = "1"
-"""Version of the code that decides what the set holds; part of the keys of its units."""
 _ABOUT_IMAGES = {"url", "creator", "published", "licence", "designs", "train_units", "calibrate_units", "test_units"}
 """What one unit does not depend on, beside its side, which its seed tells."""
 
@@ -41,7 +39,7 @@ class DrawnUnitTask(Task):
             "design": self.design.model_dump(mode="json"),
             "unit": self.unit,
         }
-        return Recipe("benchmark", spec, (self.twin.recipe.key,), BENCHMARK_VERSION)
+        return Recipe("benchmark", spec, (self.twin.recipe.key,), stage_version("benchmark_unit"))
 
     @property
     def needs(self) -> tuple[Task, ...]:

@@ -3,7 +3,7 @@
 from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw_deviation, single_deviation
 from palpate.built.fit_pose import PoseFit, PoseFitter
 from palpate.built.force import Force, ForceScale, expect_force, expect_scale, learn_scale
-from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
+from palpate.built.foresee import BuiltFigure, ForeseeSpec, foresee
 from palpate.built.foresee_budget import foresee_budget
 from palpate.built.identify import Identified, identify
 from palpate.built.next_press import rank_presses
@@ -16,7 +16,6 @@ from palpate.built.unit_file import KnownUnit, read_unit, write_unit
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel, learn_rest, model_unit
 
 __all__ = [
-    "FORESEE_VERSION",
     "IMPERFECTIONS",
     "KNOWN_TILTS",
     "KNOWN_TURN_DEG",

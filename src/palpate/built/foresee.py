@@ -36,9 +36,6 @@ from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-FORESEE_VERSION = "4"
-"""Version of the code that decides what is foreseen; part of an artefact's key."""
-
 
 @dataclass(frozen=True)
 class ForeseeSpec:

@@ -1,8 +1,8 @@
 """Datasets: from solved presses and a camera to images of markers with known poses."""
 
 from palpate.dataset.dataset import Dataset
-from palpate.dataset.generate_dataset import DATASET_VERSION, generate_dataset
-from palpate.dataset.io import read_dataset, write_dataset
+from palpate.dataset.generate_dataset import generate_dataset
+from palpate.dataset.io import dataset_version, read_dataset, write_dataset
 from palpate.dataset.normalise import Normalisation, draw_jitter
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec, RandomiseSpec
@@ -10,13 +10,13 @@ from palpate.dataset.split import LeakageError, hold_out, refuse_leakage
 from palpate.dataset.vary import VariedPresses
 
 __all__ = [
-    "DATASET_VERSION",
     "Dataset",
     "DatasetSpec",
     "LeakageError",
     "Normalisation",
     "RandomiseSpec",
     "VariedPresses",
+    "dataset_version",
     "draw_jitter",
     "generate_dataset",
     "hold_out",

@@ -20,9 +20,6 @@ from palpate.dataset.vary_forces import vary_forces
 from palpate.design import MarkerLayout, Skin
 from palpate.fea import Press
 
-DATASET_VERSION = "1"
-"""Version of the code that decides what a dataset contains; part of an artefact's key."""
-
 UNSEEN = "a marker out of sight"
 
 

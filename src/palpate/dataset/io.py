@@ -9,12 +9,14 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import PalpateError, refuse_outside_links
+from palpate.camera import Camera
+from palpate.core import PalpateError, refuse_outside_links, stage_version
 from palpate.dataset.dataset import Dataset
-from palpate.dataset.generate_dataset import DATASET_VERSION
 from palpate.dataset.spec import DatasetSpec
 from palpate.design import PoseSpace
 
+DATASET_FORMAT = "1"
+"""Version of the file format; files of another one are refused."""
 _COLUMNS = {
     "images_px": (("image", "marker", "pixel_axis"), "px", "clean marker positions"),
     "poses": (("image", "pose_axis"), "deg, deg, mm", "rotation of the wall and depth"),
@@ -26,10 +28,15 @@ _COLUMNS = {
 }
 
 
+def dataset_version(camera: Camera) -> str:
+    """Return the version of a dataset for its key: behaviour, libraries, the plug-in of the lens, and file format."""
+    return f"{stage_version('dataset', camera.lens)}; format {DATASET_FORMAT}"
+
+
 def write_dataset(path: Path, dataset: Dataset) -> None:
     """Write `dataset` to the HDF5 file `path`, replacing it."""
     with h5py.File(path, "w") as file:
-        file.attrs["palpate_dataset_version"] = DATASET_VERSION
+        file.attrs["palpate_dataset_version"] = DATASET_FORMAT
         file.attrs["spec"] = dataset.spec.model_dump_json()
         file.attrs["image_size_px"] = np.array(dataset.image_size_px)
         file.attrs["solved_presses"] = dataset.solved_presses
@@ -62,9 +69,9 @@ def read_dataset(path: Path) -> Dataset:
         with h5py.File(path, "r") as file:
             refuse_outside_links(file, path)
             version = file.attrs.get("palpate_dataset_version")
-            if version != DATASET_VERSION:
+            if version != DATASET_FORMAT:
                 raise PalpateError(
-                    f"{path} holds dataset version {version}, this program reads version {DATASET_VERSION}.",
+                    f"{path} holds dataset version {version}, this program reads version {DATASET_FORMAT}.",
                     "Make the dataset again.",
                 )
             return _read(file)

@@ -9,12 +9,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, refuse_outside_links
-from palpate.design import build_skin, skin_from_data
+from palpate.core import PalpateError, refuse_outside_links, stage_version
+from palpate.design import SkinSpec, build_skin, skin_from_data
 from palpate.fea.derivative import Derivative
 from palpate.fea.obstacles import obstacle_from_data
-from palpate.fea.press import FEA_VERSION, Press
-from palpate.material import material_from_data
+from palpate.fea.press import Press
+from palpate.fea.spec import ObstacleSpec
+from palpate.material import Material, material_from_data
 from palpate.mechanics import Ended, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 
@@ -32,14 +33,22 @@ _ARRAYS = {
     "hold_tension": "MPa",
     "negative_pivots": "1",
 }
+PRESS_FORMAT = "8"
+"""Version of the file format; files of another one are refused."""
 _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
+
+
+def press_version(skin: SkinSpec, material: Material, obstacle: ObstacleSpec) -> str:
+    """Return the version of a press for its key: behaviour, libraries, plug-ins and file format."""
+    gel = () if material.gel is None else (material.gel.law,)
+    return f"{stage_version('press', skin, material.law, *gel, obstacle)}; format {PRESS_FORMAT}"
 
 
 def write_press(path: Path, press: Press) -> None:
     """Write a press. The mesh is not stored: it is built again from its spec, which takes milliseconds."""
     with h5py.File(path, "w") as file:
         file.attrs["kind"] = "palpate press"
-        file.attrs["version"] = FEA_VERSION
+        file.attrs["version"] = PRESS_FORMAT
         file.attrs["dome"] = json.dumps(press.mesh.skin.spec_data)
         file.attrs["mesh"] = press.mesh.spec.model_dump_json()
         if press.mesh.pole is not None:
@@ -75,8 +84,8 @@ def read_press(path: Path) -> Press:
     try:
         with h5py.File(path, "r") as file:
             refuse_outside_links(file, path)
-            if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != FEA_VERSION:
-                raise PalpateError(f"{path} is no press of version {FEA_VERSION}.", "Solve it again.")
+            if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != PRESS_FORMAT:
+                raise PalpateError(f"{path} is no press of version {PRESS_FORMAT}.", "Solve it again.")
             dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}
             return Press(

@@ -15,9 +15,6 @@ from palpate.material import Material
 from palpate.mechanics import Ended, SolverSpec
 from palpate.mesh import Mesh, follow_marked, follow_rate, locate_inner, locate_nodes
 
-FEA_VERSION = "8"
-"""Version of everything in mesh, material and fea that changes a press's numbers; part of artefact keys."""
-
 
 class Branch(StrEnum):
     """Which of the two stable states an increment shows."""

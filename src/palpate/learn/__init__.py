@@ -3,13 +3,12 @@
 from palpate.learn.calibrate import Coverage, calibrate, measure_coverage
 from palpate.learn.control import compare_splits, shuffle_labels
 from palpate.learn.device import find_device
-from palpate.learn.estimator import LEARN_VERSION, Estimator
-from palpate.learn.force import FORCE_VERSION
+from palpate.learn.estimator import Estimator
 from palpate.learn.force_graph import learn_forces
 from palpate.learn.interval import Interval, Prediction
 from palpate.learn.io import read_estimator, write_estimator
 from palpate.learn.judge import compare_with_limit, find_leak, pool_limits
-from palpate.learn.limit import LIMIT_VERSION, DepthLimit, find_limits
+from palpate.learn.limit import DepthLimit, find_limits
 from palpate.learn.metrics import DepthErrors, ErrorSummary, Metrics, TiltErrors, measure_errors
 from palpate.learn.predictor import Predictor, open_predictor
 from palpate.learn.search import search
@@ -18,9 +17,6 @@ from palpate.learn.spec import SearchSpec, TrainSpec, paper_training
 from palpate.learn.train import evaluate, fit_ridge, train
 
 __all__ = [
-    "FORCE_VERSION",
-    "LEARN_VERSION",
-    "LIMIT_VERSION",
     "PAPER_SPACE",
     "Coverage",
     "DepthErrors",

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError
+from palpate.core import FloatArray, PalpateError, behaviour_stamp
 from palpate.dataset import Normalisation
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.learn.interval import Interval, Prediction
-
-LEARN_VERSION = "5"
-"""Version of the code that decides what an estimator predicts; part of an artefact's key."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +44,7 @@ class Estimator:
     interval
         Half-widths and trained range (`calibrate`); `None` where nothing is promised.
     version
-        `LEARN_VERSION` of the code that trained it.
+        Behaviour stamp of the code that trained it.
     space
         What it estimates.
     """
@@ -66,7 +63,7 @@ class Estimator:
     history: tuple[tuple[float, ...], ...] = ()
     repeat_rmse_deg: tuple[float, ...] = ()
     interval: Interval | None = None
-    version: str = LEARN_VERSION
+    version: str = field(default_factory=lambda: behaviour_stamp("estimator"))
     space: PoseSpace = TILT_DEPTH
 
     @property

@@ -23,8 +23,6 @@ from palpate.learn.interval import press_quantile
 from palpate.learn.spec import TrainSpec
 from palpate.learn.train import train_targets
 
-FORCE_VERSION = "1"
-"""Version of the code that decides what forces an estimator tells; part of an artefact's key."""
 FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
 """Components of a force in the wall's axes, N: in its plane, where the dome's x and y are turned to, and along its
 outward normal."""

@@ -25,9 +25,6 @@ from palpate.dataset import DatasetSpec, sample_poses
 from palpate.learn.posterior import BURN_IN, walk_polytopes
 from palpate.twin import MarkerField, image_jacobian
 
-LIMIT_VERSION = "1"
-"""Version of the code that decides a limit; part of an artefact's key."""
-
 POSES = 48
 """Poses over the disc of tilts at which the bounds are averaged."""
 FEWEST_IMAGES = 3

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from palpate.core import ArtefactStore, PalpateError, load_opencv
+from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
 from palpate.design import DomeSpec
 from palpate.optimise.front import Control, Front, TriedSkin
 from palpate.optimise.proposal import Proposal
-from palpate.optimise.propose import PROPOSE_VERSION, ProposalTask, plan_proposal
+from palpate.optimise.propose import ProposalTask, plan_proposal
 from palpate.optimise.prove import foresee_rival, prove
 from palpate.optimise.search_skins import (
     Judged,
@@ -152,14 +152,14 @@ class _Judge:
 
     def judge_again(self, tried: Sequence[Tried]) -> tuple[Tried, ...]:
         """The same skins as this version judges them; presses are kept."""
-        old = [one for one in tried if one.judged.note.get("version") != PROPOSE_VERSION]
+        old = [one for one in tried if one.judged.note.get("version") != stage_version("skin_evaluation")]
         anew = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
         return tuple(
             replace(one, judged=anew.get(one.number) or self._judged(self.skin(one).proposal)) for one in tried
         )
 
     def _judged(self, proposal: Proposal) -> Judged:
-        note = {"proposal": proposal.to_data(), "version": PROPOSE_VERSION}
+        note = {"proposal": proposal.to_data(), "version": stage_version("skin_evaluation")}
         return Judged(values(self.spec, proposal), violations(self.spec, proposal), note)
 
     def say_best(self, tried: Sequence[Tried]) -> None:

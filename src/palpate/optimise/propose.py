@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from palpate.bench import DEGRADED, set_scene
-from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, TwinChecks, draw_deviation, foresee
+from palpate.built import BuiltFigure, ForeseeSpec, TwinChecks, draw_deviation, foresee
 from palpate.camera import Camera, build_camera
-from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe
+from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe, stage_version
 from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers, ring_diameters
 from palpate.fabricate import check_process
 from palpate.fea import Branch, Press, read_press
@@ -36,8 +36,6 @@ from palpate.study import (
 )
 from palpate.twin import Twin, read_twin
 
-PROPOSE_VERSION = f"6/{FORESEE_VERSION}"
-"""Version of the code that decides what is proposed and foreseen; part of an artefact's key."""
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
 of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
@@ -93,7 +91,7 @@ class ProposalTask(Task):
         if self.grid is not None:
             spec["grid"] = self.grid.model_dump(mode="json", include={"designs": {"markers"}, "distance": True})
         inputs = tuple(task.recipe.key for task in self.needs)
-        return Recipe(kind="proposal", spec=spec, inputs=inputs, version=PROPOSE_VERSION)
+        return Recipe(kind="proposal", spec=spec, inputs=inputs, version=stage_version("skin_evaluation"))
 
     @property
     def needs(self) -> tuple[Task, ...]:

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench import BENCH_VERSION, Bench, VirtualBenchSpec, play_unit
+from palpate.bench import Bench, VirtualBenchSpec, play_unit
 from palpate.built import BuiltFigure, draw_deviation, foresee
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
+from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, stage_version
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
 from palpate.design import MarkerSpec, Skin, SkinSpec, build_skin, place_markers
-from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, write_press
+from palpate.fea import Press, WallSpec, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
@@ -70,7 +70,7 @@ class UnitTask(Task):
             "camera": self.camera.model_dump(mode="json"),
             "unit": self.unit,
         }
-        return Recipe("proof", spec, (self.reader.recipe.key,), f"{BENCH_VERSION}/{FEA_VERSION}")
+        return Recipe("proof", spec, (self.reader.recipe.key,), stage_version("unit_trial"))
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -111,7 +111,7 @@ class CalculixTask(Task):
     def recipe(self) -> Recipe:
         own = self.press.recipe
         spec = {**own.spec, "solver": {"calculix": CalculixSpec().model_dump(mode="json")}}
-        return Recipe(own.kind, spec, (), FEA_VERSION)
+        return Recipe(own.kind, spec, (), own.version)
 
     @property
     def needs(self) -> tuple[Task, ...]:

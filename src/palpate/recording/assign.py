@@ -14,8 +14,6 @@ from palpate.recording.layout import LEAST_DOTS, DotLayout, number_dots
 from palpate.recording.motions import learn_motions
 from palpate.recording.sight import Sight
 
-ASSIGN_VERSION = "5"
-"""Version of the code that decides which dot is which; part of an artefact's key."""
 _SAID = 500
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 """Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how

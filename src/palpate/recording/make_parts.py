@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import ArtefactStore, PalpateError, Recipe, worker_process
+from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version, worker_process
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.course import CourseSpec, load_torch
 from palpate.recording.lesson import Lesson, fit_ridge_part
@@ -28,8 +28,6 @@ from palpate.recording.part import PARTS, ModelPart
 from palpate.recording.see_recording import Say
 from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
 
-PART_VERSION = "5"
-"""Version of the code that decides what a part predicts; part of an artefact's key."""
 TURNED = "-turned"
 """End of the names of networks that are taught by turned presses as well."""
 _LONGER = 8 / 3
@@ -85,7 +83,7 @@ class PartJob:
         for array in (self.lesson.inputs, self.lesson.targets, self.lesson.teach, self.lesson.judge):
             digest.update(np.ascontiguousarray(array).tobytes())
         own = [self.name, digest.hexdigest(), self.seed, self.passes if self.sees_pictures else 0]
-        return Recipe("part", own, version=PART_VERSION)
+        return Recipe("part", own, version=stage_version("recorded_estimator"))
 
     def train(self, threads: int, kept: Path, say: Say) -> Mapping[str, NDArray[Any]]:
         """Arrays of the part; what is known meanwhile lies in the file `kept`."""

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe
+from palpate.core import ArtefactStore, BoolArray, FloatArray, PalpateError, Recipe, stage_version
 from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.assign import ASSIGN_VERSION, Assigned, assign_images, choose_reference
+from palpate.recording.assign import Assigned, assign_images, choose_reference
 from palpate.recording.layout import DotLayout
 from palpate.recording.read_recording import LEAST_PRESSES, Recording
 from palpate.recording.sight import Eye, Sight, look_at, open_eye
@@ -142,7 +142,9 @@ def _assign(
             f"({len(sight.dots[reference])} dots)."
         )
     digest = hashlib.sha256(b"".join(np.ascontiguousarray(dots).tobytes() for dots in sight.dots)).hexdigest()
-    recipe = Recipe("assigned", [digest, reference, spec.correspondence, list(eye.shape)], version=ASSIGN_VERSION)
+    recipe = Recipe(
+        "assigned", [digest, reference, spec.correspondence, list(eye.shape)], version=stage_version("correspondence")
+    )
     path = store.find(recipe)
     if path is None:
         found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", say)

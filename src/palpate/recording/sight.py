@@ -15,13 +15,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import ArtefactStore, BoolArray, FloatArray, IntArray, PalpateError, Recipe, TextArray, load_opencv
+from palpate.core import (
+    ArtefactStore,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    PalpateError,
+    Recipe,
+    TextArray,
+    load_opencv,
+    stage_version,
+)
 from palpate.markers import Detector, DetectSpec, prepare_detector
 from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.read_recording import Recording
 
-SIGHT_VERSION = "1"
-"""Version of the code that decides what is seen in an image; part of an artefact's key."""
 CHUNK = 200
 _LOOKED = 7
 _MOST_MPX = 40.0
@@ -147,7 +155,7 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
     for start in range(0, total, CHUNK):
         numbers = range(start, min(start + CHUNK, total))
         stamps = hashlib.sha256("\n".join(recording.images.stamp(number) for number in numbers).encode()).hexdigest()
-        recipe = Recipe("sight", [stamps, spec], version=SIGHT_VERSION)
+        recipe = Recipe("sight", [stamps, spec], version=stage_version("detections"))
         path = store.find(recipe)
         if path is None:
             path = store.write(recipe, lambda file, own=numbers: _write(file, recording, eye, own))  # type: ignore[misc]

@@ -10,22 +10,21 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
+from palpate.built import BuiltFigure, ForeseeSpec, ToleranceSpec, foresee
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, Recipe, written_whole
+from palpate.core import ArtefactStore, Recipe, stage_version, written_whole
 from palpate.design import MarkerSpec, SkinSpec, build_skin, place_markers
 from palpate.fea import Branch, read_press
 from palpate.mechanics import SolverSpec
 from palpate.study.study import BuiltSpec, Study
 from palpate.study.task import PressTask, Task, find_made, write_json
 from palpate.twin import (
-    BUILD_VERSION,
     TWIN_DERIVATIVES,
-    TWIN_VERSION,
     build_twin,
     measure_off,
     read_twin,
     twin_path,
+    twin_version,
     write_twin,
 )
 
@@ -52,7 +51,7 @@ class TwinTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         keys = tuple(press.recipe.key for press in self.needs)
-        return Recipe(kind="twin", spec={}, inputs=keys, version=f"{TWIN_VERSION}/{BUILD_VERSION}")
+        return Recipe(kind="twin", spec={}, inputs=keys, version=twin_version())
 
     @property
     def needs(self) -> tuple[PressTask, ...]:
@@ -99,7 +98,7 @@ class BuiltTask(Task):
             "tolerance": self.tolerance.model_dump(mode="json"),
             "figures": [asdict(figure) for figure in self.figures],
         }
-        return Recipe(kind="built", spec=spec, inputs=(self.twin.recipe.key,), version=FORESEE_VERSION)
+        return Recipe(kind="built", spec=spec, inputs=(self.twin.recipe.key,), version=stage_version("accuracy"))
 
     @property
     def needs(self) -> tuple[Task, ...]:

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import ArtefactStore, provenance
-from palpate.dataset import DATASET_VERSION
+from palpate.core import ArtefactStore, behaviour_stamp, provenance
 from palpate.design import Symmetry, build_skin
-from palpate.fea import FEA_VERSION, Branch, read_press
-from palpate.learn import LEARN_VERSION, LIMIT_VERSION, Coverage, Metrics
+from palpate.fea import Branch, read_press
+from palpate.learn import Coverage, Metrics
 from palpate.study.built_task import BuiltTask, read_figures
 from palpate.study.force_task import ForceTask
 from palpate.study.plan import Plan
@@ -112,8 +111,8 @@ def _collect_design(
 
 
 def _versions() -> dict[str, str]:
-    stages = {"fea": FEA_VERSION, "dataset": DATASET_VERSION, "limit": LIMIT_VERSION, "learn": LEARN_VERSION}
-    return {**provenance(), **stages}
+    stages = {"fea": "press", "dataset": "dataset", "limit": "error_bound", "learn": "estimator"}
+    return {**provenance(), **{name: behaviour_stamp(stage) for name, stage in stages.items()}}
 
 
 _SIZES = {"height", "base_radius", "thickness"}

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from palpate.core import ArtefactStore, Recipe
-from palpate.learn import FORCE_VERSION
+from palpate.core import ArtefactStore, Recipe, stage_version
 from palpate.study.task import EstimatorTask, Task, find_made
 
 
@@ -25,7 +24,7 @@ class ForceTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         inputs = tuple(task.recipe.key for task in (self.estimator, *self.estimator.dataset.needs))
-        return Recipe(kind="forces", spec={}, inputs=inputs, version=FORCE_VERSION)
+        return Recipe(kind="forces", spec={}, inputs=inputs, version=stage_version("force_estimator"))
 
     @property
     def needs(self) -> tuple[Task, ...]:

@@ -10,26 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, PalpateError, Recipe
+from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.dataset import (
-    DATASET_VERSION,
     Dataset,
     DatasetSpec,
     VariedPresses,
+    dataset_version,
     generate_dataset,
     read_dataset,
     write_dataset,
 )
 from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
-from palpate.fea import FEA_VERSION, Branch, ObstacleSpec, read_press, solve_press, write_press
-from palpate.learn import LEARN_VERSION, LIMIT_VERSION, PAPER_SPACE, DepthLimit, SearchSpec
+from palpate.fea import Branch, ObstacleSpec, press_version, read_press, solve_press, write_press
+from palpate.learn import PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import build_field
-
-TASK_VERSION = "3"
-"""Version of what the tasks themselves add to an artefact: the tally of a learning."""
 
 
 class MissingArtefactError(PalpateError):
@@ -101,7 +98,8 @@ class PressTask(Task):
             "branch": str(self.branch),
         }
         kind = "inverted" if self.branch is Branch.INVERTED else "press"
-        return Recipe(kind=kind, spec=spec, version=FEA_VERSION)
+        version = press_version(self.skin, self.material, self.wall)
+        return Recipe(kind=kind, spec=spec, version=version)
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -145,7 +143,7 @@ class DatasetTask(Task):
             "dataset": self.spec.model_dump(mode="json"),
         }
         inputs = tuple(press.recipe.key for press in self.needs)
-        return Recipe(kind="dataset", spec=spec, inputs=inputs, version=DATASET_VERSION)
+        return Recipe(kind="dataset", spec=spec, inputs=inputs, version=dataset_version(build_camera(self.camera)))
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -183,8 +181,7 @@ class LimitTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         dataset = self.dataset.recipe
-        version = f"{LIMIT_VERSION}/{DATASET_VERSION}"
-        return Recipe(kind="limit", spec=dataset.spec, inputs=dataset.inputs, version=version)
+        return Recipe(kind="limit", spec=dataset.spec, inputs=dataset.inputs, version=stage_version("error_bound"))
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -220,7 +217,9 @@ class EstimatorTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         spec = self.spec.model_dump(mode="json")
-        return Recipe(kind="estimator", spec=spec, inputs=(self.dataset.recipe.key,), version=LEARN_VERSION)
+        return Recipe(
+            kind="estimator", spec=spec, inputs=(self.dataset.recipe.key,), version=stage_version("estimator")
+        )
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -272,7 +271,7 @@ class LearningTask(Task):
             kind="learning",
             spec={"seed": self.spec.seed},
             inputs=tuple(task.recipe.key for task in self.needs),
-            version=TASK_VERSION,
+            version=stage_version("test_errors"),
         )
 
     @property

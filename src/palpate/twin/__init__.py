@@ -2,7 +2,7 @@
 
 from palpate.twin.batch_twin import BatchTwin
 from palpate.twin.build_field import build_field
-from palpate.twin.build_twin import BUILD_VERSION, TWIN_DERIVATIVES, build_twin
+from palpate.twin.build_twin import TWIN_DERIVATIVES, build_twin
 from palpate.twin.force_field import ForceField, build_force_field
 from palpate.twin.jacobian import image_jacobian
 from palpate.twin.marker_field import MarkerField
@@ -11,10 +11,17 @@ from palpate.twin.tilt_runs import TiltRuns, cut_into_runs, label_presses, match
 from palpate.twin.turned_presses import MIRRORS
 from palpate.twin.turned_series import TurnedSeries, TurnedTable
 from palpate.twin.twin import MovedDots, PrintedTwin, Twin
-from palpate.twin.twin_file import TWIN_VERSION, find_twin, read_twin, twin_path, twin_relaxation, write_twin
+from palpate.twin.twin_file import (
+    TWIN_VERSION,
+    find_twin,
+    read_twin,
+    twin_path,
+    twin_relaxation,
+    twin_version,
+    write_twin,
+)
 
 __all__ = [
-    "BUILD_VERSION",
     "MIRRORS",
     "TWIN_DERIVATIVES",
     "TWIN_VERSION",
@@ -40,5 +47,6 @@ __all__ = [
     "shared_depths",
     "twin_path",
     "twin_relaxation",
+    "twin_version",
     "write_twin",
 ]

@@ -18,8 +18,6 @@ from palpate.twin.tilt_runs import SAME_DEPTH_MM, match_depths
 from palpate.twin.twin import FORCES, Twin
 from palpate.twin.twin_file import material_text
 
-BUILD_VERSION = "2"
-"""Version of the code that interpolates; part of an artefact's key."""
 THICKNESS = "thickness"
 TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.DRIFTS)
 """Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, provenance, refuse_outside_links
+from palpate.core import PalpateError, provenance, refuse_outside_links, stage_version
 from palpate.design import Skin, build_skin, skin_from_data
 from palpate.material import Material, material_from_data
 from palpate.relaxation import Relaxation
@@ -96,6 +96,11 @@ def write_twin(path: Path, twin: Twin) -> None:
                 _write_branch(file.create_group(_INVERTED), twin.inverted)
     except OSError as error:
         raise PalpateError(f"{path} cannot be written: {error}.", "Choose another place.") from None
+
+
+def twin_version() -> str:
+    """Return the version of a twin for its key: behaviour, libraries and file format."""
+    return f"{stage_version('twin')}; format {TWIN_VERSION}"
 
 
 def read_twin(path: Path) -> Twin:

@@ -1,0 +1,305 @@
+"""Reference cases of every stage: small computations whose results `palpate.core.behaviour` turns into stamps.
+
+Each function of `CASES` returns case → name → numbers. Together they run through branches, contact laws, skins,
+obstacles and lenses, so that a change of a stage changes a number here.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.bench import ToleranceSpec, play_unit
+from drawn_tactip import DrawnSensor, draw_motions, draw_recording
+from palpate.benchmark import PRESETS, make_benchmark, read_set
+from palpate.benchmark.draw_unit import draw_unit
+from palpate.benchmark.learnt_baselines import learn_design
+from palpate.benchmark.spec import TINY_BASELINES
+from palpate.built import ForeseeSpec, draw_deviation, foresee
+from palpate.camera import CameraSpec, build_camera
+from palpate.core import ArtefactStore
+from palpate.dataset import DatasetSpec, RandomiseSpec, generate_dataset, read_dataset
+from palpate.design import MarkerSpec, build_skin, place_markers, skin_from_data
+from palpate.fea import BallSpec, Branch, CylinderSpec, Press, WallSpec, read_obstacle
+from palpate.learn import evaluate, find_limits, fit_ridge, learn_forces, open_predictor, read_estimator, write_estimator
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.optimise import RequirementsSpec
+from palpate.optimise.proposal import Proposal
+from palpate.optimise.propose import propose
+from palpate.recording import RecordingSpec, learn_recording, read_recording
+from palpate.recording.arrays import read_arrays
+from palpate.twin import TWIN_DERIVATIVES, Twin, build_field
+from presses import press, stored_folder, tiny_study, twin
+from small_chain import small_bench, write_small_twin
+
+Results = dict[str, dict[str, Any]]
+
+DOME = {"kind": "dome", "height": 20.0, "thickness": 2.0}
+SKINS = {
+    "dome": DOME,
+    "thin": {"kind": "dome", "height": 20.0, "thickness": 1.0},
+    "low": {"kind": "dome", "height": 10.0, "thickness": 2.0},
+    "ellipsoid": {"kind": "ellipsoid", "height": 20.0, "thickness": 2.0},
+    "cone": {"kind": "cone", "height": 3.5, "thickness": 0.5, "base_radius": 12.9, "flat_radius": 10, "edge_radius": 2},
+}
+"""Skins of revolution."""
+SILICONE, MARKERS = "zaid_2024_ecoflex_00_30", MarkerSpec(count=37)
+
+
+def skin_of(name: str) -> Any:
+    return build_skin(skin_from_data(SKINS[name]))
+
+
+@cache
+def solve(name: str, obstacle: Any, cells: int | None = 6, **options: Any) -> Press:
+    branch = options.pop("branch", Branch.FLAT)
+    material, solver = get_material(SILICONE), SolverSpec(derivatives=options.pop("derivatives", ()))
+    if options.get("filled"):
+        material = replace(material, gel=get_material("neo-hooke:0.005"))
+    return press(mesh_skin(skin_of(name), MeshSpec(cells=cells, **options)), material, obstacle, solver, branch)
+
+
+def summarise(found: Press) -> dict[str, Any]:
+    """Numbers of a press in which every field takes part."""
+    moved = found.displacement
+    return {
+        "depth": found.depth,
+        "force": found.force,
+        "moved": np.linalg.norm(moved, axis=(1, 2)),
+        "apex": moved[:, found.mesh.pole_inner],
+        "energy": found.energy,
+        "contact_energy": found.contact_energy,
+        "dissipation": found.dissipation,
+        "work": found.work,
+        "stress": found.peak_stress,
+        "area": found.contact_area,
+        "gap": found.apex_gap,
+        "inverted": [str(branch) == "inverted" for branch in found.branch],
+        "unknowns": found.unknowns,
+        **{
+            f"by {name}": [float(np.linalg.norm(one.displacement)), float(np.linalg.norm(one.force))]
+            for name, one in found.derivatives.items()
+        },
+    }
+
+
+def presses() -> Results:
+    wall = {"depth": 4.0, "image_step": 1.0}
+    found = {
+        "no slip": solve("dome", WallSpec(tilt_deg=6, contact="no-slip", **wall), derivatives=TWIN_DERIVATIVES),
+        "frictionless": solve("dome", WallSpec(tilt_deg=6, contact="frictionless", **wall)),
+        "friction": solve("dome", WallSpec(tilt_deg=9, contact=0.6, azimuth_deg=40, unload=True, **wall)),
+        "snap": solve("thin", WallSpec(depth=8, image_step=2.0)),
+        "inverted": solve("thin", WallSpec(depth=8, image_step=2.0), branch=Branch.INVERTED),
+        "low": solve("low", WallSpec(tilt_deg=3, depth=3, image_step=1.0)),
+        "ellipsoid": solve("ellipsoid", WallSpec(tilt_deg=4, drift=0.1, twist_rate_deg=1.0, bend=5.0, **wall), whole=True),
+        "ball": solve("dome", BallSpec(radius=6, offset=3, **wall)),
+        "cylinder": solve("dome", CylinderSpec(**wall)),
+        "edge": solve("dome", read_obstacle("edge", WallSpec(depth=2, image_step=1.0))),
+        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, image_step=0.2), filled=True),
+    }
+    meshes = {name: mesh_skin(skin_of(name), MeshSpec()) for name in SKINS}
+    sizes = {name: [len(mesh.nodes), len(mesh.cells), float(np.abs(mesh.nodes).sum())] for name, mesh in meshes.items()}
+    return {name: summarise(one) for name, one in found.items()} | {"default mesh": sizes}
+
+
+def small_presses(contact: str | float = "no-slip", **update: Any) -> list[Press]:
+    return [
+        solve("dome", WallSpec(tilt_deg=tilt, depth=5.0, image_step=1.0, contact=contact), **update)
+        for tilt in (0.0, 4.0, 8.0)
+    ]
+
+
+@cache
+def small_dataset(forces: bool = False) -> Any:
+    spec = DatasetSpec(n_presses=100, max_tilt_deg=8.0, jitter_px=0.2)
+    return generate_dataset(small_presses(), place_markers(skin_of("dome"), MARKERS), build_camera(), spec, forces=forces)
+
+
+def datasets() -> Results:
+    found = small_dataset()
+    camera = build_camera(CameraSpec(lens="kannala-brandt", distance=30))
+    unit = generate_dataset(
+        small_presses(),
+        place_markers(skin_of("dome"), MARKERS),
+        camera,
+        DatasetSpec(n_presses=20, max_tilt_deg=8.0, randomise=RandomiseSpec(dot=0.05, camera_offset=0.1, focal=0.01)),
+    )
+    return {
+        name: {
+            "images": one.images_px[:: max(len(one.poses) // 5, 1)],
+            "poses": one.poses[::10],
+            "held out": int(one.validation.sum()),
+            "press": one.press[::10],
+        }
+        for name, one in (("nominal", found), ("randomised", unit))
+    }
+
+
+def error_bounds() -> Results:
+    field = build_field(small_presses(), place_markers(skin_of("dome"), MARKERS))
+    found = find_limits(field, build_camera(), small_dataset().spec, 0)
+    return {f"{one.depth_mm:g} mm": asdict(one) for one in found}
+
+
+@cache
+def study_results() -> Path:
+    return tiny_study(Path(tempfile.mkdtemp(prefix="palpate-behaviour-")))
+
+
+def estimators() -> Results:
+    results: Results = {}
+    for path in sorted((study_results() / "store" / "estimator").rglob("*.onnx")):
+        found = open_predictor(path)
+        rest = read_estimator(path).rest_px
+        moved = rest[None] + np.linspace(-3, 3, 5)[:, None, None] * np.array([1.0, 0.5])
+        results[f"{len(rest)} markers"] = {"poses": found.predict(moved).poses}
+    return results
+
+
+def evaluations() -> Results:
+    dataset = small_dataset()
+    ridge = fit_ridge(dataset)
+    measured = {"clean": evaluate(ridge, dataset, None), "jittered": evaluate(ridge, dataset, 0)}
+    return {
+        name: {axis: [error.rmse, error.max] for axis, error in one.by_axis.items()}
+        for name, one in measured.items()
+    }
+
+
+def force_estimators() -> Results:
+    dataset = small_dataset(forces=True)
+    with tempfile.TemporaryDirectory() as name:
+        pose, force = Path(name) / "pose.onnx", Path(name) / "force.onnx"
+        write_estimator(pose, fit_ridge(dataset))
+        learn_forces(pose, dataset, force)
+        return {"ridge": {"force": open_predictor(force).predict(dataset.images_px[::50]).forces}}
+
+
+@cache
+def small_twin() -> Twin:
+    walls = [
+        WallSpec(tilt_deg=tilt, depth=5.0, image_step=0.5, contact=contact)
+        for contact in ("no-slip", 1.4, 0.8, 0.4)
+        for tilt in (0.0, 3.0, 6.0, 9.0)
+    ]
+    return twin([solve("dome", wall, derivatives=TWIN_DERIVATIVES) for wall in walls])
+
+
+def twins() -> Results:
+    printed = small_twin().print_dots(place_markers(skin_of("dome"), MARKERS).positions)
+    results: Results = {}
+    for name, touch in {"straight": (0.0, 0.0, 2.0), "tilted": (5.0, -2.0, 3.3), "shallow": (1.0, 7.0, 0.7)}.items():
+        moved = printed.move(np.array(touch), 0.7, 0.02)
+        results[name] = {"positions": moved.positions, "by": moved.by, "force": moved.force}
+    return results
+
+
+def accuracies() -> Results:
+    layout, camera = place_markers(skin_of("dome"), MARKERS), build_camera()
+    found = {
+        known: foresee(small_twin(), layout, camera, ToleranceSpec(), ForeseeSpec(30, 20, max_tilt_deg=9.0, known=known))
+        for known in (0, 4)
+    }
+    return {f"{known} known": asdict(figure) for known, figure in found.items()}
+
+
+def unit_trials() -> Results:
+    with tempfile.TemporaryDirectory() as name:
+        bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), units=1, tilts=1, azimuths=2)
+        found = play_unit(bench, draw_deviation(bench.spec.tolerance, 3, 1))
+    return {"twin": {"images": found.images}}
+
+
+def skin_evaluations() -> Results:
+    spec = RequirementsSpec(name="behaviour", markers=37, depth=5.0, max_tilt_deg=8.0)
+    skin = skin_from_data(SKINS["dome"])
+    found = propose(small_twin(), Proposal(skin, SILICONE, 5.0, 0.3, None, ()), spec)
+    return {
+        f"option {number}": {"rings": option.markers.ring_diameters or (), "rmse": option.figure.rmse_deg, "worst": option.figure.worst_deg}
+        for number, option in enumerate(found.options)
+    }
+
+
+def benchmark_units() -> Results:
+    spec = PRESETS["tiny"]
+    found = draw_unit(spec, spec.designs[0], 1, small_twin())
+    return {
+        "unit 1": {
+            "markers": found.markers_px[::5],
+            "labels": found.labels,
+            "images": [float(image.mean()) for image in found.pictures],
+        }
+    }
+
+
+def baselines() -> Results:
+    spec = PRESETS["tiny"]
+    folder = stored_folder("benchmark", [spec.model_dump_json()], lambda made: make_benchmark(spec, made, workers=1))
+    found = read_set(folder / "set")
+    predicted = learn_design("ridge", found, spec.designs[0], TINY_BASELINES)
+    return {"ridge": {"poses": predicted.poses, "half_width": predicted.half_width}}
+
+
+@cache
+def recorded() -> tuple[Path, Any]:
+    folder = Path(tempfile.mkdtemp(prefix="palpate-behaviour-"))
+    draw_recording(folder, draw_motions(60, 1, shear=2.0), DrawnSensor(rings=3))
+    spec = RecordingSpec(estimators="ridge", threads=1)
+    found = learn_recording(read_recording(folder), spec, ArtefactStore(folder / "store"), lambda text: None)
+    return folder / "store", found
+
+
+def detections() -> Results:
+    return {"drawn recording": _arrays_of("sight")}
+
+
+def correspondences() -> Results:
+    return {"drawn recording": _arrays_of("assigned")}
+
+
+def recorded_estimators() -> Results:
+    found = recorded()[1]
+    return {"ridge": {"poses": found.estimates[::5], "rmse": [error.rmse for error in found.scores[0].errors]}}
+
+
+def _arrays_of(kind: str) -> dict[str, Any]:
+    """Numbers of every array of the artefacts of a kind: size, number of finite values, mean, mean square."""
+    results: dict[str, Any] = {}
+    for number, path in enumerate(sorted((recorded()[0] / kind).rglob("*.h5"))):
+        for name, values in read_arrays(path).items():
+            if np.issubdtype(np.asarray(values).dtype, np.number):
+                finite = np.asarray(values, float)[np.isfinite(np.asarray(values, float))]
+                summary = [finite.mean(), (finite**2).mean()] if finite.size else []
+                results[f"{number} {name}"] = [np.size(values), finite.size, *map(float, summary)]
+    return results
+
+
+CASES: dict[str, Callable[[], Results]] = {
+    "press": presses,
+    "dataset": datasets,
+    "error_bound": error_bounds,
+    "estimator": estimators,
+    "test_errors": evaluations,
+    "force_estimator": force_estimators,
+    "twin": twins,
+    "accuracy": accuracies,
+    "unit_trial": unit_trials,
+    "skin_evaluation": skin_evaluations,
+    "benchmark_unit": benchmark_units,
+    "baseline": baselines,
+    "detections": detections,
+    "correspondence": correspondences,
+    "recorded_estimator": recorded_estimators,
+}
+"""Stage → its reference cases."""
+ROUNDING: dict[str, float] = {"estimator": 0.02, "force_estimator": 0.02}
+"""Share of a result's size by which trained networks differ between machines; other results differ less."""

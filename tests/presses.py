@@ -1,0 +1,147 @@
+"""Presses, twins and a tiny study for tests, each computed once per state of the source.
+
+Results lie outside the repository, in the folder `PALPATE_TEST_STORE` or the user's cache. Their key contains the
+inputs, the syntax of the source (without docstrings and comments), and the versions of numpy, scipy, numba and the
+linear solver. Workers and later runs share them; a changed source computes them again.
+"""
+
+import fcntl
+import hashlib
+import json
+import os
+import pickle
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from palpate.fea import Branch, ObstacleSpec, Press, WallSpec, solve_press
+from palpate.material import Material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import Mesh
+from palpate.twin import Twin, build_twin
+from source_stamp import SOURCE, source_stamp
+
+OLD_S = 14 * 86400.0
+"""Age after which results of another state of the source are removed."""
+
+TINY_STUDY = """
+name: tiny
+seed: 3
+designs:
+  heights: [20 mm]
+  thicknesses: [2 mm]
+  markers: [7, 19]
+mesh: {cells: 8}
+tilts_deg: [0, 3, 6]
+wall: {depth: 4 mm}
+dataset: {n_presses: 60, max_tilt_deg: 6}
+learning: {preset: quick}
+"""
+"""A study of minutes cut down to seconds: coarse mesh, three tilts, shallow presses, tiny training."""
+
+
+def press(
+    mesh: Mesh,
+    material: Material,
+    obstacle: ObstacleSpec | None = None,
+    solver: SolverSpec | None = None,
+    branch: Branch = Branch.FLAT,
+) -> Press:
+    """Press of a skin as `solve_press` returns it, from the store if it was solved before."""
+    obstacle, solver = obstacle or WallSpec(), solver or SolverSpec()
+    inputs = (*_mesh_parts(mesh), _data(material.key_data()), *_spec_parts(obstacle), *_spec_parts(solver), branch)
+    return stored("press", inputs, lambda: solve_press(mesh, material, obstacle, solver, branch))
+
+
+def twin(presses: Iterable[Press]) -> Twin:
+    """Twin of presses, as `build_twin` returns it."""
+    given = list(presses)
+    inputs = [part for one in given for part in (*_mesh_parts(one.mesh), *_spec_parts(one.wall), one.displacement)]
+    return stored("twin", inputs, lambda: build_twin(given))
+
+
+def tiny_study(folder: Path) -> Path:
+    """Copy the results of `TINY_STUDY`, run by the command line with two workers, to a folder; return the folder."""
+
+    def run(made: Path) -> None:
+        study = made / "tiny.yaml"
+        study.write_text(TINY_STUDY)
+        words = [sys.executable, "-m", "palpate", "run", str(study), "--out", str(made / "results"), "--workers", "2"]
+        done = subprocess.run(words, cwd=SOURCE.parent, capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stderr
+
+    shutil.copytree(stored_folder("study", [TINY_STUDY], run) / "results", folder, dirs_exist_ok=True)
+    return folder
+
+
+def stored(kind: str, inputs: Iterable[Any], make: Callable[[], Any]) -> Any:
+    """Return what `make` returns, computed once for each kind, inputs and state of the source."""
+    path = _path(kind, inputs)
+    with _locked(path):
+        if not path.exists():
+            draft = path.with_suffix(f".{os.getpid()}")
+            draft.write_bytes(pickle.dumps(make()))
+            draft.rename(path)
+    return _load(path)
+
+
+def stored_folder(kind: str, inputs: Iterable[Any], make: Callable[[Path], None]) -> Path:
+    """Folder that `make` filled, once for each kind, inputs and state of the source; only to be read."""
+    path = _path(kind, inputs)
+    with _locked(path):
+        if not path.exists():
+            draft = path.with_suffix(f".{os.getpid()}")
+            draft.mkdir()
+            make(draft)
+            draft.rename(path)
+    return path
+
+
+@cache
+def _load(path: Path) -> Any:
+    return pickle.loads(path.read_bytes())
+
+
+def _path(kind: str, inputs: Iterable[Any]) -> Path:
+    digest = hashlib.sha256(kind.encode())
+    for part in inputs:
+        digest.update(b"\0" + (part.tobytes() if hasattr(part, "tobytes") else str(part).encode()))
+    return _folder() / f"{kind}-{digest.hexdigest()[:32]}"
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    with path.with_name(path.name + ".lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+@cache
+def _folder() -> Path:
+    chosen = os.environ.get("PALPATE_TEST_STORE")
+    cached = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "palpate-tests"
+    folder = (Path(chosen) if chosen else cached) / source_stamp()
+    folder.mkdir(parents=True, exist_ok=True)
+    os.utime(folder)
+    for other in folder.parent.iterdir():
+        if time.time() - other.stat().st_mtime > OLD_S:
+            shutil.rmtree(other, ignore_errors=True)
+    return folder
+
+
+def _mesh_parts(mesh: Mesh) -> tuple[Any, ...]:
+    return _data(mesh.skin.spec_data), mesh.spec.model_dump_json(), mesh.pole, mesh.nodes, mesh.cells
+
+
+def _spec_parts(spec: Any) -> tuple[str, str]:
+    return f"{type(spec).__module__}.{type(spec).__qualname__}", spec.model_dump_json()
+
+
+def _data(value: Any) -> str:
+    return json.dumps(value, sort_keys=True)
