@@ -248,8 +248,10 @@ class Skin(ABC):
             With the reason `why`, a part of a sentence, and the remedy.
         """
         if self.symmetry is not Symmetry.REVOLVED:
-            raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)
+            raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy, code="skin-not-revolution")
         if self.hole:
             raise PalpateError(
-                f"{self.name} has no apex: as yet a barrel is pressed, seen, learnt and made, no more.", remedy
+                f"{self.name} has no apex: as yet a barrel is pressed, seen, learnt and made, no more.",
+                remedy,
+                code="skin-no-apex",
             )

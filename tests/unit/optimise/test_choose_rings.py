@@ -181,7 +181,7 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
 
     def contradicted(twin: Twin, layout: MarkerLayout, *others: object) -> BuiltFigure:
         if len(layout) == 7:
-            raise PalpateError("Known presses do not fit a unit of this design.", "")
+            raise PalpateError("Known presses do not fit a unit of this design.", "", code="calibration-press-misfit")
         return foresee(twin, layout, *others)
 
     assert [option.markers.count for option in propose(twin, known, spec).options] == [7, 19]
@@ -201,7 +201,7 @@ def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
     def open_most(images: Sequence[object], unit: Unit, twin: Twin) -> None:
         opened.append(len(unit.layout))
         if opened[-1] == 7 and opened.count(7) >= 12:
-            raise PalpateError("Ring 1 was not found.", "")
+            raise PalpateError("Ring 1 was not found.", "", code="ring-missing")
 
     monkeypatch.setattr("palpate.optimise.propose.open_sensor", open_most)
     monkeypatch.setattr("palpate.optimise.propose.foresee", lambda *_: BuiltFigure(0, 0.05, 0.2, 0.01, 0.02))

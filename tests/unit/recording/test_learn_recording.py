@@ -381,7 +381,7 @@ class _Dying(PartJob):
 
 class _Refusing(PartJob):
     def train(self, threads: int, kept: Path, say: object) -> NoReturn:
-        raise PalpateError("The disk is full.", "Make room.")
+        raise PalpateError("The disk is full.", "Make room.", code="disk-full")
 
 
 def test_what_a_training_process_finds_is_told_as_if_it_were_found_here(tmp_path: Path) -> None:

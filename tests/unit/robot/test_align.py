@@ -107,7 +107,7 @@ def go_dark(unit: PlayedUnit, dark: Callable[[int, float], bool]) -> tuple[Any, 
         image = cell.next_image()
         if dark(count, cell.depth_at(robot.true)):
             places.append(float(robot.where().position[2]))
-            return PalpateError("No image.", "Look again.")
+            return PalpateError("No image.", "Look again.", code="image-damaged")
         return image
 
     said = Aligner(robot, unit._sensor, next_image, unit.tool, SPEC).align()

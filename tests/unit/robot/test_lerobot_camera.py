@@ -93,7 +93,7 @@ class Paced(Source):
     def images(self):
         for number in range(5):
             self.go.acquire()
-            yield PalpateError("torn", "Again.") if number == 2 else coloured(number)
+            yield PalpateError("torn", "Again.", code="image-damaged") if number == 2 else coloured(number)
 
     def close(self):
         self.closed = True

@@ -235,7 +235,7 @@ def test_hostile_images_give_flagged_readings_and_the_next_is_read(predictor):
         np.zeros((1, 1), np.uint8),
         np.zeros((100, 100), np.uint8),
         huge,
-        PalpateError("cut.png cannot be decoded."),
+        PalpateError("cut.png cannot be decoded.", code="image-damaged"),
     ]
     readings = list(run_sensor(sensor, hostile))
     assert all(reading.flags for reading in readings)
@@ -271,7 +271,7 @@ def test_motion_outside_the_training_is_flagged_only_while_touched(predictor):
 def test_readings_are_written_as_they_come(predictor, tmp_path, suffix):
     sensor = opened(predictor)
     path = tmp_path / f"out.{suffix}"
-    images = [photograph((1, 1, 2.0)), PalpateError("gone.")]
+    images = [photograph((1, 1, 2.0)), PalpateError("gone.", code="source-gone")]
     readings = list(write_readings(path, run_sensor(sensor, images)))
     text = path.read_text().splitlines()
     rows = list(csv.DictReader(text)) if suffix == "csv" else [json.loads(line) for line in text]

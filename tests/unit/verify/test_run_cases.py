@@ -7,7 +7,7 @@ from palpate.verify.read_reference import read_reference
 
 
 def fails() -> list:
-    raise PalpateError("No equilibrium was found.", "Refine the mesh.")
+    raise PalpateError("No equilibrium was found.", "Refine the mesh.", code="equilibrium-not-found")
 
 
 GOOD = Case("good", "exact", lambda: [compare("force, N", 1.0, 1.0, 0.01)])

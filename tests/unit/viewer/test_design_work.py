@@ -26,7 +26,7 @@ def work_for_ever(report):
 
 
 def refuse(report):
-    raise PalpateError("It is too thin.", "Make it thicker.")
+    raise PalpateError("It is too thin.", "Make it thicker.", code="wall-too-thin")
 
 
 def stumble(report):

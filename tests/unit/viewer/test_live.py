@@ -178,7 +178,7 @@ def test_a_source_without_an_image_is_refused():
     with pytest.raises(PalpateError, match="no image"):
         open_live(DESIGN, MadeUpPredictor(), MadeUpSource())
     with pytest.raises(PalpateError, match="broken"):
-        open_live(DESIGN, MadeUpPredictor(), MadeUpSource(PalpateError("It is broken.")))
+        open_live(DESIGN, MadeUpPredictor(), MadeUpSource(PalpateError("It is broken.", code="source-broken")))
 
 
 @pytest.mark.parametrize(

@@ -70,11 +70,11 @@ class Unplugged(Source):
 
     def images(self) -> Iterator[Any]:
         if type(self).opened == 2:
-            raise PalpateError("The camera cannot be opened.", "Plug it in.")
+            raise PalpateError("The camera cannot be opened.", "Plug it in.", code="source-not-opened")
         for _ in range(IMAGES):
             time.sleep(0.01)
             yield self._image
-        yield PalpateError("The camera gives nothing any more.", "Plug it in.")
+        yield PalpateError("The camera gives nothing any more.", "Plug it in.", code="camera-gone")
 
 
 @pytest.fixture
