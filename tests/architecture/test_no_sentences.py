@@ -13,9 +13,10 @@ FOREIGN: dict[str, int] = {}
 def matches(path: Path) -> Iterator[int]:
     """Lines of `pytest.raises` with a pattern."""
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("pytest.raises", "raises"):
-            if any(word.arg == "match" for word in node.keywords):
-                yield node.lineno
+        if not isinstance(node, ast.Call) or ast.unparse(node.func) not in ("pytest.raises", "raises"):
+            continue
+        if any(word.arg == "match" for word in node.keywords):
+            yield node.lineno
 
 
 def test_no_test_matches_the_sentence_of_an_error() -> None:

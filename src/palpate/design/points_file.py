@@ -45,7 +45,7 @@ def read_points(path: Path, skin: Skin) -> FloatArray:
         raise PalpateError(
             f"{path}: point {row + 1} ({', '.join(f'{value:g}' for value in table[row])}) mm is {where}.",
             f"The inner surface is that of {skin.name}, z >= 0; leave out z_mm to have points carried there.",
-            code="point-off-surface",
+            code="point-below-base" if below[row] else "point-off-surface",
         )
     return table
 

@@ -119,11 +119,12 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
 def refuse_older(path: Path, version: Any, known: int) -> None:
     """Refuse a grid that another version of palpate wrote, with a `PalpateError` that says what to do."""
     if version != known:
-        age = "an older" if isinstance(version, int) and version < known else "another"
+        older = isinstance(version, int) and version < known
+        age = "an older" if older else "another"
         raise PalpateError(
             f"{path} was written by {age} palpate: its format is {version}, this one reads {known}.",
             "Run the study again: what its folder holds stays valid, so only the grid is written anew.",
-            code="grid-version",
+            code="grid-older" if older else "grid-other",
         )
 
 

@@ -117,7 +117,9 @@ def _refuse_unfit(study: Study, skin: Skin) -> None:
             code="filling-needs-apex",
         )
     if study.forces:
-        skin.require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
+        skin.require_revolution(
+            "its forces are not interpolated", "Leave `forces` out of the study.", code="forces-need-revolution"
+        )
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:

@@ -129,7 +129,9 @@ def _refuse_others(presses: Sequence[Press]) -> None:
         )
     first = presses[0]
     if first.mesh.skin.hole:
-        first.mesh.skin.require_revolution("a twin is of walls that come down", "Use single presses instead.")
+        first.mesh.skin.require_revolution(
+            "a twin is of walls that come down", "Use single presses instead.", code="twin-needs-revolution"
+        )
     for press in presses:
         if press.mesh.skin.spec_data != first.mesh.skin.spec_data or press.material != first.material:
             raise PalpateError(

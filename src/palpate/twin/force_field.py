@@ -59,7 +59,9 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
         )
     for press in presses:
         press.mesh.skin.require_revolution(
-            "its forces are not interpolated", "Read those of single presses; leave `forces` out."
+            "its forces are not interpolated",
+            "Read those of single presses; leave `forces` out.",
+            code="forces-need-revolution",
         )
     depths = shared_depths(presses)
     presses = sorted(presses, key=lambda press: press.wall.radial)

@@ -167,7 +167,9 @@ def test_a_hundred_thousand_rows_are_read_within_seconds(tmp_path: Path) -> None
         ("image,rx_deg,ry_deg,depth_mm,half_rx_deg\n1,0,0,0,-1\n", ("half-width-negative", "half_rx_deg", "-1")),
     ],
 )
-def test_a_table_that_cannot_be_judged_is_refused_with_its_line(tmp_path: Path, text: str, says: str) -> None:
+def test_a_table_that_cannot_be_judged_is_refused_with_its_line(
+    tmp_path: Path, text: str, says: tuple[str, ...]
+) -> None:
     (tmp_path / "p.csv").write_text(text)
     with refused(*says):
         read_predictions(tmp_path / "p.csv")

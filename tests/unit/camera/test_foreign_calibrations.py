@@ -94,7 +94,9 @@ def test_a_camchain_of_kalibr_is_read(tmp_path: Path) -> None:
         ("- 1\n", ("calibration-file-unreadable",)),
     ],
 )
-def test_what_cannot_be_read_of_a_camchain_is_refused_in_a_sentence(text: str, says: str, tmp_path: Path) -> None:
+def test_what_cannot_be_read_of_a_camchain_is_refused_in_a_sentence(
+    text: str, says: tuple[str, ...], tmp_path: Path
+) -> None:
     path = tmp_path / "camchain.yaml"
     path.write_text(text)
     with refused(*says) as caught:

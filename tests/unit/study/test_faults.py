@@ -177,7 +177,7 @@ def test_a_full_disk_ends_the_run_with_the_reason_and_loses_nothing(small_disk: 
 
 
 def _fill(path: Path) -> None:
-    with path.open("wb", buffering=0) as file, pytest.raises(OSError, match="No space left"):
+    with path.open("wb", buffering=0) as file, pytest.raises(OSError):  # noqa: PT011
         file.writelines(itertools.repeat(b"\0" * 4096))
 
 

@@ -1,5 +1,6 @@
 import pytest
 
+from errors import refused
 from palpate.core import PalpateError
 from palpate.verify import CASES, Case, CaseOutcome, choose_cases, run_cases, write_page
 from palpate.verify.case import compare
@@ -26,10 +27,10 @@ def test_a_pattern_and_quick_choose_cases() -> None:
 
 
 def test_a_pattern_that_names_nothing_is_refused_with_the_names() -> None:
-    with pytest.raises(PalpateError, match="named like 'doom'") as refused:
+    with refused("case-unknown", "doom") as caught:
         choose_cases("doom")
-    assert "dome_H20_T2" in refused.value.remedy
-    with pytest.raises(PalpateError, match="slow"):
+    assert "dome_H20_T2" in caught.value.remedy
+    with refused("case-slow"):
         choose_cases("dome_H20_T2", quick=True)
 
 
