@@ -28,8 +28,8 @@ SOURCE = ROOT / "src" / "palpate"
 ERRORS = ("PalpateError", "MissingExtraError", "StoreError", "LeakageError", "MissingArtefactError")
 OF_THE_CLASS = {"MissingExtraError": "extra-missing", "MissingArtefactError": "artefact-missing"}
 """Classes whose code, remedy and sentence are their own."""
-HANDED_ON = {"error.code", "finding.code", "doubts[0].code", "first['type']", "errors[0]['type']"}
-"""Codes of an error that is told anew, of a finding, and of the first fault of a spec."""
+HANDED_ON = {"code", "error.code", "finding.code", "doubts[0].code", "first['type']", "errors[0]['type']"}
+"""Codes that a caller gives, of an error that is told anew, of a finding, and of the first fault of a spec."""
 KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)+")
 FIELD = "\0"
 """A value in a message."""
@@ -162,9 +162,11 @@ def test_the_types_of_a_spec_s_faults_are_written_as_codes() -> None:
 
 def test_every_code_that_a_test_names_is_in_use() -> None:
     """Those of pydantic itself are written with underscores, and ``usage`` is the command line's own."""
-    known = {code for each in messages() for code in each.codes} | spec_codes() | {"usage"}
-    named = {code for path in sorted((ROOT / "tests").rglob("*.py")) for code in named_codes(path)}
-    assert {code for code in named if code not in known and "_" not in code and code != "missing"} == set()
+    tests = sorted((ROOT / "tests").rglob("*.py"))
+    known = {code for each in messages() for code in each.codes} | spec_codes() | {"usage", "enum", "missing"}
+    known |= {code for path in (*sorted(SOURCE.rglob("*.py")), *tests) for code in written_codes(path)}
+    named = {code for path in tests for code in named_codes(path)}
+    assert {code for code in named if code not in known and "_" not in code} == set()
 
 
 def test_every_problem_is_a_sentence() -> None:
@@ -205,17 +207,18 @@ def spec_codes() -> set[str]:
     return found
 
 
-def named_codes(path: Path) -> Iterator[str]:
-    """Codes in the calls of `refused` and `check_refusal` of a file of tests."""
+def written_codes(path: Path) -> set[str]:
+    """Codes that are handed on as a keyword, and those of findings."""
     text = path.read_text("utf-8")
-    for node in ast.walk(ast.parse(text if re.search(r"\b(refused|check_refusal)\(", text) else "")):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            at = {"refused": 0, "check_refusal": 1}.get(node.func.id, -1)
-            if 0 <= at < len(node.args):
-                given = node.args[at]
-                for each in given.elts if isinstance(given, ast.Tuple) else (given,):
-                    if isinstance(each, ast.Constant):
-                        yield str(each.value)
+    return {*re.findall(r'\bcode="([^"]+)"', text), *re.findall(r'\bFinding\(\s*[\w.]+,\s*"([^"]+)"', text)}
+
+
+def named_codes(path: Path) -> set[str]:
+    """Codes in the calls of `refused` and `check_refusal` of a file of tests."""
+    calls = re.findall(
+        r"\b(?:refused\(|check_refusal\([^\n]*?,)\s*(\(.*?\)|\"[^\"]+\")", path.read_text("utf-8"), re.DOTALL
+    )
+    return {code for call in calls for code in re.findall(r'"([^"]+)"', call)}
 
 
 def missing_extra() -> None:

@@ -59,7 +59,7 @@ def test_a_package_that_cannot_be_imported_hinders_only_who_asks_for_it(guest):
 def test_two_packages_of_one_name_are_refused_by_their_names(guest):
     guest("guest_three", "class Own(Exception): pass", same="guest_three:Own")
     guest("guest_four", "class Own(Exception): pass", same="guest_four:Own", extra="guest_four:Own")
-    with refused("kind-unloadable", "guest_"):
+    with refused("kind-offered-twice", "guest_"):
         errors().get("same")
     with refused("kind-offered-twice", "palpate", "guest_four"):
         errors().get("extra")

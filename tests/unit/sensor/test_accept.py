@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from errors import refused
+from errors import check_refusal, refused
 from palpate.bench import Deviation
 from palpate.bench.bench import presses_of
 from palpate.bench.photograph import set_scene
@@ -173,7 +173,7 @@ def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
 def test_a_unit_needs_a_model_or_readings_and_a_rest_image(recording, tmp_path, capsys):
     words = ["--model", recording / "m.onnx", "--readings", tmp_path / "r.csv"]
     assert run("accept", recording / "truth.csv", *words) == 2
-    assert "--model or --readings" in capsys.readouterr().err
+    check_refusal(capsys.readouterr().err, "options-exclusive", "--model", "--readings")
     write_truth(tmp_path / "t.csv", [["1.png", "1", 1, 2, 3]])
     assert run("accept", tmp_path / "t.csv", "--model", recording / "m.onnx", "--markers", "37") == 2
-    assert "untouched dome" in capsys.readouterr().err
+    check_refusal(capsys.readouterr().err, "rest-image-missing")
