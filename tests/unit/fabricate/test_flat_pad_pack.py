@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.special import gamma
 from step_files import read_parts
 
-from errors import refused
+from errors import check_values, refused
 from needs import needs
 from palpate.cad import SurfaceMesh
 from palpate.camera import CameraSpec, WindowSpec
@@ -146,9 +146,10 @@ def test_a_pack_of_a_filled_pad_has_closed_parts_a_window_and_the_gel(tmp_path: 
     assert {finding.code for finding in pack.findings} == {"elastomer", "vents", "gel"}
     gel = AREA * flat_top(0.0) / 1000
     sheet = (pack.folder / "instructions.md").read_text()
-    assert sheet.index("## Print the markers") < sheet.index("## Fill with gel") < sheet.index("## Inspect")
-    assert f"({gel:.2f} mL)" in sheet
-    assert f"Mix {1.3 * gel:.1f} mL of gel" in sheet
+    steps = [line for line in sheet.splitlines() if line.startswith("## ")]
+    at = [next(n for n, step in enumerate(steps) if word in step) for word in ("markers", "gel", "Inspect")]
+    assert at == sorted(at)
+    check_values(sheet, f"{gel:.2f} mL", f"{1.3 * gel:.1f} mL")
     assert json.loads((pack.folder / "manifest.json").read_text())["design"]["gel"] == "neo-hooke:0.03"
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -10,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from errors import refused
+from errors import check_values, refused
 from palpate.built import BuiltFigure
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.optimise import (
@@ -143,17 +144,17 @@ def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once
     assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
     assert Front(SPEC, TRIED).ends == ()
     page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
-    assert "no greater than 0.310°, as is foreseen of the rival" in page
-    assert "* fewest markers: skin 1, H18 T2, 19 dots of 1.5 mm" in page
+    check_values(page, "0.310°")
+    (told,) = (line for line in page.splitlines() if line.startswith("* fewest markers"))
+    check_values(told, 1, "H18 T2", 19, "1.5 mm")
 
 
 def test_what_cannot_be_met_is_told_with_what_stands_in_the_way() -> None:
     hard = SPEC.model_copy(update={"error_deg": 0.1})
-    assert Front(hard, TRIED).shortfall == "The least error found is 0.150°, and 0.1° is wanted."
+    check_values(Front(hard, TRIED).shortfall, "0.150°", "0.1°")
     none = Front(SPEC, (TRIED[2], TRIED[2], TRIED[3]))
     assert none.winner is None
-    assert "of 2 the force on the workpiece is too great" in none.shortfall
-    assert "number 3, over by 12 %" in none.shortfall
+    check_values(none.shortfall, "force", 2, 3, "12 %")
 
 
 def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Path) -> None:
@@ -167,9 +168,7 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     assert (dome.height, study.designs.markers[0].count, study.camera.distance) == (18.0, 37, 44.0)
     assert winner_study(front, front.winner) == (tmp_path / "winner.yaml").read_text()
     page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
-    assert "The requirements are met." in page
-    assert "Too few skins were tried to say what matters." in page
-    assert "4 skins were tried, 2 meet the limits" in page
+    check_values(page, 4, 2)
 
 
 def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_next(
@@ -193,8 +192,8 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
     assert finished.winner.tried.number == 2
     page = report(finished, find_influences(tried, SkinSpace.of(spec), 169), "")
     for number in (0, 1):
-        assert f"Skin {number} met the limits by coarse presses alone: by fine ones the skin cannot be" in page
-    assert "Skin 2 met" not in page
+        assert re.search(rf"\bSkin {number}\b", page)
+    assert not re.search(r"\bSkin 2\b", page)
 
 
 def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -> None:
@@ -203,17 +202,19 @@ def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -
     front = Front(SPEC, (TRIED[0], finalist), control=Control((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0])))
     write_front(tmp_path, front, "palpate optimise wanted.yaml")
     page = (tmp_path / "report.md").read_text()
-    assert "* search, 2 skins: H18 T2, 37 dots: 0.1500°" in page
-    assert "* chance, 2 skins: H20 T2, 37 dots: 0.2500°" in page
-    assert "* grid, 6 designs: H20 T2, 37 dots: 0.2500°" in page
+    for name, *values_told in (
+        ("search", 2, "H18 T2", 37, "0.1500°"),
+        ("chance", 2, "H20 T2", 37, "0.2500°"),
+        ("grid", 6, "H20 T2", 37, "0.2500°"),
+    ):
+        (told,) = (line for line in page.splitlines() if line.startswith(f"* {name},"))
+        check_values(told, *values_told)
     control = json.loads((tmp_path / "front.json").read_text())["control"]
     assert [control[name]["worst_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
     picture = (tmp_path / "search.svg").read_text()
-    assert "least by chance" in picture
-    assert "best of the grid: H20 T2, 37 dots" in picture
-    assert "by the same coarse presses" in page
+    check_values(picture, "chance", "H20 T2", 37)
     alone = report(Front(SPEC, TRIED), find_influences(TRIED, SkinSpace.of(SPEC), 169), "")
-    assert "by the same coarse presses" not in alone
+    assert not any(line.startswith(("* chance,", "* grid,")) for line in alone.splitlines())
 
 
 def spread_skins(error_deg: Callable[[int, float], float]) -> tuple[SkinSpace, list[TriedSkin]]:
@@ -238,7 +239,7 @@ def test_what_matters_is_found_where_it_is_known() -> None:
     assert found.variables[0].name == "height"
     assert found.variables[0].together == pytest.approx(1.0, abs=0.05)
     assert all(abs(one.together) < 0.05 for one in found.variables[1:])
-    assert found.sentence.startswith("What matters most: height. What hardly matters:")
+    assert "height" in found.sentence
 
 
 def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
@@ -248,7 +249,7 @@ def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
     found = find_influences(tried, space, 169)
     assert found.explained < 0.2
     assert max(one.together for one in found.variables) > 0.15
-    assert found.sentence == "What matters cannot be told: no smooth surface goes through the skins tried."
+    assert not any(one.name in found.sentence for one in found.variables)
 
 
 def test_skins_that_fall_short_of_the_depth_do_not_say_what_matters() -> None:

@@ -144,7 +144,7 @@ def test_a_client_sends_an_image_and_gets_its_reading(sensor: Sensor) -> None:
             assert json.loads(socket.receive_text())["image"] == row["image"] + 1
         refused = client.post("/image", content=b"no image")
         assert refused.status_code == 400
-        assert "is not an image" in refused.json()["error"]
+        assert refused.json()["code"] == "image-format-unknown"
 
 
 def test_without_the_token_nothing_is_told(served: str) -> None:
