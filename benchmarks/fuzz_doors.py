@@ -244,7 +244,7 @@ def _send(port: int, request: bytes, patience: float = 1.0) -> bytes:
         whole = f"GET /data/grid.csv HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
         if b"200 OK" not in _send(port, whole.encode(), 0.8 * HANG_S):
             raise RuntimeError(f"the viewer answers nothing any more after {request!r}")
-    raise PalpateError(f"refused: {status}", "")
+    raise PalpateError(f"refused: {status}", "", code="fuzz-refused")
 
 
 def _study_door(_: Path) -> Door:

@@ -52,7 +52,7 @@ def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
         def __init__(self) -> None:
             type(self).opened += 1
             if type(self).opened == 2:
-                raise PalpateError("The camera cannot be opened.", "Plug it in.")
+                raise PalpateError("The camera cannot be opened.", "Plug it in.", code="source-not-opened")
 
         @property
         def name(self) -> str:
@@ -64,7 +64,7 @@ def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
                 due += 1.0 / RATE
                 time.sleep(max(0.0, due - time.monotonic()))
                 if type(self).opened == 1 and time.monotonic() - began > 0.5 * seconds:
-                    yield PalpateError("The camera gives nothing any more.", "Plug it in.")
+                    yield PalpateError("The camera gives nothing any more.", "Plug it in.", code="camera-gone")
                     return
                 yield images[0]
 

@@ -23,7 +23,9 @@ def enable() -> None:
     except ImportError:
         shell = None
     if shell is None:
-        raise PalpateError("This is no notebook.", "Call palpate.notebook.enable() in IPython or Jupyter.")
+        raise PalpateError(
+            "This is no notebook.", "Call palpate.notebook.enable() in IPython or Jupyter.", code="notebook-missing"
+        )
     register(shell.display_formatter.formatters["text/html"])
 
 

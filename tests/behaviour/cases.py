@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench import ToleranceSpec, play_unit
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
+from palpate.bench import ToleranceSpec, play_unit
 from palpate.benchmark import PRESETS, make_benchmark, read_set
 from palpate.benchmark.draw_unit import draw_unit
 from palpate.benchmark.learnt_baselines import learn_design
@@ -24,10 +24,18 @@ from palpate.benchmark.spec import TINY_BASELINES
 from palpate.built import ForeseeSpec, draw_deviation, foresee
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
-from palpate.dataset import DatasetSpec, RandomiseSpec, generate_dataset, read_dataset
+from palpate.dataset import DatasetSpec, RandomiseSpec, generate_dataset
 from palpate.design import MarkerSpec, build_skin, place_markers, skin_from_data
 from palpate.fea import BallSpec, Branch, CylinderSpec, Press, WallSpec, read_obstacle
-from palpate.learn import evaluate, find_limits, fit_ridge, learn_forces, open_predictor, read_estimator, write_estimator
+from palpate.learn import (
+    evaluate,
+    find_limits,
+    fit_ridge,
+    learn_forces,
+    open_predictor,
+    read_estimator,
+    write_estimator,
+)
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -48,7 +56,14 @@ SKINS = {
     "thin": {"kind": "dome", "height": 20.0, "thickness": 1.0},
     "low": {"kind": "dome", "height": 10.0, "thickness": 2.0},
     "ellipsoid": {"kind": "ellipsoid", "height": 20.0, "thickness": 2.0},
-    "cone": {"kind": "cone", "height": 3.5, "thickness": 0.5, "base_radius": 12.9, "flat_radius": 10, "edge_radius": 2},
+    "cone": {
+        "kind": "cone",
+        "height": 3.5,
+        "thickness": 0.5,
+        "base_radius": 12.9,
+        "flat_radius": 10,
+        "edge_radius": 2,
+    },
 }
 """Skins of revolution."""
 SILICONE, MARKERS = "zaid_2024_ecoflex_00_30", MarkerSpec(count=37)
@@ -100,14 +115,18 @@ def presses() -> Results:
         "snap": solve("thin", WallSpec(depth=8, image_step=2.0)),
         "inverted": solve("thin", WallSpec(depth=8, image_step=2.0), branch=Branch.INVERTED),
         "low": solve("low", WallSpec(tilt_deg=3, depth=3, image_step=1.0)),
-        "ellipsoid": solve("ellipsoid", WallSpec(tilt_deg=4, drift=0.1, twist_rate_deg=1.0, bend=5.0, **wall), whole=True),
+        "ellipsoid": solve(
+            "ellipsoid", WallSpec(tilt_deg=4, drift=0.1, twist_rate_deg=1.0, bend=5.0, **wall), whole=True
+        ),
         "ball": solve("dome", BallSpec(radius=6, offset=3, **wall)),
         "cylinder": solve("dome", CylinderSpec(**wall)),
         "edge": solve("dome", read_obstacle("edge", WallSpec(depth=2, image_step=1.0))),
         "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, image_step=0.2), filled=True),
     }
     meshes = {name: mesh_skin(skin_of(name), MeshSpec()) for name in SKINS}
-    sizes = {name: [len(mesh.nodes), len(mesh.cells), float(np.abs(mesh.nodes).sum())] for name, mesh in meshes.items()}
+    sizes = {
+        name: [len(mesh.nodes), len(mesh.cells), float(np.abs(mesh.nodes).sum())] for name, mesh in meshes.items()
+    }
     return {name: summarise(one) for name, one in found.items()} | {"default mesh": sizes}
 
 
@@ -121,7 +140,9 @@ def small_presses(contact: str | float = "no-slip", **update: Any) -> list[Press
 @cache
 def small_dataset(forces: bool = False) -> Any:
     spec = DatasetSpec(n_presses=100, max_tilt_deg=8.0, jitter_px=0.2)
-    return generate_dataset(small_presses(), place_markers(skin_of("dome"), MARKERS), build_camera(), spec, forces=forces)
+    return generate_dataset(
+        small_presses(), place_markers(skin_of("dome"), MARKERS), build_camera(), spec, forces=forces
+    )
 
 
 def datasets() -> Results:
@@ -170,8 +191,7 @@ def evaluations() -> Results:
     ridge = fit_ridge(dataset)
     measured = {"clean": evaluate(ridge, dataset, None), "jittered": evaluate(ridge, dataset, 0)}
     return {
-        name: {axis: [error.rmse, error.max] for axis, error in one.by_axis.items()}
-        for name, one in measured.items()
+        name: {axis: [error.rmse, error.max] for axis, error in one.by_axis.items()} for name, one in measured.items()
     }
 
 
@@ -206,7 +226,9 @@ def twins() -> Results:
 def accuracies() -> Results:
     layout, camera = place_markers(skin_of("dome"), MARKERS), build_camera()
     found = {
-        known: foresee(small_twin(), layout, camera, ToleranceSpec(), ForeseeSpec(30, 20, max_tilt_deg=9.0, known=known))
+        known: foresee(
+            small_twin(), layout, camera, ToleranceSpec(), ForeseeSpec(30, 20, max_tilt_deg=9.0, known=known)
+        )
         for known in (0, 4)
     }
     return {f"{known} known": asdict(figure) for known, figure in found.items()}
@@ -224,7 +246,11 @@ def skin_evaluations() -> Results:
     skin = skin_from_data(SKINS["dome"])
     found = propose(small_twin(), Proposal(skin, SILICONE, 5.0, 0.3, None, ()), spec)
     return {
-        f"option {number}": {"rings": option.markers.ring_diameters or (), "rmse": option.figure.rmse_deg, "worst": option.figure.worst_deg}
+        f"option {number}": {
+            "rings": option.markers.ring_diameters or (),
+            "rmse": option.figure.rmse_deg,
+            "worst": option.figure.worst_deg,
+        }
         for number, option in enumerate(found.options)
     }
 

@@ -18,7 +18,9 @@ DIGITS, SHARE = 7, 1e-5
 def compute(stage: str) -> dict[str, Any]:
     """Results of a stage: case → name → flat list of numbers."""
     return {
-        case: {name: [_round(value) for value in np.ravel(np.asarray(values, float))] for name, values in found.items()}
+        case: {
+            name: [_round(value) for value in np.ravel(np.asarray(values, float))] for name, values in found.items()
+        }
         for case, found in CASES[stage]().items()
     }
 

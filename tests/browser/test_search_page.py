@@ -10,6 +10,7 @@ import pytest
 from viewer_process import ROOT, viewer
 from walk import DRAWN, dots, open_page, wait_for_dots
 
+from errors import check_refusal
 from needs import needs
 from palpate.optimise import read_search
 from small_search import write_search
@@ -81,7 +82,7 @@ def test_a_folder_of_neither_grid_nor_search_ends_with_one_sentence(tmp_path):
     words = [sys.executable, "-m", "palpate", "view", str(tmp_path), "--port", "0"]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
-    assert "holds no grid, no search and no model" in done.stderr
+    check_refusal(done.stderr, "results-missing", tmp_path)
     assert "Traceback" not in done.stderr
 
 

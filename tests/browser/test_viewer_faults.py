@@ -10,6 +10,7 @@ import pytest
 from walk import DRAWN, colours, open_page
 
 from conftest import ROOT, viewer
+from errors import check_refusal
 
 
 def test_a_viewer_without_results_says_what_to_do(page, tmp_path):
@@ -51,7 +52,7 @@ def test_a_second_viewer_at_the_same_port_is_refused(link, results):
     words = [sys.executable, "-m", "palpate", "view", str(results), "--port", port]
     done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
-    assert "Another viewer may be running" in done.stderr
+    check_refusal(done.stderr, "port-unavailable", port)
 
 
 def status(address, **headers):

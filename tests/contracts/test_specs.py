@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 import pytest
-from pydantic import ValidationError
 
+from errors import refused
 from palpate.core import Spec, parameters
 
 SOURCE = Path(__file__).parents[2] / "src" / "palpate"
@@ -44,13 +44,13 @@ def test_defaults_are_within_their_own_bounds(spec: type[Spec]) -> None:
 @pytest.mark.parametrize("spec", SPECS)
 def test_a_spec_cannot_be_changed(spec: type[Spec]) -> None:
     name = next(iter(spec.model_fields))
-    with pytest.raises(ValidationError, match="frozen"):
+    with refused("frozen_instance"):
         setattr(make(spec), name, getattr(make(spec), name))
 
 
 @pytest.mark.parametrize("spec", SPECS)
 def test_an_unknown_key_is_refused(spec: type[Spec]) -> None:
-    with pytest.raises(ValidationError, match="Extra inputs are not permitted"):
+    with refused("extra_forbidden"):
         spec.model_validate({**REQUIRED.get(spec.__name__, {}), "no_such_key": 1})
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from command_line import finish
 
+from errors import check_values
+
 
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
@@ -59,7 +61,7 @@ def test_without_points_none_are_followed() -> None:
 def test_people_get_a_table(tmp_path: Path) -> None:
     done = finish(["press", "--depth", "0.8", "--cells", "6"])
     assert done.returncode == 0
-    assert "ended: depth reached at 0.80 mm" in done.stdout
+    check_values(done.stdout, "0.80 mm")
 
 
 def test_the_first_press_after_an_installation_says_that_it_compiles(

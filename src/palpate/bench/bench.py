@@ -147,7 +147,9 @@ class Bench:
             return hashlib.sha256(self.model.read_bytes()).hexdigest()
         except OSError as error:
             raise PalpateError(
-                f"{self.model} cannot be read: {error.strerror}.", "Give an .onnx file or a twin."
+                f"{self.model} cannot be read: {error.strerror}.",
+                "Give an .onnx file or a twin.",
+                code="file-unreadable",
             ) from error
 
 
@@ -223,7 +225,9 @@ def _refuse_none(presses: list[Press]) -> None:
     """Refuse a unit that has no other state to be read in."""
     for press in presses:
         if press.ended is Ended.NO_BRANCH:
-            raise PalpateError(press.message, "Press deeper, or let fewer units be inverted.")
+            raise PalpateError(
+                press.message, "Press deeper, or let fewer units be inverted.", code="inverted-state-missing"
+            )
 
 
 def _known(

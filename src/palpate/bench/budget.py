@@ -72,7 +72,7 @@ def run_budget(bench: Bench) -> Iterator[BudgetLine]:
     clean = play_unit(replace(bench, spec=bench.spec.model_copy(update={"render": RenderSpec()})), Deviation())
     for played in (nominal, clean):
         if played.failure:
-            raise PalpateError(f"The nominal unit cannot be played: {played.failure}")
+            raise PalpateError(f"The nominal unit cannot be played: {played.failure}", code="unit-not-played")
     yield _line("model", "the model itself, nominal unit, clean images", "", clean.perfect(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:

@@ -62,13 +62,13 @@ class VirtualBenchSpec(Spec):
     def _inverted_units_are_units(self) -> VirtualBenchSpec:
         if self.inverted > self.units:
             raise PydanticCustomError(
-                "more_inverted_than_units",
+                "inverted-exceed-units",
                 "{inverted} units are to be inverted, and there are {units}.",
                 {"inverted": self.inverted, "units": self.units},
             )
         if self.inverted and self.solver != "palpate":
             raise PydanticCustomError(
-                "inverted_elsewhere",
+                "inverted-needs-own-solver",
                 "only palpate's own solver presses inverted units, not {solver}.",
                 {"solver": self.solver},
             )
@@ -78,7 +78,7 @@ class VirtualBenchSpec(Spec):
     def _some_images_count(self) -> VirtualBenchSpec:
         if self.least_depth > self.depth:
             raise PydanticCustomError(
-                "no_image_counts",
+                "images-too-shallow",
                 "no image counts: they are {depth} mm deep at most, and from {least} mm on they count.",
                 {"depth": f"{self.depth:g}", "least": f"{self.least_depth:g}"},
             )

@@ -76,6 +76,7 @@ def make_benchmark(
         raise PalpateError(
             f"{len(failed)} of {len(tasks)} units could not be drawn; {first.name}: {failed[first.recipe.key]}",
             "Change the designs or the twin's presses; the same command goes on.",
+            code="units-not-drawn",
         )
     store, folder = ArtefactStore(out / "store"), out / SET
     if (folder / CHECKSUMS).is_file():

@@ -64,17 +64,20 @@ class Predictions:
             raise PalpateError(
                 f"{len(doubles)} images are predicted more than once, image {doubles[0]} among them.",
                 "Give each image one row.",
+                code="prediction-twice",
             )
         if len(strange):
             raise PalpateError(
                 f"{len(strange)} predicted images are none of {called}, image {strange[0]} among them.",
                 "Take the numbers of test.csv.",
+                code="prediction-image-unknown",
             )
         if len(missing):
             raise PalpateError(
                 f"{len(missing)} of the {len(wanted)} images of {called} have no prediction, image {missing[0]} "
                 "among them.",
                 "Predict every image; to be judged by those with a picture alone, give --track pictures.",
+                code="predictions-missing",
             )
         order = np.argsort(self.image)[np.searchsorted(np.sort(self.image), wanted)]
         return Predictions(self.image[order], {name: value[order] for name, value in self.values.items()})
@@ -95,9 +98,9 @@ def read_predictions(path: Path) -> Predictions:
             _check_head(path, head)
             rows = [_numbers(path, line, head, row) for line, row in enumerate(reader, start=2) if row]
     except (OSError, ValueError, csv.Error) as error:
-        raise PalpateError(f"{path} is no table that can be read.", _HEAD) from error
+        raise PalpateError(f"{path} is no table that can be read.", _HEAD, code="table-unreadable") from error
     if not rows:
-        raise PalpateError(f"{path} has no row.", _HEAD)
+        raise PalpateError(f"{path} has no row.", _HEAD, code="table-empty")
     table = np.array(rows).T
     values = dict(zip(head, table, strict=True))
     return Predictions(values.pop("image").astype(int), values)
@@ -120,17 +123,21 @@ def write_predictions(path: Path, predictions: Predictions) -> None:
 def _check_head(path: Path, head: Sequence[str]) -> None:
     missing = [name for name in ("image", *POSE) if name not in head]
     if missing:
-        raise PalpateError(f"{path} has no column {missing[0]}.", _HEAD)
+        raise PalpateError(f"{path} has no column {missing[0]}.", _HEAD, code="column-missing")
     strange = [name for name in head if name not in KNOWN]
     if strange:
-        raise PalpateError(f"{path} has a column '{strange[0]}', which is not known.", _HEAD)
+        raise PalpateError(f"{path} has a column '{strange[0]}', which is not known.", _HEAD, code="column-unknown")
     if len(set(head)) < len(head):
-        raise PalpateError(f"{path} has a column twice.", _HEAD)
+        raise PalpateError(f"{path} has a column twice.", _HEAD, code="column-twice")
 
 
 def _numbers(path: Path, line: int, head: Sequence[str], row: Sequence[str]) -> list[float]:
     if len(row) != len(head):
-        raise PalpateError(f"Line {line} of {path} has {len(row)} values under {len(head)} names.", "Mend the line.")
+        raise PalpateError(
+            f"Line {line} of {path} has {len(row)} values under {len(head)} names.",
+            "Mend the line.",
+            code="row-length-wrong",
+        )
     found = []
     for name, text in zip(head, row, strict=True):
         try:
@@ -138,10 +145,22 @@ def _numbers(path: Path, line: int, head: Sequence[str], row: Sequence[str]) -> 
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise PalpateError(f"Line {line} of {path}: {name} is '{text[:20]}', no number.", "Give every value.")
+            raise PalpateError(
+                f"Line {line} of {path}: {name} is '{text[:20]}', no number.",
+                "Give every value.",
+                code="value-not-number",
+            )
         if name == "image" and (value != int(value) or not 0 <= value < 2**53):
-            raise PalpateError(f"Line {line} of {path}: '{text[:20]}' is no image.", "Take the numbers of test.csv.")
+            raise PalpateError(
+                f"Line {line} of {path}: '{text[:20]}' is no image.",
+                "Take the numbers of test.csv.",
+                code="prediction-not-image",
+            )
         if name.startswith("half_") and value < 0:
-            raise PalpateError(f"Line {line} of {path}: {name} is {value:g}.", "A half-width is not negative.")
+            raise PalpateError(
+                f"Line {line} of {path}: {name} is {value:g}.",
+                "A half-width is not negative.",
+                code="half-width-negative",
+            )
         found.append(value)
     return found

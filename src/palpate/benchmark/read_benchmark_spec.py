@@ -45,5 +45,7 @@ def _read(source: str, kind: type[Given], hint: str) -> Given:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise PalpateError(f"There is neither a preset nor a readable file '{source}'.", hint) from error
+        raise PalpateError(
+            f"There is neither a preset nor a readable file '{source}'.", hint, code="preset-unknown"
+        ) from error
     return read_spec(path, text, kind, hint)

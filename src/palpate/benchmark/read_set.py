@@ -87,7 +87,9 @@ class BenchmarkSet:
         told = _read_columns(self.folder / HIDDEN) if split == "test" else sight
         try:
             if told["image"] != sight["image"]:
-                raise PalpateError(f"{HIDDEN} does not have the images of {split}.csv.", _AGAIN)
+                raise PalpateError(
+                    f"{HIDDEN} does not have the images of {split}.csv.", _AGAIN, code="benchmark-images-differ"
+                )
             return SplitTable(
                 image=np.array(sight["image"], int),
                 unit=np.array(sight["unit"], int),
@@ -98,7 +100,9 @@ class BenchmarkSet:
                 labels=np.array([told[name] for name in LABELS], float).T,
             )
         except (KeyError, ValueError) as error:
-            raise PalpateError(f"The tables of {split} in {self.folder} are broken: {error}.", _AGAIN) from error
+            raise PalpateError(
+                f"The tables of {split} in {self.folder} are broken: {error}.", _AGAIN, code="benchmark-table-damaged"
+            ) from error
 
     def markers(self, split: Split, design: str) -> SplitMarkers:
         """Marker positions of one design on one side.
@@ -121,7 +125,9 @@ class BenchmarkSet:
                     rest_px=dict(rest),
                 )
         except (OSError, KeyError, ValueError) as error:
-            raise PalpateError(f"{path} holds no marker positions of {design}: {error}.", _AGAIN) from error
+            raise PalpateError(
+                f"{path} holds no marker positions of {design}: {error}.", _AGAIN, code="benchmark-markers-damaged"
+            ) from error
 
     def pictures(self, split: Split, names: Sequence[str], size: tuple[int, int]) -> NDArray[np.uint8]:
         """Pictures (n, h, w) of one side, shrunk to a size (h, w).
@@ -138,7 +144,9 @@ class BenchmarkSet:
                     grey = cv2.imdecode(np.frombuffer(archive.read(name), np.uint8), cv2.IMREAD_GRAYSCALE)
                     found.append(cv2.resize(grey, size[::-1], interpolation=cv2.INTER_AREA))
         except (OSError, KeyError, zipfile.BadZipFile, cv2.error) as error:
-            raise PalpateError(f"{path} cannot be read: {error}.", _AGAIN) from error
+            raise PalpateError(
+                f"{path} cannot be read: {error}.", _AGAIN, code="benchmark-file-unreadable"
+            ) from error
         return np.array(found, np.uint8).reshape(-1, *size)
 
 
@@ -156,7 +164,9 @@ def read_set(folder: Path) -> BenchmarkSet:
         return BenchmarkSet(folder, BenchmarkSpec.model_validate(content))
     except (OSError, ValueError, ValidationError) as error:
         raise PalpateError(
-            f"{folder} holds no benchmark: its spec.json or SHA256SUMS cannot be read.", _AGAIN
+            f"{folder} holds no benchmark: its spec.json or SHA256SUMS cannot be read.",
+            _AGAIN,
+            code="benchmark-missing",
         ) from error
 
 
@@ -165,7 +175,7 @@ def _read_columns(path: Path) -> dict[str, list[str]]:
         with path.open(newline="", encoding="utf-8") as file:
             head, *rows = csv.reader(file)
     except (OSError, ValueError, csv.Error) as error:
-        raise PalpateError(f"{path} cannot be read.", _AGAIN) from error
+        raise PalpateError(f"{path} cannot be read.", _AGAIN, code="benchmark-file-unreadable") from error
     if any(len(row) != len(head) for row in rows) or not rows:
-        raise PalpateError(f"{path} is no whole table.", _AGAIN)
+        raise PalpateError(f"{path} is no whole table.", _AGAIN, code="benchmark-table-damaged")
     return dict(zip(head, map(list, zip(*rows, strict=True)), strict=True))

@@ -95,7 +95,9 @@ def run_baselines(
     """
     unknown = [name for name in only if name not in BASELINES]
     if unknown:
-        raise PalpateError(f"There is no baseline {unknown[0]}.", f"Give some of {', '.join(BASELINES)}.")
+        raise PalpateError(
+            f"There is no baseline {unknown[0]}.", f"Give some of {', '.join(BASELINES)}.", code="baseline-unknown"
+        )
     desk = _Desk(benchmark, spec, out, workers, say)
     scores: dict[str, list[BenchmarkScore]] = {}
     for name in [name for name in BASELINES if not only or name in only]:
@@ -144,7 +146,9 @@ def _fit(desk: _Desk, part: str) -> Predictions:
     failed = run_tasks(desk.out, [task], desk.workers)
     if failed:
         raise PalpateError(
-            f"The twin of {part} could not be made: {next(iter(failed.values()))}", "Change its presses."
+            f"The twin of {part} could not be made: {next(iter(failed.values()))}",
+            "Change its presses.",
+            code="twin-not-made",
         )
     return fit_design(desk.benchmark, design, read_twin(find_made(desk.store, task)), desk.say)
 

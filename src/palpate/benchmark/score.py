@@ -150,7 +150,7 @@ def choose_track(truth: SplitTable, track: Track) -> SplitTable:
         return truth
     rows = truth.picture != ""
     if not rows.any():
-        raise PalpateError("The set has no pictures.", "Give --track markers.")
+        raise PalpateError("The set has no pictures.", "Give --track markers.", code="benchmark-no-pictures")
     names = ("image", "unit", "press", "design", "picture", "branch", "labels")
     return SplitTable(**{name: getattr(truth, name)[rows] for name in names})
 

@@ -178,5 +178,7 @@ def _write_pictures(path: Path, split: str, parts: Sequence[SplitPart]) -> int:
 def _encode(picture: NDArray[np.uint8]) -> bytes:
     done, encoded = load_opencv().imencode(".png", picture)
     if not done:
-        raise PalpateError("A picture could not be encoded as PNG.", "Install the extra [vision] anew.")
+        raise PalpateError(
+            "A picture could not be encoded as PNG.", "Install the extra [vision] anew.", code="image-not-encoded"
+        )
     return bytes(encoded.tobytes())

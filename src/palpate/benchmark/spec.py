@@ -124,14 +124,14 @@ class BenchmarkSpec(Spec):
     def _designs_differ(self) -> BenchmarkSpec:
         names = [design.name for design in self.designs]
         if not names or len(set(names)) < len(names):
-            raise PydanticCustomError("designs", "designs are to be at least one, each given once.", {})
+            raise PydanticCustomError("designs-not-distinct", "designs are to be at least one, each given once.", {})
         return self
 
     @model_validator(mode="after")
     def _depths_rise(self) -> BenchmarkSpec:
         if self.least_depth >= self.depth:
             raise PydanticCustomError(
-                "depths_upside_down",
+                "depths-not-rising",
                 "the least depth is {least} mm and the greatest {most} mm.",
                 {"least": f"{self.least_depth:g}", "most": f"{self.depth:g}"},
             )
@@ -141,7 +141,7 @@ class BenchmarkSpec(Spec):
     def _pictures_are_images(self) -> BenchmarkSpec:
         if self.pictures > self.presses * self.images:
             raise PydanticCustomError(
-                "more_pictures_than_images",
+                "pictures-exceed-images",
                 "{pictures} pictures cannot be drawn among {images} images of a unit.",
                 {"pictures": self.pictures, "images": self.presses * self.images},
             )

@@ -130,7 +130,11 @@ def learn_scale(
     """
     pairs = [(force, cell) for force, cell in zip(expected, measured, strict=True) if np.isfinite(cell)]
     if any(cell <= 0 or force.value <= 0 for force, cell in pairs):
-        raise PalpateError("A load cell says a force of nothing or less.", "Give the force on the wall in N, upward.")
+        raise PalpateError(
+            "A load cell says a force of nothing or less.",
+            "Give the force on the wall in N, upward.",
+            code="force-not-positive",
+        )
     if not pairs:
         return before
     weight, total = before.sd**-2.0, before.mean * before.sd**-2.0
@@ -145,5 +149,6 @@ def learn_scale(
         raise PalpateError(
             f"The load cell says {median:.2f} times the design's force, {far:.0f} standard deviations off.",
             "Check the cell's unit (N) and zero, or widen the tolerance of the modulus.",
+            code="load-cell-scale-off",
         )
     return found

@@ -118,7 +118,11 @@ def identify(
         If there is no press, or they do not fit one unit of this design.
     """
     if not presses:
-        raise PalpateError("There is no known press.", "Press at least once, better three times, at known poses.")
+        raise PalpateError(
+            "There is no known press.",
+            "Press at least once, better three times, at known poses.",
+            code="calibration-press-missing",
+        )
     return UnitFit(model, presses, noise_px, robot or RobotSpec()).run(model)
 
 
@@ -306,16 +310,19 @@ def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
             f"The presses do not fit a unit of this design: dots are {np.sqrt(misfit):.1f} times as far off as "
             "their noise.",
             "Check that design, recording and poses belong together, and the order of the poses.",
+            code="calibration-press-misfit",
         )
     worst = np.unravel_index(np.abs(off).argmax(), off.shape)
     if abs(off[worst]) > _FAR:
         raise PalpateError(
             f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
             "Check the poses and their order, or say how well the robot knows them.",
+            code="press-pose-far-off",
         )
     far = np.abs(unit)
     if far.max() > _FAR:
         raise PalpateError(
             f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
             "Check that the presses are of this unit, or widen the tolerance.",
+            code="unit-far-off-design",
         )

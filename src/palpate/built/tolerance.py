@@ -86,7 +86,7 @@ class ToleranceSpec(Spec):
     def _least_is_least(self) -> ToleranceSpec:
         if self.friction_most and not 0 < self.friction <= self.friction_most:
             raise PydanticCustomError(
-                "friction_upside_down",
+                "frictions-not-rising",
                 "the least friction is {least} and the greatest {most}.",
                 {"least": f"{self.friction:g}", "most": f"{self.friction_most:g}"},
             )

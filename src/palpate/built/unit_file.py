@@ -48,6 +48,7 @@ class KnownUnit:
             raise PalpateError(
                 f"The unit file is of another design than {skin.name} with {len(layout)} markers.",
                 "Give the file of this unit, or its design's numbers.",
+                code="unit-design-differs",
             )
 
 
@@ -92,7 +93,7 @@ def read_unit(path: Path) -> KnownUnit:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         if content.get("kind") != _KIND or content.get("version") != UNIT_VERSION:
-            raise PalpateError(f"{path} is not a unit of version {UNIT_VERSION}.", _AGAIN)
+            raise PalpateError(f"{path} is not a unit of version {UNIT_VERSION}.", _AGAIN, code="unit-file-version")
         values = np.array([content["known"][name]["mean"] for name in (*UNKNOWN, *MOUNTING)], float)
         covariance = np.array(content["covariance"], float)
         rest = np.array([[np.nan, np.nan] if dot is None else dot for dot in content["rest_px"]], float)
@@ -109,10 +110,12 @@ def read_unit(path: Path) -> KnownUnit:
             ForceScale(float(content["stiffness"]["mean"]), float(content["stiffness"]["sd"])),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise PalpateError(f"{path} cannot be read as a unit: {error}.", _AGAIN) from None
+        raise PalpateError(
+            f"{path} cannot be read as a unit: {error}.", _AGAIN, code="unit-file-unreadable"
+        ) from None
     size = len(UNKNOWN) + len(MOUNTING)
     sound = covariance.shape == (size, size) and np.isfinite(covariance).all() and np.isfinite(values).all()
     sound = sound and unit.scale.mean > 0 and unit.scale.sd >= 0
     if not sound or len(unit.belief.rest_px) != len(unit.markers_mm) or np.linalg.eigvalsh(covariance).min() < -1e-9:
-        raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN)
+        raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN, code="unit-file-damaged")
     return unit

@@ -122,7 +122,11 @@ class CadSolid:
         """What two solids share."""
         shared = self._shared(other)
         if len(shared) != 1:
-            raise PalpateError(f"Two solids share {len(shared)} bodies instead of one.", "Check the dimensions.")
+            raise PalpateError(
+                f"Two solids share {len(shared)} bodies instead of one.",
+                "Check the dimensions.",
+                code="solids-not-joined",
+            )
         return CadSolid(shared[0])
 
     def _shared(self, other: CadSolid) -> list[Any]:
@@ -177,6 +181,7 @@ class CadSolid:
         raise PalpateError(
             f"The mesh of a solid is open or misses its volume, {mesh.volume:.6g} of {self.volume:.6g} mm³.",
             "Change a dimension by some hundredths of a millimetre, and report this.",
+            code="solid-mesh-open",
         )
 
 
@@ -208,11 +213,19 @@ def loft(outline: Outline, plan: Plan) -> CadSolid:
             faces.append(cad.Face(_ring(plan, outer), [_ring(plan, inner)] if inner[0] > _MERGE_MM else []))
             continue
         if at[:, 0].min() <= _MERGE_MM:
-            raise PalpateError("An outline leaves the axis aslant, which no plan closes.", "Begin it with a flat.")
+            raise PalpateError(
+                "An outline leaves the axis aslant, which no plan closes.",
+                "Begin it with a flat.",
+                code="outline-leaves-axis-aslant",
+            )
         faces += cad.Shell.make_loft([_ring(plan, place) for place in at.tolist()], ruled=not bent).faces()
     shells = cad.Face.sew_faces(faces)
     if len(shells) != 1:
-        raise PalpateError(f"A solid came out in {len(shells)} shells.", "Check the outline: it must be closed.")
+        raise PalpateError(
+            f"A solid came out in {len(shells)} shells.",
+            "Check the outline: it must be closed.",
+            code="solid-in-several-shells",
+        )
     return CadSolid(cad.Solid(cad.Shell(shells[0])))
 
 
@@ -285,7 +298,9 @@ def _edges(outline: Outline, place: Any) -> list[Any]:
     cad = _cad()
     first = outline[0]
     if isinstance(first, Arc | SmoothCurve):
-        raise PalpateError("An outline begins with an arc or a curve.", "Begin with a point.")
+        raise PalpateError(
+            "An outline begins with an arc or a curve.", "Begin with a point.", code="outline-begins-with-curve"
+        )
     edges, here = [], first
     for item in [*outline[1:], first]:
         end = item.end if isinstance(item, Arc | SmoothCurve) else item

@@ -43,7 +43,7 @@ class BoardSpec(Spec):
     def _markers_fit(self) -> BoardSpec:
         if self.kind == "charuco" and self.marker >= self.square:
             raise PydanticCustomError(
-                "marker_too_large",
+                "board-marker-too-large",
                 "marker {marker} mm does not fit into a square of {square} mm.",
                 {"marker": self.marker, "square": self.square},
             )
@@ -69,7 +69,9 @@ def read_board(text: str) -> BoardSpec:
     kind, *parts = text.split(":")
     if kind not in BOARDS or len(parts) > 4:
         raise PalpateError(
-            f"{text!r} is no board.", f"Take {', '.join(BOARDS)}, with COLUMNSxROWS:SQUARE_MM if wished."
+            f"{text!r} is no board.",
+            f"Take {', '.join(BOARDS)}, with COLUMNSxROWS:SQUARE_MM if wished.",
+            code="board-unknown",
         )
     chosen: dict[str, Any] = BOARDS[kind].model_dump()
     try:
@@ -77,7 +79,9 @@ def read_board(text: str) -> BoardSpec:
             chosen["columns"], chosen["rows"] = (int(word) for word in parts[0].lower().split("x"))
         chosen.update(zip(("square", "marker"), (float(word) for word in parts[1:3]), strict=False))
     except ValueError as error:
-        raise PalpateError(f"{text!r} is no board: {error}.", "Write it as charuco:11x8:29:21.5.") from error
+        raise PalpateError(
+            f"{text!r} is no board: {error}.", "Write it as charuco:11x8:29:21.5.", code="board-malformed"
+        ) from error
     if len(parts) == 4:
         chosen["dictionary"] = parts[3]
     return BoardSpec(**chosen)
@@ -106,7 +110,9 @@ def charuco_board(board: BoardSpec) -> Any:
     aruco = load_opencv().aruco
     if not board.dictionary.startswith("DICT_") or not hasattr(aruco, board.dictionary):
         raise PalpateError(
-            f"There is no dictionary {board.dictionary!r}.", "Take one of OpenCV's, such as DICT_4X4_100."
+            f"There is no dictionary {board.dictionary!r}.",
+            "Take one of OpenCV's, such as DICT_4X4_100.",
+            code="board-dictionary-unknown",
         )
     dictionary = aruco.getPredefinedDictionary(getattr(aruco, board.dictionary))
     if board.columns * board.rows // 2 > len(dictionary.bytesList):
@@ -114,6 +120,7 @@ def charuco_board(board: BoardSpec) -> Any:
             f"{board.columns} × {board.rows} squares need {board.columns * board.rows // 2} markers, "
             f"{board.dictionary} has {len(dictionary.bytesList)}.",
             "Take a larger dictionary.",
+            code="board-dictionary-too-small",
         )
     return aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary)
 

@@ -132,6 +132,7 @@ def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: Calib
             f"{len(views)} of {len(views) + len(rejected)} images can be used, "
             f"{spec.least_images} are needed.{first}",
             "Check the board's kind, counts and focus; take ten or more images, tilted to all sides.",
+            code="calibration-few-images",
         )
 
 
@@ -146,7 +147,9 @@ def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Fou
         _, matrix, distortion, turns, shifts = cv2.calibrateCamera(points, pixels, size, None, None, flags=flags)
     except cv2.error as error:
         raise PalpateError(
-            f"The calibration failed: {str(error).strip().splitlines()[-1]}.", "Take images tilted to all sides."
+            f"The calibration failed: {str(error).strip().splitlines()[-1]}.",
+            "Take images tilted to all sides.",
+            code="calibration-failed",
         ) from error
     distortion = np.ravel(distortion)[:5]
     projected, slopes = [], []

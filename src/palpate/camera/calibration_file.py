@@ -77,7 +77,9 @@ def read_calibration(path: Path) -> Calibration:
         OverflowError,
         AttributeError,
     ) as error:
-        raise PalpateError(f"{path.name} is not a calibration: {error}.", "Calibrate again.") from error
+        raise PalpateError(
+            f"{path.name} is not a calibration: {error}.", "Calibrate again.", code="calibration-file-unreadable"
+        ) from error
 
 
 def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
@@ -89,6 +91,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
         raise PalpateError(
             f"{name} holds {len(chain)} cameras: {', '.join(chain)}.",
             "Copy the one that is meant to a file of its own.",
+            code="calibration-several-cameras",
         )
     (camera,) = chain.values()
     model, lens = str(camera["camera_model"]), str(camera.get("distortion_model", "none"))
@@ -96,6 +99,7 @@ def _from_kalibr(name: str, content: dict[str, Any]) -> dict[str, Any]:
         raise PalpateError(
             f"{name} has Kalibr's model {model}-{lens}, which palpate does not have.",
             "Calibrate with pinhole-radtan or pinhole-equi.",
+            code="lens-model-unknown",
         )
     fx, fy, cx, cy = (float(value) for value in camera["intrinsics"])
     width, height = camera["resolution"]
@@ -120,6 +124,7 @@ def _calibration(name: str, content: dict[str, Any]) -> Calibration:
         raise PalpateError(
             f"{name} has {len(distortion)} coefficients for the lens model {named}.",
             f"{'; '.join(known)}: one is no stand-in for the other.",
+            code="lens-coefficient-count",
         )
     size = 4 + len(distortion)
     covariance = _numbers(content["covariance"], size**2).reshape(size, size) if "covariance" in content else None

@@ -89,6 +89,7 @@ def stream_events(
                 f"An image of {now.shape[1]} × {now.shape[0]} px at {time:g} s follows one of {light.shape[1]} × "
                 f"{light.shape[0]} px at {before:g} s.",
                 "Give images of one size at rising times.",
+                code="events-image-order",
             )
         else:
             found, remembered = _between((light, now), (before, time), remembered, threshold)

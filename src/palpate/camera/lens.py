@@ -98,6 +98,7 @@ def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
         raise PalpateError(
             f"The lens {name} has {len(names)} coefficients, but {len(coefficients)} are given.",
             f"Give {', '.join(names)}.",
+            code="lens-coefficient-count",
         )
     lens: Lens = kind(*coefficients)
     return lens
@@ -121,4 +122,5 @@ def folded(limit: float) -> PalpateError:
     return PalpateError(
         f"The lens distortion folds at radius {limit:.3g}, so a pixel cannot be traced back.",
         "Use points nearer the middle of the image, or coefficients fitted over the whole image.",
+        code="lens-folds",
     )

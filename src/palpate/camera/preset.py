@@ -22,5 +22,7 @@ def preset(name: str) -> CameraSpec:
         If there is no such camera; the message lists those that are.
     """
     if name not in _PRESETS:
-        raise PalpateError(f"There is no camera named {name!r}.", f"Take one of: {', '.join(_PRESETS)}.")
+        raise PalpateError(
+            f"There is no camera named {name!r}.", f"Take one of: {', '.join(_PRESETS)}.", code="camera-unknown"
+        )
     return _PRESETS[name]

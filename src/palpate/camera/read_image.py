@@ -41,7 +41,9 @@ def read_image(path: Path, largest_mpx: float = LARGEST_MPX) -> NDArray[Any]:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise PalpateError(f"{path.name} cannot be read: {error}.", "Check the file.") from error
+        raise PalpateError(
+            f"{path.name} cannot be read: {error}.", "Check the file.", code="image-unreadable"
+        ) from error
     return decode_image(content, path.name, largest_mpx)
 
 
@@ -67,12 +69,16 @@ def decode_image(content: bytes, name: str = "The image", largest_mpx: float = L
     width, height = _read_size(content, name)
     if width * height > largest_mpx * 1e6:
         raise PalpateError(
-            f"{name} has {width} × {height} px, more than {largest_mpx:g} million.", "Shrink the image."
+            f"{name} has {width} × {height} px, more than {largest_mpx:g} million.",
+            "Shrink the image.",
+            code="image-too-large",
         )
     cv2 = load_opencv()
     image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
     if image is None:
-        raise PalpateError(f"{name} cannot be decoded: it is cut off or damaged.", "Save it again.")
+        raise PalpateError(
+            f"{name} cannot be decoded: it is cut off or damaged.", "Save it again.", code="image-damaged"
+        )
     return np.asarray(image)
 
 
@@ -85,10 +91,10 @@ def list_images(folder: Path) -> tuple[Path, ...]:
         If it is no folder or has no image.
     """
     if not folder.is_dir():
-        raise PalpateError(f"{folder} is not a folder.", "Give a folder of images.")
+        raise PalpateError(f"{folder} is not a folder.", "Give a folder of images.", code="folder-missing")
     found = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES))
     if not found:
-        raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.")
+        raise PalpateError(f"{folder} has no image.", f"Known are {', '.join(SUFFIXES)}.", code="folder-no-image")
     return found
 
 
@@ -100,8 +106,10 @@ def _read_size(content: bytes, name: str) -> tuple[int, int]:
         with Image.open(BytesIO(content)) as image:
             return int(image.size[0]), int(image.size[1])
     except UnidentifiedImageError as error:
-        raise PalpateError(f"{name} is not an image.", f"Known are {', '.join(SUFFIXES)}.") from error
+        raise PalpateError(
+            f"{name} is not an image.", f"Known are {', '.join(SUFFIXES)}.", code="image-format-unknown"
+        ) from error
     except (OSError, ValueError, SyntaxError) as error:
-        raise PalpateError(f"{name} cannot be read: {error}.", "Check the file.") from error
+        raise PalpateError(f"{name} cannot be read: {error}.", "Check the file.", code="image-unreadable") from error
     finally:
         Image.MAX_IMAGE_PIXELS = limit

@@ -112,6 +112,7 @@ def open_source(text: str) -> Source:
         raise PalpateError(
             f"{Path(text).name} is no video that is known.",
             f"Known are {', '.join(recording_suffixes())}, folders and numbers.",
+            code="video-format-unknown",
         )
     return _open(kind or SOURCES.get("folder"), text)
 

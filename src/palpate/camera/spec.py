@@ -71,7 +71,7 @@ class CameraSpec(Spec):
     def _window_before_the_pinhole(self) -> Self:
         if self.window is not None and self.window.thickness >= self.distance:
             raise PydanticCustomError(
-                "window_beyond_the_camera",
+                "window-beyond-camera",
                 "a window of {thickness} mm ends behind the camera, {distance} mm below the base; move the camera "
                 "away or take a thinner window",
                 {"thickness": f"{self.window.thickness:g}", "distance": f"{self.distance:g}"},

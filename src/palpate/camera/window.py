@@ -68,6 +68,7 @@ def read_window(text: str) -> WindowSpec:
         raise PalpateError(
             f"'{text}' is no window: {why}.",
             "Write THICKNESS,INDEX,GEL_INDEX such as 2,1.49,1.41: mm, and the refractive indices of window and gel.",
+            code="window-malformed",
         )
     return window
 

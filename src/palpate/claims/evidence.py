@@ -161,7 +161,9 @@ def read_built(path: Path) -> dict[Design, Row]:
                 figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "worst_deg")}
                 found[key] = {**found.get(key, {}), **figures}
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise PalpateError(f"{path} is no table of built units: {error}.", "Run palpate twin again.") from error
+        raise PalpateError(
+            f"{path} is no table of built units: {error}.", "Run palpate twin again.", code="units-table-unreadable"
+        ) from error
     return found
 
 

@@ -66,7 +66,13 @@ def _read_meshes(path: Path) -> list[tuple[float, float]]:
         with path.open(newline="", encoding="utf-8") as file:
             meshes = sorted((float(row["elements"]), float(row["stress_error"])) for row in csv.DictReader(file))
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(f"{path} is no table of `palpate convergence`: {error}.", "Make it again.") from error
+        raise PalpateError(
+            f"{path} is no table of `palpate convergence`: {error}.",
+            "Make it again.",
+            code="convergence-table-unreadable",
+        ) from error
     if len(meshes) < 2:
-        raise PalpateError(f"{path} has {len(meshes)} meshes.", "Make it again with several.")
+        raise PalpateError(
+            f"{path} has {len(meshes)} meshes.", "Make it again with several.", code="convergence-few-meshes"
+        )
     return meshes

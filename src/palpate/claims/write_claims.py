@@ -67,7 +67,11 @@ def write_claims(path: Path, answers: Sequence[Answer], grids: Sequence[Evidence
     """
     form = {".md": describe_claims, ".html": _describe_in_html}.get(path.suffix.lower())
     if form is None:
-        raise PalpateError(f"The claims cannot be written as '{path.name}'.", "Let the name end in .md or .html.")
+        raise PalpateError(
+            f"The claims cannot be written as '{path.name}'.",
+            "Let the name end in .md or .html.",
+            code="file-ending-unknown",
+        )
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     pictures = _write_pictures(path.parent / path.stem, grids)

@@ -66,7 +66,11 @@ def accept(
     from palpate.sensor import accept_unit, open_model, read_readings, read_truth, write_acceptance
 
     if judged.reads.model is not None and judged.readings is not None:
-        raise PalpateError("A unit is judged by a model or by readings.", "Give --model or --readings, or neither.")
+        raise PalpateError(
+            "A unit is judged by a model or by readings.",
+            "Give --model or --readings, or neither.",
+            code="options-exclusive",
+        )
     check_folder(report.out)
     known = read_truth(truth)
     if judged.readings is not None:
@@ -97,7 +101,9 @@ def _read(folder: Path, known: Truth, model: Predictor | Twin, unit: Unit) -> tu
     check_model(model, unit, TILT_DEPTH)
     if not known.rest:
         raise PalpateError(
-            "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
+            "The table has no image of the untouched dome.",
+            "Add a row whose press is 'rest' before the others.",
+            code="rest-image-missing",
         )
     sensor = open_sensor([read_image(folder / name) for name in known.rest], unit, model)
     found = list(run_sensor(sensor, _images(folder, known.images)))
@@ -114,6 +120,7 @@ def _read_recorded(folder: Path, known: Truth, model: RecordedModel) -> tuple[Fl
         raise PalpateError(
             f"Acceptance judges rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
             "Learn these by palpate learn --learn.",
+            code="model-outputs-missing",
         )
     found = list(run_sensor(model, _images(folder, known.images)))
     poses = np.array([[reading[name] for name in TILT_DEPTH.names] for reading in found])

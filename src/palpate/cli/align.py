@@ -52,6 +52,7 @@ class AlignFlags:
             raise PalpateError(
                 f"{self.walls} walls, unit {self.unit_number}, {self.known} known presses, seed {self.seed}.",
                 "Give 1 wall or more, a unit from 1, 0 to 5 known presses, and a seed of 0 or more.",
+                code="option-out-of-bounds",
             )
         check_folder(self.out)
 
@@ -76,7 +77,11 @@ def align(
     layout = place_markers(skin, design.markers)
     twin = open_model(reads.find(design), skin)
     if not isinstance(twin, Twin):
-        raise PalpateError("A network tells no force for a limit.", "Give the design's twin, see `palpate twin`.")
+        raise PalpateError(
+            "A network tells no force for a limit.",
+            "Give the design's twin, see `palpate twin`.",
+            code="network-no-force",
+        )
     check_model(twin, Unit(skin, layout))
     play = Play(
         twin,

@@ -85,7 +85,11 @@ def _model(flags: BenchFlags) -> Path:
     study = study_of(skin, flags.design.markers, flags.reads.material)
     made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
     if made.twin is None:
-        raise PalpateError(f"There is no twin of {skin.build().name}: {made.problem}", "Give a network by --model.")
+        raise PalpateError(
+            f"There is no twin of {skin.build().name}: {made.problem}",
+            "Give a network by --model.",
+            code="twin-not-made",
+        )
     keep_twins(RESULTS / study.name, [(made.skin, made.twin)])
     return twin_path(RESULTS / study.name, skin.build())
 
@@ -161,6 +165,7 @@ def _read_pair(text: str) -> tuple[str, str]:
         raise PalpateError(
             f"The tolerance '{text}' is not known.",
             f"Write NAME=VALUE with one of {', '.join(ToleranceSpec.model_fields)}.",
+            code="tolerance-unknown",
         )
     return name, value
 

@@ -122,7 +122,11 @@ def baselines(
 def _check(hands: WorkerFlags) -> None:
     hands.check()
     if hands.cluster is not None or hands.timeout is not None:
-        raise PalpateError("The benchmark is made on this machine, without a time limit.", "Give --workers alone.")
+        raise PalpateError(
+            "The benchmark is made on this machine, without a time limit.",
+            "Give --workers alone.",
+            code="option-not-for-command",
+        )
 
 
 def _say(text: str) -> None:

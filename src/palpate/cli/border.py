@@ -1,4 +1,4 @@
-"""The border where errors meet a person: one clear sentence and the remedy, never a traceback."""
+"""The border where errors meet a person: a clear sentence, the remedy and a code, never a traceback."""
 
 from __future__ import annotations
 
@@ -25,13 +25,14 @@ def guarded(command: Callable[[], Any]) -> int:
     try:
         code = command()
     except PalpateError as error:
-        return _refuse(error.what, error.remedy)
+        return _refuse(error.what, error.remedy, error.code)
     except ValidationError as error:
-        return _refuse(_say_all(error), "See --help for units and bounds.")
+        return _refuse(_say_all(error), "See --help for units and bounds.", _kind(error))
     except CycloptsError as error:
         if isinstance(error.__cause__, ValidationError):
-            return _refuse(_say_all(error.__cause__, error.argument), "See --help for units and bounds.")
-        return _refuse(str(error).strip(), "See --help.")
+            said = _say_all(error.__cause__, error.argument)
+            return _refuse(said, "See --help for units and bounds.", _kind(error.__cause__))
+        return _refuse(str(error).strip(), "See --help.", "usage")
     except KeyboardInterrupt:
         print("Interrupted.", file=sys.stderr)
         return INTERRUPTED
@@ -44,9 +45,14 @@ def guarded(command: Callable[[], Any]) -> int:
     return code if isinstance(code, int) else DONE
 
 
-def _refuse(what: str, remedy: str) -> int:
-    print(f"Error: {what}" + (f"\n{remedy}" if remedy else ""), file=sys.stderr)
+def _refuse(what: str, remedy: str, code: str) -> int:
+    print(f"Error: {what}" + (f"\n{remedy}" if remedy else "") + f" [{code}]", file=sys.stderr)
     return BAD_INPUT
+
+
+def _kind(error: ValidationError) -> str:
+    """The code of a spec's first error, which is pydantic's type."""
+    return error.errors()[0]["type"]
 
 
 def _say_all(error: ValidationError, argument: Argument | None = None) -> str:

@@ -54,7 +54,9 @@ def calibrate(
         if folder is None:
             return
     if folder is None:
-        raise PalpateError("No folder of images was given.", "Give one, or --print-board FILE.pdf.")
+        raise PalpateError(
+            "No folder of images was given.", "Give one, or --print-board FILE.pdf.", code="argument-missing"
+        )
     found = calibrate_camera(_read(folder), spec.model_copy(update={"board": chosen}))
     if out is not None:
         write_calibration(out, found)

@@ -169,7 +169,9 @@ def _save(path: Path, figure: Any) -> str:
 def read_samples(files: Sequence[tuple[Path, Loading | None]], flags: CurveFlags) -> list[Sample]:
     """Read and prepare the samples of files, each with its test or none."""
     if not files:
-        raise PalpateError("There are no files.", "Give the CSV files of a test: palpate fit tension_*.csv.")
+        raise PalpateError(
+            "There are no files.", "Give the CSV files of a test: palpate fit tension_*.csv.", code="argument-missing"
+        )
     return [
         prepare_sample(sample, flags.prepare)
         for path, loading in files

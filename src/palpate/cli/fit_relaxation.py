@@ -57,11 +57,14 @@ def find_law(flags: RelaxationFlags, output: Path | None, *, alone: bool) -> Mat
             raise PalpateError(
                 f"--onto {flags.onto} gives the law of a relaxation that is fitted alone.",
                 "Leave it out, or give files of relaxation tests and of no others.",
+                code="relaxation-onto-unused",
             )
         return None
     if flags.onto is None and output is not None:
         raise PalpateError(
-            "A relaxation alone is no material.", "Give its law by --onto NAME, or the files of a tensile test."
+            "A relaxation alone is no material.",
+            "Give its law by --onto NAME, or the files of a tensile test.",
+            code="relaxation-without-law",
         )
     return replace(get_material(flags.onto), name=output.stem) if flags.onto is not None and output else None
 

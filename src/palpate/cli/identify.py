@@ -61,6 +61,7 @@ class RobotFlags:
             raise PalpateError(
                 f"A robot is not off by {self.robot_tilt:g}°, {self.robot_depth:g} mm and {self.robot_force:g} N.",
                 "Give more than 0, and at most 5.",
+                code="option-out-of-bounds",
             )
 
 
@@ -83,7 +84,9 @@ def identify(
     known, unit = read_truth(truth), built.unit()
     if not known.rest:
         raise PalpateError(
-            "The table has no image of the untouched dome.", "Add a row whose press is 'rest' before the others."
+            "The table has no image of the untouched dome.",
+            "Add a row whose press is 'rest' before the others.",
+            code="rest-image-missing",
         )
     model = open_model(reads.find(built), unit.skin)
     sensor = open_sensor([read_image(truth.parent / name) for name in known.rest], unit, model)
@@ -126,7 +129,9 @@ def _presses(folder: Path, known: Truth) -> Iterator[tuple[FloatArray, list[NDAr
         which = np.flatnonzero((known.press == number) & np.isfinite(known.poses[:, 2]))
         if not len(which):
             raise PalpateError(
-                f"Press {number + 1} has no depth.", "Give the robot's depth of its images; its zero may be anywhere."
+                f"Press {number + 1} has no depth.",
+                "Give the robot's depth of its images; its zero may be anywhere.",
+                code="press-depth-missing",
             )
         images = [read_image(folder / known.images[k]) for k in which]
         yield known.poses[which], images, known.forces[which]

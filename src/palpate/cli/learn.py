@@ -111,7 +111,9 @@ def _accept(out: Path, learnt: Learnt) -> None:
 
     names = learnt.model.space.names
     if any(name not in names for name in TILT_DEPTH.names):
-        raise PalpateError(f"it judges rx, ry and depth; the model estimates {', '.join(names)}.")
+        raise PalpateError(
+            f"it judges rx, ry and depth; the model estimates {', '.join(names)}.", code="model-outputs-missing"
+        )
     columns = [names.index(name) for name in TILT_DEPTH.names]
     seen = learnt.seen
     judged = seen.split.judge

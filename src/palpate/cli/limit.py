@@ -52,7 +52,11 @@ def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[st
 
     study = read_study(source)
     if workers is not None and not 1 <= workers <= 1024:
-        raise PalpateError(f"--workers is {workers}.", f"Give 1 to 1024; this machine has {available_cores()} cores.")
+        raise PalpateError(
+            f"--workers is {workers}.",
+            f"Give 1 to 1024; this machine has {available_cores()} cores.",
+            code="option-out-of-bounds",
+        )
     return [_describe(design) for design in run_limits(study, out or RESULTS / study.name, workers, Lines())]
 
 
@@ -78,7 +82,11 @@ def _read(folder: Path) -> list[dict[str, Any]]:
 
     grid = read_grid(folder)
     if all(row["limit_deg"] is None for row in grid.by_depth):
-        raise PalpateError(f"The grid of {folder} holds no limits.", "Give the study's YAML file, or run it again.")
+        raise PalpateError(
+            f"The grid of {folder} holds no limits.",
+            "Give the study's YAML file, or run it again.",
+            code="grid-no-limits",
+        )
     return [_describe_row(row, rows_of(grid.by_depth, number)) for number, row in enumerate(grid.designs)]
 
 

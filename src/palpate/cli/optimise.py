@@ -45,9 +45,9 @@ class SearchFlags:
     def change(self, spec: RequirementsSpec) -> RequirementsSpec:
         """The requirements with what flags say of them."""
         if self.skins is not None and not 1 <= self.skins <= 100_000:
-            raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.")
+            raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.", code="option-out-of-bounds")
         if self.control is not None and not 0 <= self.control <= 100_000:
-            raise PalpateError(f"--control is {self.control}.", "Give 0 to 100000.")
+            raise PalpateError(f"--control is {self.control}.", "Give 0 to 100000.", code="option-out-of-bounds")
         given = {"skins": self.skins, "proof": self.prove, "control": self.control}
         return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
@@ -86,7 +86,9 @@ def optimise(
 
     hands.check()
     if hands.timeout is not None:
-        raise PalpateError("A search sets the time of its presses itself.", "Leave --timeout out.")
+        raise PalpateError(
+            "A search sets the time of its presses itself.", "Leave --timeout out.", code="option-not-for-command"
+        )
     spec = search.change(read_requirements(requirements))
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours

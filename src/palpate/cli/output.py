@@ -47,12 +47,18 @@ def check_file(path: Path | None, *endings: str) -> None:
     if path is None:
         return
     if endings and path.suffix.lower() not in endings:
-        raise PalpateError(f"{path.name} does not end in {' or '.join(endings)}.", "Name the file so.")
+        raise PalpateError(
+            f"{path.name} does not end in {' or '.join(endings)}.", "Name the file so.", code="file-ending-unknown"
+        )
     if path.is_dir():
-        raise PalpateError(f"{path} is a folder.", "Name a file in it.")
+        raise PalpateError(f"{path} is a folder.", "Name a file in it.", code="file-is-folder")
     if not path.parent.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
         reason = "may not be written to" if path.parent.is_dir() else "is no folder"
-        raise PalpateError(f"{path} cannot be written: {path.parent} {reason}.", "Name a file in another folder.")
+        raise PalpateError(
+            f"{path} cannot be written: {path.parent} {reason}.",
+            "Name a file in another folder.",
+            code="file-unwritable",
+        )
 
 
 def check_folder(path: Path | None) -> None:
@@ -68,7 +74,11 @@ def check_folder(path: Path | None) -> None:
     there = next(place for place in (path, *path.absolute().parents) if place.exists())
     if not there.is_dir() or not os.access(there, os.W_OK):
         reason = "may not be written to" if there.is_dir() else "is a file"
-        raise PalpateError(f"The folder {path} cannot be written: {there} {reason}.", "Choose another folder.")
+        raise PalpateError(
+            f"The folder {path} cannot be written: {there} {reason}.",
+            "Choose another folder.",
+            code="folder-unwritable",
+        )
 
 
 def _are_numbers(rows: list[list[str]], column: int) -> bool:

@@ -86,10 +86,18 @@ class SolveFlags:
             make_linear_solver(self.advanced.backend)
             return PalpateSolver(self.advanced, self.branch)
         if self.branch is Branch.INVERTED:
-            raise PalpateError(f"{self.solver} presses the flat branch.", "Leave out --branch, or --solver.")
+            raise PalpateError(
+                f"{self.solver} presses the flat branch.",
+                "Leave out --branch, or --solver.",
+                code="option-not-for-solver",
+            )
         if self.advanced.model_fields_set:
             chosen = ", ".join(f"--{flag_of(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
-            raise PalpateError(f"{chosen} say how palpate solves, not {self.solver}.", "Leave them out, or --solver.")
+            raise PalpateError(
+                f"{chosen} say how palpate solves, not {self.solver}.",
+                "Leave them out, or --solver.",
+                code="option-not-for-solver",
+            )
         solver = kind()
         solver.check(wall)
         return solver
@@ -173,6 +181,7 @@ def _read_inner_points(path: Path, skin: Skin) -> FloatArray:
         raise PalpateError(
             f"{path}: point {outside[0] + 1} ({x:g}, {y:g}) mm is outside the dome.",
             f"Points lie up to {skin.widest[0]:.4g} mm from the axis.",
+            code="point-outside-skin",
         )
     return points
 

@@ -44,13 +44,16 @@ class WorkerFlags:
             raise PalpateError(
                 f"--workers is {self.workers}.",
                 f"Give 1 to {MOST_WORKERS}; this machine has {available_cores()} cores.",
+                code="option-out-of-bounds",
             )
         if self.timeout is not None and not 1.0 <= self.timeout < math.inf:
-            raise PalpateError(f"--timeout is {self.timeout:g} s.", "Give 1 s or more.")
+            raise PalpateError(f"--timeout is {self.timeout:g} s.", "Give 1 s or more.", code="option-out-of-bounds")
         if self.cluster is not None:
             check_place(self.cluster)
             if self.workers is not None:
-                raise PalpateError("--workers and --cluster exclude each other.", "Give one of them.")
+                raise PalpateError(
+                    "--workers and --cluster exclude each other.", "Give one of them.", code="options-exclusive"
+                )
 
 
 def run(

@@ -90,7 +90,9 @@ def live(
     from palpate.sensor import describe_reading, open_model, open_sensor, run_sensor, write_readings
 
     if flags.count is not None and flags.count < 1:
-        raise PalpateError(f"--count is {flags.count}.", "Give 1 or more, or leave it out.")
+        raise PalpateError(
+            f"--count is {flags.count}.", "Give 1 or more, or leave it out.", code="option-out-of-bounds"
+        )
     if out is not None and out.suffix == ".rosbag2":
         check_folder(out)
     else:
@@ -109,7 +111,9 @@ def live(
         print(_describe_rest(sensor), file=sys.stderr)
         first = next(images, None)
         if first is None:
-            raise PalpateError(f"{many} images at rest leave nothing to read.", "Record more.")
+            raise PalpateError(
+                f"{many} images at rest leave nothing to read.", "Record more.", code="rest-images-leave-none"
+            )
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
         written = write_readings(out, readings, sensor.reader.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
@@ -124,7 +128,11 @@ def _live_recorded(model: RecordedModel, source: str, out: Path | None, flags: L
     from palpate.sensor import describe_reading, run_sensor, write_readings
 
     if source == "synthetic":
-        raise PalpateError("A model of a recording has no design to simulate.", "Give a camera, a video or a folder.")
+        raise PalpateError(
+            "A model of a recording has no design to simulate.",
+            "Give a camera, a video or a folder.",
+            code="model-no-design",
+        )
     with open_source(source) as opened:
         readings = run_sensor(model, islice(opened.images(), flags.count), flags.rig)
         written = write_readings(out, readings, model.space) if out else readings
@@ -158,7 +166,11 @@ def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> KnownPress
     if flags.press_image is None and flags.press_pose is None:
         return None
     if flags.press_image is None or flags.press_pose is None:
-        raise PalpateError("A known press is an image and its pose.", "Give --press-image and --press-pose.")
+        raise PalpateError(
+            "A known press is an image and its pose.",
+            "Give --press-image and --press-pose.",
+            code="press-pose-incomplete",
+        )
     from palpate.sensor import KnownPress
 
     image = read_image(flags.press_image)
@@ -173,7 +185,11 @@ def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[
             raise image
         rest.append(image)
     if len(rest) < count:
-        raise PalpateError(f"{count} images at rest of {len(rest)} leave nothing to read.", "Record more.")
+        raise PalpateError(
+            f"{count} images at rest of {len(rest)} leave nothing to read.",
+            "Record more.",
+            code="rest-images-leave-none",
+        )
     return rest
 
 

@@ -50,7 +50,11 @@ def serve(
         rest, clock = list(islice(opened.images(), rig.rest_images)), opened.clock
     images = [image for image in rest if not isinstance(image, PalpateError)]
     if len(images) < rig.rest_images:
-        raise PalpateError(f"{rig.rest_images} images at rest of {len(images)} cannot be read.", "Record more.")
+        raise PalpateError(
+            f"{rig.rest_images} images at rest of {len(images)} cannot be read.",
+            "Record more.",
+            code="rest-images-few",
+        )
     sensor = open_sensor(images, unit, model, rig)
     sensor.clock = clock
     feed = Feed(lambda: open_source(source), again=not Path(source).exists())

@@ -33,7 +33,11 @@ def status(
     chosen = read_study(study)
     folder = out or Path("results") / chosen.name
     if not (folder / "store").is_dir():
-        raise PalpateError(f"{folder} holds no artefacts of a study.", "Give its result folder with --out.")
+        raise PalpateError(
+            f"{folder} holds no artefacts of a study.",
+            "Give its result folder with --out.",
+            code="study-folder-empty",
+        )
     found = find_status(chosen, folder)
     if json:
         print_json(_describe(found, folder))

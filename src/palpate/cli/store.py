@@ -48,7 +48,11 @@ def gc(
 
     store = _store(folder)
     if not studies:
-        raise PalpateError("No study was named, so every artefact would go.", "Name the studies that shall stay.")
+        raise PalpateError(
+            "No study was named, so every artefact would go.",
+            "Name the studies that shall stay.",
+            code="argument-missing",
+        )
     removed = clean_store(store, needed_keys(read_study(study) for study in studies), dry_run=dry_run)
     size = sum(item.size for item in removed)
     if json:
@@ -64,6 +68,8 @@ def _store(folder: Path) -> Path:
     store = folder / "store"
     if not store.is_dir():
         raise PalpateError(
-            f"{folder} is no result folder: it has no folder 'store'.", "Give one made by palpate run."
+            f"{folder} is no result folder: it has no folder 'store'.",
+            "Give one made by palpate run.",
+            code="folder-not-results",
         )
     return store

@@ -61,7 +61,11 @@ class TwinFlags:
         elif TwinFlags(self.design, self.material) == TwinFlags():
             study = read_study(source)
         else:
-            raise PalpateError(f"The study {source} has its own designs.", "Give a study, or flags of a design.")
+            raise PalpateError(
+                f"The study {source} has its own designs.",
+                "Give a study, or flags of a design.",
+                code="options-exclusive",
+            )
         asked = study.built or BuiltSpec()
         tolerance = read_tolerance(self.tolerance) if self.tolerance else asked.tolerance
         built = asked.model_copy(update={"known": self.known or asked.known, "tolerance": tolerance})
@@ -84,10 +88,12 @@ def twin(
     from palpate.study import run_twins
 
     if flags.known is not None and not 1 <= flags.known <= 100:
-        raise PalpateError(f"--known is {flags.known}.", "Give 1 to 100 known presses.")
+        raise PalpateError(f"--known is {flags.known}.", "Give 1 to 100 known presses.", code="option-out-of-bounds")
     hands.check()
     if hands.cluster is not None:
-        raise PalpateError("Twins are made on this machine.", "Give --workers instead of --cluster.")
+        raise PalpateError(
+            "Twins are made on this machine.", "Give --workers instead of --cluster.", code="option-not-for-command"
+        )
     study = flags.study(source)
     folder = out or RESULTS / study.name
     found = run_twins(study, folder, hands.workers, Lines())

@@ -106,6 +106,7 @@ class ModelFlags:
             raise PalpateError(
                 f"There is no twin of {skin.name}{material} in {RESULTS}/*/twins.",
                 f"Make it once, in some 3 minutes of one core, or give --model: palpate twin {self.words(design)}",
+                code="twin-missing",
             )
         print(f"Reads by the twin {found}.", file=sys.stderr)
         return found

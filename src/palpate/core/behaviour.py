@@ -55,7 +55,11 @@ def behaviour_stamp(stage: str) -> str:
     """
     results = json.loads(BEHAVIOUR_FILE.read_bytes())
     if stage not in results:
-        raise PalpateError(f"The stage '{stage}' has no reference case.", f"Choose one of {', '.join(results)}.")
+        raise PalpateError(
+            f"The stage '{stage}' has no reference case.",
+            f"Choose one of {', '.join(results)}.",
+            code="stage-unknown",
+        )
     return hashlib.sha256(json.dumps(results[stage], sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -1,4 +1,8 @@
-"""The one family of errors that reaches a user: a sentence with the number, and the remedy."""
+"""The one family of errors that reaches a user: a sentence with the number, the remedy, and a code to search for."""
+
+from __future__ import annotations
+
+from typing import Any
 
 
 class PalpateError(Exception):
@@ -10,12 +14,23 @@ class PalpateError(Exception):
         One sentence that says what is wrong, with the offending number and its unit.
     remedy
         What to do about it, in one sentence; empty where the sentence already says so.
+    code
+        Short name of the kind of error that does not change, e.g. ``"column-missing"``.
     """
 
-    def __init__(self, what: str, remedy: str = "") -> None:
+    def __init__(self, what: str, remedy: str = "", *, code: str) -> None:
         super().__init__(f"{what} {remedy}".strip())
         self.what = what
         self.remedy = remedy
+        self.code = code
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickle, (type(self), self.args), self.__dict__
+
+
+def _unpickle(kind: type[PalpateError], args: tuple[Any, ...]) -> PalpateError:
+    """An error as it was, whatever its class is made from."""
+    return kind.__new__(kind, *args)
 
 
 class MissingExtraError(PalpateError):
@@ -29,8 +44,11 @@ class MissingExtraError(PalpateError):
         The extra of this package that installs it.
     """
 
+    code = "extra-missing"
+
     def __init__(self, library: str, extra: str) -> None:
         super().__init__(
             f"This needs {library}, which is not installed.",
             f'Install it with: pip install "palpate[{extra}]"',
+            code=self.code,
         )

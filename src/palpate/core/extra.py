@@ -35,6 +35,7 @@ def load_extra(module: str, extra: str, library: str = "") -> Any:
         raise PalpateError(
             f"{library or module} cannot be loaded: {error}.",
             "`palpate doctor` names the system package that brings it.",
+            code="library-unloadable",
         ) from error
 
 

@@ -21,7 +21,9 @@ def writing(what: Path | str, remedy: str = "Choose another file.") -> Iterator[
     try:
         yield
     except OSError as error:
-        raise PalpateError(f"{what} cannot be written: {error.strerror or error}.", remedy) from error
+        raise PalpateError(
+            f"{what} cannot be written: {error.strerror or error}.", remedy, code="file-unwritable"
+        ) from error
 
 
 @contextmanager
@@ -62,7 +64,9 @@ def new_folder(folder: Path, remedy: str = "Choose another folder.") -> Iterator
         If `folder` holds something, or cannot be written.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise PalpateError(f"{folder} exists and is not an empty folder.", "Choose another, or remove it.")
+        raise PalpateError(
+            f"{folder} exists and is not an empty folder.", "Choose another, or remove it.", code="folder-exists"
+        )
     with writing(folder, remedy):
         folder.parent.mkdir(parents=True, exist_ok=True)
         draft = Path(tempfile.mkdtemp(prefix=DRAFT, dir=folder.parent))

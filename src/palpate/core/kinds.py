@@ -41,6 +41,7 @@ def spec_of_kind(kinds: Registry[type[S]], data: Mapping[str, Any], oldest: str)
         raise PalpateError(
             f"The {kinds.noun}'s {where or 'numbers'}: {first['msg']}.",
             f"Its numbers are {', '.join(name for name in kind.model_fields if name != 'kind')}.",
+            code=first["type"],
         ) from None
 
 
@@ -60,5 +61,9 @@ def words_of_kind(noun: str, text: str) -> dict[str, Any]:
     kind, _, rest = text.partition(":")
     pairs = [item.partition("=") for item in rest.split(",") if item]
     if any(not mark or not name for name, mark, _ in pairs):
-        raise PalpateError(f"The {noun} '{text}' is not written as KIND:NAME=VALUE.", f"Write {kind}:NAME=VALUE.")
+        raise PalpateError(
+            f"The {noun} '{text}' is not written as KIND:NAME=VALUE.",
+            f"Write {kind}:NAME=VALUE.",
+            code="kind-malformed",
+        )
     return {"kind": kind, **{name.strip(): value for name, _, value in pairs}}

@@ -29,9 +29,15 @@ def refuse_outside_links(file: h5py.File, path: Path) -> None:
     try:
         member = _find_outside(file)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(f"{path} is a damaged HDF5 file: {error}.", "Make it again.") from None
+        raise PalpateError(
+            f"{path} is a damaged HDF5 file: {error}.", "Make it again.", code="hdf5-damaged"
+        ) from None
     if member:
-        raise PalpateError(f"{path}: {member} lies in another file.", "Use only files that hold all of their data.")
+        raise PalpateError(
+            f"{path}: {member} lies in another file.",
+            "Use only files that hold all of their data.",
+            code="hdf5-outside-link",
+        )
 
 
 def _find_outside(file: h5py.File) -> str:

@@ -169,7 +169,7 @@ def _without_unit(spec: type[Spec], name: str, value: Any) -> Any:
     number, unit = match.groups()
     if unit != extra["unit"]:
         raise PydanticCustomError(
-            "wrong_unit",
+            "quantity-unit-wrong",
             "{name} is given in {given}, but its unit is {unit}. Write the number in {unit}.",
             {"name": name, "given": unit, "unit": str(extra["unit"])},
         )

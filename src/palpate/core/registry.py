@@ -84,7 +84,9 @@ class Registry(Generic[T]):
         """
         if name not in self:
             raise PalpateError(
-                f"There is no {self.noun} '{name}'.", f"Choose one of {', '.join(self.names)}. {self._remedy}"
+                f"There is no {self.noun} '{name}'.",
+                f"Choose one of {', '.join(self.names)}. {self._remedy}",
+                code="kind-unknown",
             )
         if name not in self._loaded:
             self._loaded[name] = self._load(name)
@@ -111,7 +113,9 @@ class Registry(Generic[T]):
         if len(points) + (name in self._own) > 1:
             sources = (["palpate"] if name in self._own else []) + [_package(point) for point in points]
             raise PalpateError(
-                f"The {self.noun} '{name}' is offered by {' and '.join(sources)}.", "Uninstall or rename all but one."
+                f"The {self.noun} '{name}' is offered by {' and '.join(sources)}.",
+                "Uninstall or rename all but one.",
+                code="kind-offered-twice",
             )
         if not points:
             module, _, attribute = self._own[name].partition(":")
@@ -122,11 +126,13 @@ class Registry(Generic[T]):
             raise PalpateError(
                 f"The {self.noun} '{name}' of {_package(points[0])} cannot be loaded: {error}.",
                 f"Reinstall {_package(points[0])} with what it needs, or choose another {self.noun}.",
+                code="kind-unloadable",
             ) from error
         if self._fits is not None and not self._fits(loaded):
             raise PalpateError(
                 f"{points[0].value} of {_package(points[0])} is no {self.noun}.",
                 f"An entry point of {self.group} must name what the suite in palpate.testing accepts.",
+                code="kind-wrong-type",
             )
         return cast(T, loaded)
 

@@ -110,9 +110,15 @@ class ArtefactStore:
             If the kind is no plain name, or the key none of hexadecimal digits.
         """
         if _KIND.fullmatch(kind) is None:
-            raise PalpateError(f"The kind of artefact {kind!r} is no plain name.", "Take letters and digits.")
+            raise PalpateError(
+                f"The kind of artefact {kind!r} is no plain name.",
+                "Take letters and digits.",
+                code="artefact-kind-malformed",
+            )
         if _KEY.fullmatch(key) is None:
-            raise PalpateError(f"'{key[:40]}' is no key of an artefact.", "Run the study again.")
+            raise PalpateError(
+                f"'{key[:40]}' is no key of an artefact.", "Run the study again.", code="artefact-key-malformed"
+            )
         return self.root / kind / key[:2] / f"{key}{suffix}"
 
     def find(self, recipe: Recipe, suffix: str = ".h5") -> Path | None:
@@ -224,6 +230,7 @@ class ArtefactStore:
             raise StoreError(
                 f"The artefact store {self.root} cannot be written: {error.strerror or error}.",
                 "Choose another folder with --out, or free some space.",
+                code="store-unwritable",
             ) from error
 
 

@@ -161,7 +161,9 @@ def _remove(path: Path) -> None:
         return
     except OSError as error:
         raise StoreError(
-            f"{path} cannot be removed: {error.strerror or error}.", "Give yourself the right to write there."
+            f"{path} cannot be removed: {error.strerror or error}.",
+            "Give yourself the right to write there.",
+            code="store-file-not-removed",
         ) from error
 
 

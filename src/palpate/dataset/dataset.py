@@ -71,9 +71,15 @@ class Dataset:
         columns = (self.poses, self.press, self.validation, self.branch, self.travel_mm)
         lengths = {len(column) for column in columns}
         if lengths != {count}:
-            raise PalpateError(f"A dataset of {count} images has columns of {sorted(lengths)} rows.")
+            raise PalpateError(
+                f"A dataset of {count} images has columns of {sorted(lengths)} rows.", code="dataset-column-lengths"
+            )
         if not np.isfinite(self.images_px).all():
-            raise PalpateError("A dataset has a marker whose position is not a number.", "Make the dataset again.")
+            raise PalpateError(
+                "A dataset has a marker whose position is not a number.",
+                "Make the dataset again.",
+                code="dataset-not-finite",
+            )
         refuse_leakage(self.press, self.poses, self.validation, self.space)
 
     @property

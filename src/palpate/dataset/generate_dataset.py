@@ -93,6 +93,7 @@ def generate_dataset(
             f"No image is left: {spec.dropped_images} images dropped, presses end at "
             f"{base.depths_mm.max(initial=0.0):g} mm, {sum(dropped.values())} images out of reach.",
             "Press deeper, or drop fewer images.",
+            code="dataset-no-image",
         )
     joined = {name: np.concatenate([column[name] for column in columns]) for name in columns[0]}
     press = number[joined["row"]]
@@ -165,4 +166,5 @@ def _refuse_unseen_at_rest(rest: FloatArray, view: _View) -> None:
         raise PalpateError(
             f"{len(unseen)} of {len(rest)} markers cannot be seen at rest (numbers {shown}).",
             "Move the camera farther away, or use smaller rings.",
+            code="markers-hidden",
         )

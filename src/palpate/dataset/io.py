@@ -73,10 +73,13 @@ def read_dataset(path: Path) -> Dataset:
                 raise PalpateError(
                     f"{path} holds dataset version {version}, this program reads version {DATASET_FORMAT}.",
                     "Make the dataset again.",
+                    code="dataset-version",
                 )
             return _read(file)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
-        raise PalpateError(f"{path} is not a dataset: {error}.", "Make the dataset again.") from error
+        raise PalpateError(
+            f"{path} is not a dataset: {error}.", "Make the dataset again.", code="dataset-unreadable"
+        ) from error
 
 
 def _read(file: h5py.File) -> Dataset:

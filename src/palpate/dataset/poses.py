@@ -54,7 +54,11 @@ def sample_poses(
         most = spec.max_tilt_deg if offset is None else offset
         return _disc(spec.n_presses, (least, most), spec.seed, lies)
     if offset is not None:
-        raise PalpateError(f"The protocol {spec.poses} is one of tilts up to 12°.", "Choose the poses 'disc'.")
+        raise PalpateError(
+            f"The protocol {spec.poses} is one of tilts up to 12°.",
+            "Choose the poses 'disc'.",
+            code="protocol-not-for-obstacle",
+        )
     tilt, azimuth = np.meshgrid(PAPER_TILTS_DEG, PAPER_AZIMUTHS_DEG[spec.poses], indexing="ij")
     return rotation_vector(tilt.ravel(), np.deg2rad(azimuth.ravel()))
 

@@ -46,7 +46,9 @@ class RandomiseSpec(Spec):
         for friction in frictions:
             check_contact(friction)
         if any(friction < 0.05 for friction in frictions) or len(set(frictions)) < len(frictions):
-            raise PydanticCustomError("bad_frictions", "frictions are numbers of 0.05 or more, each given once.", {})
+            raise PydanticCustomError(
+                "frictions-malformed", "frictions are numbers of 0.05 or more, each given once.", {}
+            )
         return tuple(sorted(frictions, reverse=True))
 
     @property

@@ -18,10 +18,12 @@ class LeakageError(PalpateError):
     ----------
     what
         Which press or pose stands on both sides.
+    code
+        Whether it is a press or a pose.
     """
 
-    def __init__(self, what: str) -> None:
-        super().__init__(what, "Split by press: hold out all images of a press, or none.")
+    def __init__(self, what: str, *, code: str) -> None:
+        super().__init__(what, "Split by press: hold out all images of a press, or none.", code=code)
 
 
 def number_presses(places: FloatArray) -> IntArray:
@@ -57,7 +59,7 @@ def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     """
     distinct = np.unique(press)
     if len(distinct) < 2:
-        raise PalpateError(f"{len(distinct)} press cannot be split.", "Sample more poses.")
+        raise PalpateError(f"{len(distinct)} press cannot be split.", "Sample more poses.", code="split-few-presses")
     count = int(np.clip(round(fraction * len(distinct)), 1, len(distinct) - 1))
     chosen = generator(seed, "split").permutation(distinct)[:count]
     return np.isin(press, chosen)
@@ -84,11 +86,14 @@ def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, sp
     """
     shared = np.intersect1d(press[validation], press[~validation])
     if len(shared):
-        raise LeakageError(f"Press {shared[0]} has images in training and in validation ({len(shared)} such).")
+        raise LeakageError(
+            f"Press {shared[0]} has images in training and in validation ({len(shared)} such).",
+            code="split-shares-press",
+        )
     rounded = np.round(poses[:, :2] / SAME_POSE).astype(np.int64)
     held_out = {tuple(pose) for pose in rounded[validation]}
     for pose in rounded[~validation]:
         if tuple(pose) in held_out:
             parts = zip(space.components, pose * SAME_POSE, strict=False)
             shown = ", ".join(f"{item.axis} {value:.3f}{item.sign}" for item, value in parts)
-            raise LeakageError(f"The pose {shown} is in training and in validation.")
+            raise LeakageError(f"The pose {shown} is in training and in validation.", code="split-shares-pose")

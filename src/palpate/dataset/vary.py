@@ -142,6 +142,7 @@ def vary_field(
                 f"Presses of another friction or thickness end at {other.depths_mm.max(initial=0.0):g} mm, the "
                 f"design's at {base.depths_mm.max(initial=0.0):g} mm.",
                 "Press less deep, or vary less.",
+                code="dataset-variation-short",
             )
     count = len(sample_poses(spec, base.offset))
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
@@ -186,6 +187,7 @@ def _refuse_missing(spec: RandomiseSpec, relatives: VariedPresses) -> None:
             raise PalpateError(
                 f"The dataset varies the {name} by {needed} more sets of presses, but {given} are there.",
                 "Press them first; `palpate run` does so by itself.",
+                code="dataset-variation-missing",
             )
 
 

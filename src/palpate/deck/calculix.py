@@ -54,6 +54,7 @@ def find_ccx() -> str:
         raise PalpateError(
             f"CalculiX (the program {PROGRAM}) is not installed or not on the PATH.",
             "Install it with: apt install calculix-ccx",
+            code="solver-missing",
         )
     return path
 
@@ -93,6 +94,7 @@ def solve_press_calculix(
         raise PalpateError(
             f"CalculiX left no increment (exit code {code}): {_last_error(folder / 'press.log')}",
             f"Its deck and log are in {folder}.",
+            code="solver-no-increment",
         )
     unknowns, iterations = read_counts(folder / "press.log", folder / "press.cvg")
     ended, message = _reason(found, mesh, wall, folder)
@@ -132,7 +134,11 @@ class CalculixSolver(PressSolver):
 
     def check(self, wall: ObstacleSpec) -> None:
         if wall.unload:
-            raise PalpateError("CalculiX presses from rest to full depth.", "Leave out --unload, or --solver.")
+            raise PalpateError(
+                "CalculiX presses from rest to full depth.",
+                "Leave out --unload, or --solver.",
+                code="option-not-for-solver",
+            )
         find_ccx()
 
     def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
@@ -159,6 +165,7 @@ def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
             raise PalpateError(
                 f"CalculiX took longer than {timeout:g} s and was stopped.",
                 f"Use a coarser mesh or a smaller depth; its deck and log are in {folder}.",
+                code="solver-timed-out",
             ) from None
     after = os.times()
     spent = after.children_user + after.children_system - before.children_user - before.children_system

@@ -92,7 +92,9 @@ def _solid(mesh: Mesh, dialect: Dialect) -> DeckMesh:
 
 def _shell(mesh: Mesh) -> DeckMesh:
     if mesh.filling:
-        raise PalpateError("A filled skin is no shell.", "Write the deck with --element solid.")
+        raise PalpateError(
+            "A filled skin is no shell.", "Write the deck with --element solid.", code="deck-filled-shell"
+        )
     layers = mesh.spec.layers
     level = len(mesh.nodes) // (2 * layers + 1) * layers
     faces = mesh.inner_faces + level

@@ -53,9 +53,14 @@ def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -
         raise PalpateError(
             f"A deck's obstacle moves along one way, and this one drifts or turns besides: {wall.words}.",
             "Leave out drift and twist, or press with a wall instead of a route.",
+            code="deck-wall-drifts",
         )
     if isinstance(wall, WallSpec) and wall.bend:
-        raise PalpateError("A deck has no wall that is nearly flat.", "Leave the bend out, or press with a ball.")
+        raise PalpateError(
+            "A deck has no wall that is nearly flat.",
+            "Leave the bend out, or press with a ball.",
+            code="deck-wall-bent",
+        )
     obstacle, touched = wall.at_touch(mesh)
     half = max(2.0 * (mesh.skin.outer_widest[0] + mesh.skin.thickness), _farthest(mesh, touched, wall.way(mesh)))
     points, facets = obstacle.patch(touched, half)

@@ -33,7 +33,9 @@ def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, s
     """
     text = deck_text(mesh, material, wall, spec)
     if not path.parent.is_dir():
-        raise PalpateError(f"The folder {path.parent} does not exist.", "Make it first, or name another file.")
+        raise PalpateError(
+            f"The folder {path.parent} does not exist.", "Make it first, or name another file.", code="folder-missing"
+        )
     with written_whole(path, "Name another file.") as part:
         part.write_text(text)
 
@@ -63,6 +65,7 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
         raise PalpateError(
             "CalculiX turns shells into one layer of solids, 18 to 26 % too stiff here.",
             "Write the calculix deck with --element solid, or the shell for --dialect abaqus.",
+            code="deck-shell-stiff",
         )
     depths = deck_depths(mesh, wall)
     parts = deck_mesh(mesh, spec.dialect, spec.element)

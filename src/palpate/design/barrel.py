@@ -64,6 +64,7 @@ class BarrelSpec(SkinSpec):
                 f"{self.middle_radius:g} mm halfway does not bulge, or by more than half its length.",
                 f"Take a radius halfway of more than {self.base_radius:g} mm, up to "
                 f"{self.base_radius + 0.5 * self.height:g} mm.",
+                code="barrel-not-bulging",
             )
         return Barrel(self.height, self.base_radius, self.thickness, self.middle_radius)
 

@@ -49,7 +49,7 @@ def refuse_errors(findings: Iterable[Finding]) -> None:
     """
     for finding in findings:
         if finding.severity is Severity.ERROR:
-            raise PalpateError(finding.message, finding.remedy)
+            raise PalpateError(finding.message, finding.remedy, code=finding.code)
 
 
 def _check_wall(skin: Skin) -> Iterator[Finding]:

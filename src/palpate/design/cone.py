@@ -35,6 +35,7 @@ class ConeSpec(TaperedSpec):
                 f"An edge of radius {self.edge_radius:g} mm passes outside the rim: from its middle it is "
                 f"{made.edge_to_rim:.4g} mm to there.",
                 "Take a smaller edge radius, or a larger base.",
+                code="cone-edge-outside-rim",
             )
         return made
 

@@ -71,6 +71,7 @@ class FlatPadSpec(SkinSpec):
                 f"A flat of half width {self.flat_radius:g} mm with an edge of {self.edge_radius:g} mm hangs over a "
                 f"base of half width {self.base_radius:g} mm.",
                 "Take a smaller flat or edge, or a larger base: a pad stands on its window.",
+                code="pad-overhangs",
             )
         return FlatPad(**self.model_dump(exclude={"kind"}))
 

@@ -42,11 +42,13 @@ class PinnedSpec(SkinSpec):
                 f"A dome {self.height:g} mm high on a base radius of {self.base_radius:g} mm bulges: no core with "
                 "pins leaves it.",
                 f"Take a height up to {self.base_radius:g} mm.",
+                code="dome-bulges",
             )
         if self.pin > _LONGEST * self.height:
             raise PalpateError(
                 f"Pins {self.pin:g} mm long in a dome {self.height:g} mm high meet in its middle or reach its base.",
                 f"Take at most {_LONGEST * self.height:.3g} mm.",
+                code="pins-too-long",
             )
         return PinnedDome(self.height, self.base_radius, self.thickness, self.pin)
 

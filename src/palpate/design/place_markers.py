@@ -53,6 +53,7 @@ def place_markers(skin: Skin, spec: MarkerSpec) -> MarkerLayout:
         raise PalpateError(
             f"{spec.file} has {len(positions)} markers, but count is {spec.count}.",
             "Leave count out: the file gives it.",
+            code="marker-count-differs",
         )
     return MarkerLayout(positions=positions, diameter=spec.diameter)
 
@@ -61,12 +62,15 @@ def _rows(skin: Skin, spec: MarkerSpec) -> FloatArray:
     """Rows about the middle of a tube's meridian, from the far end on."""
     if not skin.hole:
         raise PalpateError(
-            f"{skin.name} has an apex: rows of markers go around a tube.", "Give rings: ring_diameters."
+            f"{skin.name} has an apex: rows of markers go around a tube.",
+            "Give rings: ring_diameters.",
+            code="rows-need-tube",
         )
     if spec.rows is None or spec.around is None or spec.pitch is None:
         raise PalpateError(
             f"{skin.name} has no apex about which rings of markers lie.",
             "Give rows around it: markers: [{rows: 16, around: 16, pitch: 15 mm}], or a file.",
+            code="rings-need-apex",
         )
     length = float(skin.arc_length(skin.marked(np.array([[1.0, 0.0]])))[0])
     place = (np.arange(spec.rows) - (spec.rows - 1) / 2) * spec.pitch
@@ -74,6 +78,7 @@ def _rows(skin: Skin, spec: MarkerSpec) -> FloatArray:
         raise PalpateError(
             f"{spec.rows} rows {spec.pitch:g} mm apart do not fit on a meridian of {length:.4g} mm.",
             f"Take a pitch below {length / max(spec.rows - 1, 1):.4g} mm, or fewer rows.",
+            code="rows-too-long",
         )
     radius = skin.hole + (1 - skin.hole) * (0.5 + place / length)
     azimuth = 2.0 * np.pi * np.arange(spec.around) / spec.around

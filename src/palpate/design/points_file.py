@@ -45,6 +45,7 @@ def read_points(path: Path, skin: Skin) -> FloatArray:
         raise PalpateError(
             f"{path}: point {row + 1} ({', '.join(f'{value:g}' for value in table[row])}) mm is {where}.",
             f"The inner surface is that of {skin.name}, z >= 0; leave out z_mm to have points carried there.",
+            code="point-below-base" if below[row] else "point-off-surface",
         )
     return table
 
@@ -55,15 +56,18 @@ def _read_table(path: Path) -> FloatArray:
             rows = [(number, row) for number, row in enumerate(csv.reader(file), start=1) if any(row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no text table"
-        raise PalpateError(f"{path} cannot be read: {reason}.", "Give a CSV file of points.") from error
+        raise PalpateError(
+            f"{path} cannot be read: {reason}.", "Give a CSV file of points.", code="file-unreadable"
+        ) from error
     header = [name.strip() for name in rows[0][1]] if rows else []
     if sorted(header) not in (["x_mm", "y_mm"], ["x_mm", "y_mm", "z_mm"]):
         raise PalpateError(
             f"{path} has the columns {', '.join(header) or '(none)'}.",
             "They must be x_mm,y_mm or x_mm,y_mm,z_mm.",
+            code="columns-wrong",
         )
     if len(rows) == 1:
-        raise PalpateError(f"{path} has no points under its header.", "Give one point a line.")
+        raise PalpateError(f"{path} has no points under its header.", "Give one point a line.", code="table-empty")
     order = [header.index(name) for name in sorted(header)]
     return np.array([_numbers(path, number, row, order) for number, row in rows[1:]])
 
@@ -74,5 +78,9 @@ def _numbers(path: Path, line: int, row: list[str], order: list[int]) -> list[fl
     except (ValueError, IndexError):
         numbers = []
     if len(row) != len(order) or not np.all(np.isfinite(numbers)) or not numbers:
-        raise PalpateError(f"{path}:{line}: {','.join(row)} is not {len(order)} numbers.", "Write them in mm.")
+        raise PalpateError(
+            f"{path}:{line}: {','.join(row)} is not {len(order)} numbers.",
+            "Write them in mm.",
+            code="row-not-numbers",
+        )
     return numbers

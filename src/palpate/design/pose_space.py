@@ -86,7 +86,11 @@ class PoseSpace:
                 return space
         parts = [name.rpartition("_") for name in names]
         if len(parts) < 3 or not all(axis and unit for axis, _, unit in parts):
-            raise PalpateError(f"No pose has the components {', '.join(names)}.", "Make the file again.")
+            raise PalpateError(
+                f"No pose has the components {', '.join(names)}.",
+                "Make the file again.",
+                code="pose-components-unknown",
+            )
         return PoseSpace.free([(axis, unit) for axis, _, unit in parts])
 
     @staticmethod
@@ -175,7 +179,9 @@ class PoseSpace:
     def _refuse_no_line(self) -> None:
         if not self.lies:
             raise PalpateError(
-                f"{', '.join(self.names)} are not the pose of a line.", "Take presses of a bar or an edge."
+                f"{', '.join(self.names)} are not the pose of a line.",
+                "Take presses of a bar or an edge.",
+                code="pose-not-line",
             )
 
     def error(self, estimates: FloatArray, poses: FloatArray) -> FloatArray:

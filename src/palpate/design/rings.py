@@ -77,6 +77,7 @@ def ring_diameters(count: int, base_radius: float = PRESET_BASE_RADIUS) -> tuple
         raise PalpateError(
             f"{count} markers do not fill rings of 6, 12, 18, … about the apex.",
             "Take 1 + 3 n (n + 1): 7, 19, 37, 61, 91, 127, 169, …",
+            code="marker-count-not-rings",
         )
     outermost = OUTERMOST * 2.0 * base_radius
     return tuple(outermost * k / rings for k in range(1, rings + 1))

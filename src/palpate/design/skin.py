@@ -239,17 +239,19 @@ class Skin(ABC):
         """Height of the outer surface's apex over the base, mm."""
         return self.height + self.thickness
 
-    def require_revolution(self, why: str, remedy: str) -> None:
+    def require_revolution(self, why: str, remedy: str, *, code: str = "skin-not-revolution") -> None:
         """Refuse to go on where a body of revolution with an apex is needed and this is none.
 
         Raises
         ------
         PalpateError
-            With the reason `why`, a part of a sentence, and the remedy.
+            With the reason `why`, a part of a sentence, the remedy, and the code of what is asked for.
         """
         if self.symmetry is not Symmetry.REVOLVED:
-            raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy)
+            raise PalpateError(f"{self.name} is no body of revolution: {why}.", remedy, code=code)
         if self.hole:
             raise PalpateError(
-                f"{self.name} has no apex: as yet a barrel is pressed, seen, learnt and made, no more.", remedy
+                f"{self.name} has no apex: as yet a barrel is pressed, seen, learnt and made, no more.",
+                remedy,
+                code="skin-no-apex",
             )

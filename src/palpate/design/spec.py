@@ -125,7 +125,7 @@ class MarkerSpec(Spec):
         rings, given = values.get("ring_diameters"), [name for name in _ROWS if values.get(name) is not None]
         if given and (len(given) < len(_ROWS) or rings is not None or values.get("file") is not None):
             raise PydanticCustomError(
-                "rows_alone", "rows, around and pitch are given together, without ring_diameters and file.", {}
+                "rows-not-alone", "rows, around and pitch are given together, without ring_diameters and file.", {}
             )
         if "count" in values:
             return values
@@ -145,7 +145,7 @@ class MarkerSpec(Spec):
     def _rings_grow(cls, rings: tuple[float, ...] | None) -> tuple[float, ...] | None:
         if rings is not None and not all(a < b for a, b in zip((0.0, *rings), rings, strict=False)):
             raise PydanticCustomError(
-                "rings_not_growing",
+                "rings-not-growing",
                 "ring diameters {rings} mm do not grow from above zero; list them from the apex outward.",
                 {"rings": ", ".join(f"{ring:g}" for ring in rings)},
             )
@@ -156,13 +156,13 @@ class MarkerSpec(Spec):
         if self.file is not None:
             if self.ring_diameters is not None:
                 raise PydanticCustomError(
-                    "two_layouts", "ring_diameters and file both give a layout; keep one of them.", {}
+                    "layout-twice", "ring_diameters and file both give a layout; keep one of them.", {}
                 )
             return self
         if self.rows is not None and self.around is not None:
             if self.count != self.rows * self.around:
                 raise PydanticCustomError(
-                    "rows_and_count_differ",
+                    "marker-count-differs",
                     "{rows} rows of {around} markers are not {count}; leave count out.",
                     {"rows": self.rows, "around": self.around, "count": self.count},
                 )
@@ -172,13 +172,13 @@ class MarkerSpec(Spec):
             below = max(n for n in range(MAX_RINGS + 1) if markers_in_rings(n) < self.count)
             nearest = " or ".join(str(markers_in_rings(n)) for n in (below, below + 1) if n <= MAX_RINGS)
             raise PydanticCustomError(
-                "not_a_ring_number",
+                "marker-count-not-rings",
                 "count {count} is not 1 + 3 n (n + 1) for up to {rings} rings; nearest valid: {nearest}.",
                 {"count": self.count, "rings": MAX_RINGS, "nearest": nearest},
             )
         if self.ring_diameters is not None and len(self.ring_diameters) != rings:
             raise PydanticCustomError(
-                "rings_and_count_differ",
+                "marker-count-differs",
                 "{given} ring diameters make {made} markers, but count is {count}; leave count out.",
                 {
                     "given": len(self.ring_diameters),

@@ -42,7 +42,7 @@ class SplineSpec(TaperedSpec):
     def _points_are_pairs(cls, points: Any) -> Any:
         if isinstance(points, str):
             raise PydanticCustomError(
-                "points_as_words",
+                "points-as-words",
                 "'{points}' are no pairs of numbers; write the skin into a study: points: [[0.5, 0.9], [0.85, 0.5]]",
                 {"points": points},
             )
@@ -54,7 +54,7 @@ class SplineSpec(TaperedSpec):
         for rho, z in points:
             if not (0 < rho <= 3 and 0 < z <= 1.5):
                 raise PydanticCustomError(
-                    "point_not_over_the_base",
+                    "point-not-over-base",
                     "the point ({rho}, {z}) is not within 0 to 3 base radii of the axis and 0 to 1.5 heights",
                     {"rho": f"{rho:g}", "z": f"{z:g}"},
                 )
@@ -141,6 +141,7 @@ class Spline(RevolvedSkin):
             raise PalpateError(
                 f"The meridian of {self.name} crosses the axis or the base between its points.",
                 "Set more points, or points farther from them.",
+                code="meridian-crosses-axis",
             )
         fill = float((hollow * self.wall_thickness(t)).max())
         if fill > _TIGHTEST:
@@ -148,4 +149,5 @@ class Spline(RevolvedSkin):
                 f"The meridian is hollow with a radius of {1 / hollow.max():.3g} mm, and its wall "
                 f"{self.thickness:g} mm thick: the outer surface would fold.",
                 "Take a thinner wall or points that bend less.",
+                code="meridian-too-hollow",
             )

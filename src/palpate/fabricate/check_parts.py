@@ -109,4 +109,5 @@ def refuse_interference(parts: dict[str, CadSolid], intended: Collection[frozens
             raise PalpateError(
                 f"{one} and {other} share {shared:.3g} mm³ when they are put together.",
                 "Change the dimensions of the process.",
+                code="parts-overlap",
             )

@@ -171,6 +171,7 @@ def build_enclosure(
         raise PalpateError(
             f"The camera is {camera_distance:g} mm below the base; light and flange reach {-room:g} mm down.",
             f"Take a distance of at least {-room + SHELF:.3g} mm.",
+            code="camera-no-room",
         )
     far = module.farthest
     bore = max(far * module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)

@@ -129,6 +129,7 @@ def plan_frame(module: Module, layout: MarkerLayout) -> Frame:
             f"The barrel opens by {module.opening_radius:g} mm at its ends: four rods that carry the far end leave "
             "no view.",
             f"Take a radius of at least {least:.3g} mm there.",
+            code="frame-no-view",
         )
     azimuths = np.unique(np.arctan2(layout.positions[:, 1], layout.positions[:, 0]).round(6))
     gaps = np.diff(azimuths, append=azimuths[0] + 2 * np.pi)

@@ -25,7 +25,9 @@ def write_mesh(path: Path, mesh: SurfaceMesh) -> None:
     mesh = mesh.welded(_WELD_MM)
     if not mesh.is_watertight or mesh.volume <= 0:
         raise PalpateError(
-            f"The mesh for {path.name} is not closed.", "Change a dimension by some hundredths of a mm."
+            f"The mesh for {path.name} is not closed.",
+            "Change a dimension by some hundredths of a mm.",
+            code="mesh-not-closed",
         )
     body = _trimesh().Trimesh(mesh.points, mesh.triangles, process=False)
     body.units = "mm"

@@ -92,16 +92,19 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
         raise PalpateError(
             f"The pour hole is {spec.pour_diameter:g} mm wide, the flange it ends on {flange:.3g} mm.",
             f"Take at most {np.floor(100 * (flange - 2 * spec.printer_wall)) / 100:g} mm, or a wider flange.",
+            code="pour-hole-too-wide",
         )
     if spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall) > spec.mold_wall:
         raise PalpateError(
             f"A pin of {spec.pin_diameter:g} mm does not fit into a mold wall of {spec.mold_wall:g} mm.",
             f"Take at least {spec.pin_diameter + 2 * (spec.clearance + spec.printer_wall):.3g} mm of wall.",
+            code="mold-pin-too-thick",
         )
     if spec.pin_height + _BLIND + spec.printer_wall > spec.plate:
         raise PalpateError(
             f"A pin {spec.pin_height:g} mm high goes through a plate of {spec.plate:g} mm.",
             f"Take at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm of plate.",
+            code="mold-pin-too-high",
         )
     widest = module.dome.outer_widest[0]
     radius = max(module.flange_foot, widest if module.dome.hole else 0.0) + spec.mold_wall
@@ -111,6 +114,7 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
             f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
             f"{spec.mold_floor:g} mm.",
             f"Take a floor of at least {dowel:.2g} mm.",
+            code="mold-dowels-no-room",
         )
     cavity = _build_cavity(module, spec, radius)
     core = _build_core(module, spec, radius)

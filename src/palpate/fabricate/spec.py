@@ -91,6 +91,7 @@ class ProcessSpec(Spec):
             raise PalpateError(
                 f"The part {name} is {longest:.4g} mm long, the printer makes {self.printer_size:g} mm.",
                 f"Make the design smaller, or name the size of a larger printer: --printer-size {longest + 0.5:.0f}.",
+                code="part-too-long",
             )
 
     @model_serializer(mode="wrap")

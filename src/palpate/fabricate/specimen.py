@@ -63,7 +63,7 @@ def build_specimen_molds(spec: ProcessSpec, count: int = 5) -> tuple[SpecimenMol
         If `count` is not between 1 and 20.
     """
     if not 1 <= count <= _MOST:
-        raise PalpateError(f"A tray for {count} specimens was asked for.", f"Take 1 to {_MOST}.")
+        raise PalpateError(f"A tray for {count} specimens was asked for.", f"Take 1 to {_MOST}.", code="tray-count")
     scale = 1 / (1 - spec.shrinkage_percent / 100)
     return (
         SpecimenMold(

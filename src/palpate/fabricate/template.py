@@ -25,11 +25,16 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         little between them.
     """
     if skin.pin:
-        raise PalpateError("Pins are cast with the wall: there is nothing to print.", "Paint their tips.")
+        raise PalpateError(
+            "Pins are cast with the wall: there is nothing to print.",
+            "Paint their tips.",
+            code="template-not-for-pins",
+        )
     if skin.bulges:
         raise PalpateError(
             f"A template {2 * skin.widest[0]:.4g} mm wide does not pass a base of {2 * skin.base_radius:g} mm.",
             "Print by the pad.",
+            code="template-too-wide",
         )
     out, top = skin.normal(layout.positions), -spec.clearance
     pair = MarkerLayout(layout.positions - THICKNESS * out, layout.diameter).closest_pair()
@@ -38,6 +43,7 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         raise PalpateError(
             f"Holes of a template would stand {web:.2g} mm apart; the printer needs {spec.printer_wall / 2:g} mm.",
             "Take smaller dots, fewer markers, or the pad.",
+            code="template-holes-too-near",
         )
     points = layout.positions
     if spec.orientation_mark:
@@ -50,6 +56,7 @@ def build_template(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Surfa
         raise PalpateError(
             f"A template {THICKNESS:g} mm thick finds no room under an edge of {skin.radius:g} mm.",
             f"Take an edge of more than {spec.clearance + THICKNESS:g} mm, or print by the pad.",
+            code="template-edge-too-tight",
         )
     shell = skin.solid([(0.0, skin.height + top), *outside, (float(foot[0]), 0.0), *back]).mesh()
     start, end = points + (top - 3 * THICKNESS) * out, points + (top + THICKNESS) * out

@@ -70,6 +70,7 @@ def build_window(module: Module, thickness: float, spec: ProcessSpec) -> WindowP
         raise PalpateError(
             f"The window is {thickness:g} mm thick, the flange around it {module.flange_thickness:g} mm.",
             f"Take a window of up to {module.flange_thickness:g} mm, or a thicker flange.",
+            code="window-too-thick",
         )
     reach = module.opening_radius - spec.clearance
     gel = [(0.0, module.dome.height), *module.dome.meridian(0.0, down=True), (0.0, 0.0)]

@@ -138,7 +138,9 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
-            f"The mold's hollow misses the module's volume by {100 * missed:.2g} %.", "Report this design."
+            f"The mold's hollow misses the module's volume by {100 * missed:.2g} %.",
+            "Report this design.",
+            code="mold-volume-off",
         )
     refuse_interference(mold.parts)
     refuse_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
@@ -157,6 +159,7 @@ def _build_window(spec: PackSpec, module: Module) -> WindowPlate | None:
         raise PalpateError(
             f"The skin is filled with {gel.name}, which stands on a window, but the camera looks through none.",
             "Name it by thickness in mm and refractive indices: --window 2,1.49,1.41.",
+            code="window-missing",
         )
     return build_window(module, window.thickness, spec.process)
 

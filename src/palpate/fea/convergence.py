@@ -91,7 +91,9 @@ def study_convergence(
     counts = sorted(set(cells))
     if len(counts) < 2:
         raise PalpateError(
-            f"A convergence study needs two meshes, and was given {len(counts)}.", "Give several numbers of cells."
+            f"A convergence study needs two meshes, and was given {len(counts)}.",
+            "Give several numbers of cells.",
+            code="convergence-few-meshes",
         )
     presses = []
     for count in counts:
@@ -104,7 +106,11 @@ def study_convergence(
 def _deepest_shared(presses: Sequence[Press]) -> float:
     shared: set[float] = set.intersection(*({round(float(depth), 6) for depth in press.depth} for press in presses))
     if max(shared) == 0:
-        raise PalpateError("The presses share no depth but rest.", "Choose a finer step, or more cells.")
+        raise PalpateError(
+            "The presses share no depth but rest.",
+            "Choose a finer step, or more cells.",
+            code="presses-share-no-depth",
+        )
     return max(shared)
 
 

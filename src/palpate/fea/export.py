@@ -40,9 +40,15 @@ def check_export(folder: Path) -> None:
     """
     _meshio()
     if folder.exists():
-        raise PalpateError(f"{folder} exists already.", "Name a new folder, or remove that one.")
+        raise PalpateError(
+            f"{folder} exists already.", "Name a new folder, or remove that one.", code="folder-exists"
+        )
     if not folder.parent.is_dir():
-        raise PalpateError(f"The folder {folder.parent} does not exist.", "Make it first, or name another one.")
+        raise PalpateError(
+            f"The folder {folder.parent} does not exist.",
+            "Make it first, or name another one.",
+            code="folder-missing",
+        )
 
 
 def export_press(folder: Path, press: Press) -> None:

@@ -54,6 +54,7 @@ def touch_first(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
     raise PalpateError(
         "The obstacle does not touch the skin when it comes down along its axis.",
         "Move it nearer to the axis, or make it larger.",
+        code="obstacle-misses-skin",
     )
 
 
@@ -72,7 +73,11 @@ def _deepest(mesh: Mesh, obstacle: Obstacle, disc: FloatArray) -> tuple[FloatArr
     found = minimize(reach, start, method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-13, "maxiter": 400})
     best = found.x / max(1.0, float(np.hypot(*found.x)))
     if np.hypot(*best) > 1 - 1e-6:
-        raise PalpateError("The obstacle touches the clamped rim before the skin.", "Move it nearer to the axis.")
+        raise PalpateError(
+            "The obstacle touches the clamped rim before the skin.",
+            "Move it nearer to the axis.",
+            code="rim-touched-first",
+        )
     if not mesh.spec.whole:
         best[0] = abs(best[0])
     return outside(best[None])[0], -float(found.fun)

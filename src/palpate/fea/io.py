@@ -85,7 +85,9 @@ def read_press(path: Path) -> Press:
         with h5py.File(path, "r") as file:
             refuse_outside_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != PRESS_FORMAT:
-                raise PalpateError(f"{path} is no press of version {PRESS_FORMAT}.", "Solve it again.")
+                raise PalpateError(
+                    f"{path} is no press of version {PRESS_FORMAT}.", "Solve it again.", code="press-version"
+                )
             dome = build_skin(skin_from_data(json.loads(file.attrs["dome"])))
             numbers = {name: file.attrs[name].item() for name in _NUMBERS}
             return Press(
@@ -104,7 +106,9 @@ def read_press(path: Path) -> Press:
                 **numbers,
             )
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError) as error:
-        raise PalpateError(f"{path} cannot be read as a press: {error}.", "Solve it again.") from None
+        raise PalpateError(
+            f"{path} cannot be read as a press: {error}.", "Solve it again.", code="press-unreadable"
+        ) from None
 
 
 def _read_derivatives(file: h5py.File) -> dict[str, Derivative]:

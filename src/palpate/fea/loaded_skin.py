@@ -23,6 +23,7 @@ def clamp_skin(mesh: Mesh, material: Material, *, across: bool = False) -> Solid
         raise PalpateError(
             f"The material fills the skin with {material.gel.name}, and the mesh is hollow.",
             "Mesh the filling too: MeshSpec(filled=True).",
+            code="mesh-not-filled",
         )
     return Solid(mesh.nodes, mesh.cells, material, fixed, mesh.filling)
 

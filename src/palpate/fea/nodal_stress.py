@@ -25,7 +25,11 @@ def nodal_von_mises(press: Press) -> FloatArray:
         If another solver made it: its elements have another pressure than our cells.
     """
     if press.solved_by != "palpate":
-        raise PalpateError(f"A press solved by {press.solved_by} has no stress at nodes.", "Solve it with palpate.")
+        raise PalpateError(
+            f"A press solved by {press.solved_by} has no stress at nodes.",
+            "Solve it with palpate.",
+            code="press-no-nodal-stress",
+        )
     solid = held_solid(press)
     return np.stack([von_mises(nodal_stress(solid, u)) for u in press.displacement])
 

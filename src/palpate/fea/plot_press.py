@@ -106,7 +106,9 @@ def picture_press(press: Press, increment: int = -1, path: Path | None = None) -
             plotter.screenshot(None if path is None else str(path), return_img=True)
         )
     except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error.strerror}.", "Choose another file.") from error
+        raise PalpateError(
+            f"{path} cannot be written: {error.strerror}.", "Choose another file.", code="file-unwritable"
+        ) from error
     finally:
         plotter.close()
     return drawn
@@ -126,6 +128,7 @@ def check_graphics() -> None:
         raise PalpateError(
             f"This machine has no {_GRAPHICS}: nothing can be drawn in 3-D.",
             "On Debian: apt-get install libegl1. In 2-D, plot() needs none; `palpate view` draws in the browser.",
+            code="graphics-missing",
         ) from None
 
 

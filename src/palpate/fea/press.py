@@ -118,18 +118,21 @@ class Press:
             raise PalpateError(
                 f"This press was differentiated by {known}, not by '{name}'.",
                 "Ask for it when it is solved: SolverSpec(derivatives=[name]).",
+                code="derivative-not-solved",
             )
         depth = self.ended_depth if depth is None else depth
         if self.jump_depth <= depth:
             raise PalpateError(
                 f"At {self.jump_depth:.3g} mm the press jumped to another branch: beyond, it has no derivative.",
                 f"Ask for less than that: derivative('{name}', depth={0.99 * self.jump_depth:.3g}).",
+                code="derivative-beyond-jump",
             )
         lost = self.ended not in (Ended.DEPTH_REACHED, Ended.WALL_AT_CLAMP)
         if lost and depth >= self.ended_depth:
             raise PalpateError(
                 f"The press ended at {self.ended_depth:.3g} mm ({self.ended}): there it has no derivative.",
                 f"Ask for less than that: derivative('{name}', depth={0.99 * self.ended_depth:.3g}).",
+                code="derivative-beyond-end",
             )
         return self.derivatives[name]
 

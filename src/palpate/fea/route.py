@@ -63,7 +63,7 @@ def _read(value: Any) -> Any:
         return tuple(Waypoint(*map(float, point)) for point in value)
     except (TypeError, ValueError):
         raise PydanticCustomError(
-            "no_waypoints",
+            "waypoints-malformed",
             "waypoints are lists of up to six numbers, {names}: [[4, 0, 0, 0, 5], [4, 2]]",
             {"names": ", ".join(Waypoint._fields)},
         ) from None
@@ -90,7 +90,7 @@ class RouteSpec(ObstacleSpec):
         if not isinstance(points, tuple):
             return values
         if not points:
-            raise PydanticCustomError("no_waypoint", "a route has at least 1 waypoint", {})
+            raise PydanticCustomError("waypoints-none", "a route has at least 1 waypoint", {})
         _check(points)
         return {**values, "waypoints": points, "depth": float(_lengths(points)[-1])}
 
@@ -139,7 +139,9 @@ class RouteSpec(ObstacleSpec):
         """
         if not mesh.spec.whole:
             raise PalpateError(
-                "A wall on a route is not symmetric.", "Use a whole mesh: MeshSpec(whole=True), --whole."
+                "A wall on a route is not symmetric.",
+                "Use a whole mesh: MeshSpec(whole=True), --whole.",
+                code="mesh-whole-needed",
             )
         path = partial(self._at, self.at_touch(mesh)[1])
         for number, (point, length) in enumerate(zip(self.waypoints, self.stops, strict=True), start=1):
@@ -153,6 +155,7 @@ class RouteSpec(ObstacleSpec):
                     f"At waypoint {number} the wall is {deep:.3g} mm deep; at its tilt of {tilt_deg:.3g}° it reaches "
                     f"the clamped rim at {most:.3g} mm.",
                     "Press less deep, or tilt less.",
+                    code="route-reaches-rim",
                 )
         return path
 
@@ -192,14 +195,14 @@ def _check(points: tuple[Waypoint, ...]) -> None:
             least = 0.0 if name == "depth_mm" else -most
             if not least <= value <= most:
                 raise PydanticCustomError(
-                    "waypoint_out_of_bounds",
+                    "waypoint-out-of-bounds",
                     "waypoint {number} has {name} = {value}; choose one from {least} to {most}",
                     {"number": number, "name": name, "value": f"{value:g}", "least": least, "most": most},
                 )
     short = np.flatnonzero(np.diff(_lengths(points)) < _SHORTEST)
     if len(short):
         raise PydanticCustomError(
-            "waypoint_twice",
+            "waypoint-twice",
             "waypoint {number} is where the one before is; leave it out",
             {"number": int(short[0]) + 1},
         )

@@ -78,12 +78,14 @@ class SideWallSpec(ObstacleSpec):
             raise PalpateError(
                 f"A wall comes to the side of a barrel, and {skin.name} is none.",
                 "Press it along its axis: a wall of a tilt up to 30°.",
+                code="side-wall-needs-barrel",
             )
         most = np.degrees(skin.rim_slope(rim))
         if not 180 - most < self.tilt_deg < most:
             raise PalpateError(
                 f"A wall tilted by {self.tilt_deg:.3g}° touches a clamped end of {skin.name} first.",
                 f"Tilt it by more than {180 - most:.1f}° and less than {most:.1f}°.",
+                code="side-wall-touches-end",
             )
 
     def clamp_depth(self, mesh: Mesh) -> float:

@@ -80,11 +80,17 @@ def solve_press(
     started = time.process_time()
     refuse_half(mesh, wall)
     if branch is Branch.INVERTED and mesh.filling:
-        raise PalpateError("A filled skin has no inverted state.", "Press it from rest.")
+        raise PalpateError("A filled skin has no inverted state.", "Press it from rest.", code="inverted-state-gel")
     if branch is Branch.INVERTED and mesh.skin.hole:
-        raise PalpateError(f"The inverted state of {mesh.skin.name} is not followed.", "Press it from rest.")
+        raise PalpateError(
+            f"The inverted state of {mesh.skin.name} is not followed.",
+            "Press it from rest.",
+            code="inverted-state-skin",
+        )
     if branch is Branch.INVERTED and wall.stops:
-        raise PalpateError("The inverted state is not followed along a route.", "Press it from rest.")
+        raise PalpateError(
+            "The inverted state is not followed along a route.", "Press it from rest.", code="inverted-state-route"
+        )
     mesh = refine(mesh) if branch is Branch.INVERTED else mesh
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.axisymmetric else mesh
     reachable = wall.clamp_depth(mesh)

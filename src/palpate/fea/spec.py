@@ -39,7 +39,7 @@ def check_contact(value: Any) -> str | float:
         number = float("nan")
     if not 0 <= number <= GREATEST_FRICTION:
         raise PydanticCustomError(
-            "unknown_contact",
+            "contact-unknown",
             "the contact law '{given}' is not known; choose {words} or a coefficient from 0 to {most}",
             {"given": str(value), "words": f"{FRICTIONLESS}, {NO_SLIP}", "most": f"{GREATEST_FRICTION:g}"},
         )
@@ -143,6 +143,7 @@ class ObstacleSpec(Spec, ABC):
             raise PalpateError(
                 f"{skin.name} is open at both ends: nothing touches it that comes down along its axis.",
                 "Press its side: --obstacle side_wall, or side_wall of a study.",
+                code="obstacle-needs-apex",
             )
 
     def clamp_depth(self, mesh: Mesh) -> float:
@@ -171,6 +172,7 @@ def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
         raise PalpateError(
             f"Half of {name} is not symmetric about the plane of an obstacle turned by {obstacle.turn_deg:g}°.",
             "Press the whole: MeshSpec(whole=True), --whole.",
+            code="mesh-whole-needed",
         )
 
 

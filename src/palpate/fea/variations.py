@@ -92,7 +92,11 @@ def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
     known = names_of(made.mesh, made.material, made.wall)
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise PalpateError(f"A press has no derivative by '{unknown[0]}'.", f"Choose from {', '.join(known)}.")
+        raise PalpateError(
+            f"A press has no derivative by '{unknown[0]}'.",
+            f"Choose from {', '.join(known)}.",
+            code="derivative-unknown",
+        )
     return tuple(_vary(made, name) for name in names)
 
 

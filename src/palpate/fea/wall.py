@@ -89,6 +89,7 @@ class WallSpec(ObstacleSpec):
                 f"A wall that drifts by {self.drift_across:g} mm/mm across its slope, or turns by "
                 f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
                 "Use a whole mesh: MeshSpec(whole=True), --whole.",
+                code="mesh-whole-needed",
             )
         assert isinstance(touched, Plane)
         along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)
@@ -149,7 +150,11 @@ class Plane(Obstacle):
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
         along, across = tangents(self.normal)
         if self.bend:
-            raise PalpateError("A bent wall has no flat facets.", "Press with a ball of its radius instead.")
+            raise PalpateError(
+                "A bent wall has no flat facets.",
+                "Press with a ball of its radius instead.",
+                code="wall-bent-no-facets",
+            )
         sides = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
         return np.array([at + half * (a * along + b * across) for a, b in sides]), np.array([[0, 1, 2, 3]])
 
@@ -175,6 +180,7 @@ def refuse_rim_first(mesh: Mesh, tilt_deg: float) -> None:
             f"A wall tilted by {tilt_deg:.3g}° touches the clamped rim (at {np.degrees(rim):.1f}° from the axis) "
             "before the dome.",
             "Tilt it less, or make the dome higher.",
+            code="rim-touched-first",
         )
 
 

@@ -78,9 +78,15 @@ def compare_grids(
     for metric in metrics:
         cells = [row[metric] for grid in (first, second) if metric in grid.columns for row in grid.designs]
         if not cells and (first.designs or second.designs):
-            raise PalpateError(f"Neither grid has a column '{metric}'.", "Choose a metric of `palpate grid show`.")
+            raise PalpateError(
+                f"Neither grid has a column '{metric}'.",
+                "Choose a metric of `palpate grid show`.",
+                code="column-unknown",
+            )
         if any(isinstance(cell, str) for cell in cells):
-            raise PalpateError(f"'{metric}' is a text and has no ratio.", "Choose a column of numbers.")
+            raise PalpateError(
+                f"'{metric}' is a text and has no ratio.", "Choose a column of numbers.", code="metric-is-text"
+            )
     rows_a, rows_b = _by_design(first), _by_design(second)
     both = [design for design in rows_a if design in rows_b]
     return Comparison(

@@ -65,7 +65,9 @@ def read_database(path: Path) -> SpecificationGrid:
         except sqlite3.OperationalError:  # a folder without the right to write, where WAL cannot keep its index
             return _read(path, "mode=ro&immutable=1")
     except (sqlite3.Error, ValueError, KeyError, TypeError, IndexError) as error:
-        raise PalpateError(f"{path} cannot be read as a grid: {error}.", "Run the study again.") from error
+        raise PalpateError(
+            f"{path} cannot be read as a grid: {error}.", "Run the study again.", code="grid-unreadable"
+        ) from error
 
 
 def _write(path: Path, grid: SpecificationGrid) -> None:
@@ -117,10 +119,12 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
 def refuse_older(path: Path, version: Any, known: int) -> None:
     """Refuse a grid that another version of palpate wrote, with a `PalpateError` that says what to do."""
     if version != known:
-        age = "an older" if isinstance(version, int) and version < known else "another"
+        older = isinstance(version, int) and version < known
+        age = "an older" if older else "another"
         raise PalpateError(
             f"{path} was written by {age} palpate: its format is {version}, this one reads {known}.",
             "Run the study again: what its folder holds stays valid, so only the grid is written anew.",
+            code="grid-older" if older else "grid-other",
         )
 
 

@@ -69,7 +69,9 @@ def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
     writer = _WRITERS.get(path.suffix.lower())
     if writer is None:
         raise PalpateError(
-            f"A grid cannot be written as '{path.name}'.", f"Let the name end in {', '.join(_WRITERS)}."
+            f"A grid cannot be written as '{path.name}'.",
+            f"Let the name end in {', '.join(_WRITERS)}.",
+            code="file-ending-unknown",
         )
     with written_whole(path) as draft:
         writer(draft, grid)

@@ -81,9 +81,13 @@ def read_grid(directory: Path) -> SpecificationGrid:
         refuse_older(path, content["version"], FORMAT_VERSION)
         return SpecificationGrid(*(tuple(dict(row) for row in content[table]) for table in ("designs", *TABLES)))
     except FileNotFoundError:
-        raise PalpateError(f"{directory} has no grid.json.", "Give the result folder of a finished study.") from None
+        raise PalpateError(
+            f"{directory} has no grid.json.", "Give the result folder of a finished study.", code="grid-missing"
+        ) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise PalpateError(f"{path} cannot be read as a grid: {error}.", "Run the study again.") from error
+        raise PalpateError(
+            f"{path} cannot be read as a grid: {error}.", "Run the study again.", code="grid-unreadable"
+        ) from error
 
 
 def _write_json(path: Path, grid: SpecificationGrid) -> None:

@@ -33,16 +33,22 @@ def copy_model(directory: Path, grid: SpecificationGrid, out: Path) -> str:
         If the grid has no row, its design has no model, or a file cannot be read or written.
     """
     if not grid.designs:
-        raise PalpateError("No design of the grid is left.", "Choose fewer conditions in --where.")
+        raise PalpateError(
+            "No design of the grid is left.", "Choose fewer conditions in --where.", code="grid-selection-empty"
+        )
     row = grid.designs[0]
     name = name_row(row)
     kind = "forces" if row.get("forces_key") else "estimator"  # the same estimator, which tells forces as well
     key = row.get(f"{kind}_key")
     if not isinstance(key, str) or not key:
-        raise PalpateError(f"{name} has no model.", "Its chain broke: see the column failure.")
+        raise PalpateError(f"{name} has no model.", "Its chain broke: see the column failure.", code="model-missing")
     path = ArtefactStore(directory / "store").locate(kind, key, ".onnx")
     if not path.is_file():
-        raise PalpateError(f"The model of {name} is not in {directory / 'store'}.", "Run the study again.")
+        raise PalpateError(
+            f"The model of {name} is not in {directory / 'store'}.",
+            "Run the study again.",
+            code="artefact-not-stored",
+        )
     open_predictor(path)
     with writing(out):
         shutil.copyfile(path, out)

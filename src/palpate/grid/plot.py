@@ -130,20 +130,30 @@ _BY = {"travel": "thickness", "depth": "depth", "tilt": "tilt", "markers": "mark
 def refuse_unknown(grid: SpecificationGrid, kind: str, metric: str) -> None:
     """Refuse what `plot_grid` cannot draw, with its errors."""
     if kind not in KINDS:
-        raise PalpateError(f"There is no kind of picture '{kind}'.", f"Choose one of {', '.join(KINDS)}.")
+        raise PalpateError(
+            f"There is no kind of picture '{kind}'.",
+            f"Choose one of {', '.join(KINDS)}.",
+            code="picture-kind-unknown",
+        )
     if not grid.designs:
-        raise PalpateError("The grid has no design.", "Give the result folder of a finished study.")
+        raise PalpateError(
+            "The grid has no design.", "Give the result folder of a finished study.", code="grid-empty"
+        )
     table = {"depth": grid.by_depth, "tilt": grid.by_tilt}.get(kind)
     if table is None:
         check_column(metric, grid.designs[0])
     elif not table or metric not in table[0]:
         known = ", ".join(name for name in (table[0] if table else ()) if name not in _PLACES) or "none"
-        raise PalpateError(f"The grid has no '{metric}' by {kind}.", f"By {kind} it has: {known}.")
+        raise PalpateError(
+            f"The grid has no '{metric}' by {kind}.", f"By {kind} it has: {known}.", code="metric-unknown"
+        )
     cells = [row[metric] for row in (grid.designs if table is None else table)]
     if any(isinstance(cell, str) for cell in cells):
-        raise PalpateError(f"'{metric}' is a text and cannot be drawn.", "Choose a column of numbers.")
+        raise PalpateError(
+            f"'{metric}' is a text and cannot be drawn.", "Choose a column of numbers.", code="metric-is-text"
+        )
     if not any(isinstance(cell, int | float) and np.isfinite(cell) for cell in cells):
-        raise PalpateError(f"No design has a figure for '{metric}'.", "Choose another metric.")
+        raise PalpateError(f"No design has a figure for '{metric}'.", "Choose another metric.", code="metric-empty")
 
 
 def _words(metric: str) -> str:

@@ -92,17 +92,25 @@ def check_column(name: str, row: Row) -> None:
     if name in row:
         return
     nearest = difflib.get_close_matches(name, list(row), n=1, cutoff=0.0)
-    raise PalpateError(f"The grid has no column '{name}'.", f"Did you mean '{nearest[0]}'?" if nearest else "")
+    raise PalpateError(
+        f"The grid has no column '{name}'.", f"Did you mean '{nearest[0]}'?" if nearest else "", code="column-unknown"
+    )
 
 
 def _parse(where: str) -> ast.expr:
     if len(where) > LONGEST:
-        raise PalpateError(f"The question has {len(where)} characters.", f"Ask in {LONGEST} characters or fewer.")
+        raise PalpateError(
+            f"The question has {len(where)} characters.",
+            f"Ask in {LONGEST} characters or fewer.",
+            code="question-too-long",
+        )
     try:
         return ast.parse(where.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else "it cannot be read"
-        raise PalpateError(f"The question '{where}' is not understood: {reason}.", _EXAMPLE) from None
+        raise PalpateError(
+            f"The question '{where}' is not understood: {reason}.", _EXAMPLE, code="question-malformed"
+        ) from None
 
 
 _EXAMPLE = "Write for example: max_error_deg < 2 and height_mm <= 20"
@@ -119,7 +127,7 @@ def _holds(node: ast.expr, row: Row) -> bool:
         cells = [_cell(part, row) for part in (node.left, *node.comparators)]
         pairs = zip(cells, node.ops, cells[1:], strict=False)
         return all(_compares(left, comparison, right) for left, comparison, right in pairs)
-    raise PalpateError(f"'{ast.unparse(node)}' is neither true nor false.", _EXAMPLE)
+    raise PalpateError(f"'{ast.unparse(node)}' is neither true nor false.", _EXAMPLE, code="question-not-condition")
 
 
 def _cell(node: ast.expr, row: Row) -> Cell:
@@ -133,15 +141,23 @@ def _cell(node: ast.expr, row: Row) -> Cell:
         value = _cell(node.operand, row)
         if isinstance(value, int | float):
             return -value
-    raise PalpateError(f"'{ast.unparse(node)}' is neither a column, a number nor a text in quotes.", _EXAMPLE)
+    raise PalpateError(
+        f"'{ast.unparse(node)}' is neither a column, a number nor a text in quotes.",
+        _EXAMPLE,
+        code="question-operand-unknown",
+    )
 
 
 def _compares(left: Cell, comparison: ast.cmpop, right: Cell) -> bool:
     compare = _COMPARISONS.get(type(comparison))
     if compare is None:
-        raise PalpateError("Only <, <=, >, >=, == and != compare.", _EXAMPLE)
+        raise PalpateError("Only <, <=, >, >=, == and != compare.", _EXAMPLE, code="question-operator-unknown")
     if left is None or right is None:
         return False
     if isinstance(left, str) != isinstance(right, str):
-        raise PalpateError(f"'{left}' and '{right}' cannot be compared.", "Put texts in quotes, numbers not.")
+        raise PalpateError(
+            f"'{left}' and '{right}' cannot be compared.",
+            "Put texts in quotes, numbers not.",
+            code="question-types-differ",
+        )
     return compare(left, right)

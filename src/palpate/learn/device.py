@@ -31,7 +31,9 @@ def find_device(name: str) -> str:
         return "cuda"
     if name == "auto":
         return "cpu"
-    raise PalpateError("This machine has no CUDA device that torch can use.", "Choose the device auto or cpu.")
+    raise PalpateError(
+        "This machine has no CUDA device that torch can use.", "Choose the device auto or cpu.", code="cuda-missing"
+    )
 
 
 def _has_cuda() -> bool:

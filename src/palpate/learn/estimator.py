@@ -110,6 +110,7 @@ class Estimator:
             raise PalpateError(
                 f"The images have markers of shape {images_px.shape[1:]}, the estimator reads {self.rest_px.shape}.",
                 "Use the estimator of this marker layout.",
+                code="model-marker-count",
             )
         hidden = self.normalisation.apply(images_px).reshape(1, len(images_px), -1)
         for number, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):

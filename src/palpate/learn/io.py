@@ -109,16 +109,16 @@ def read_estimator(path: Path) -> Estimator:
             raise ValueError("its weights lie in another file")
         estimator = _read(model, check_format(path, {item.key: item.value for item in model.metadata_props}))
     except (OSError, DecodeError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(f"{path} is not an estimator: {error}.", AGAIN) from error
+        raise PalpateError(f"{path} is not an estimator: {error}.", AGAIN, code="model-unreadable") from error
     if not all(np.isfinite(part).all() for part in (*estimator.weights, *estimator.biases)):
-        raise PalpateError(f"{path} holds a weight that is not a number.", AGAIN)
+        raise PalpateError(f"{path} holds a weight that is not a number.", AGAIN, code="model-not-finite")
     return estimator
 
 
 def check_format(path: Path, metadata: dict[str, str]) -> dict[str, str]:
     """The metadata of a model, after a model that is no estimator of this format was refused."""
     if metadata.get("format") != FORMAT or metadata.get("format_version") != FORMAT_VERSION:
-        raise PalpateError(f"{path} is not an estimator of format {FORMAT_VERSION}.", AGAIN)
+        raise PalpateError(f"{path} is not an estimator of format {FORMAT_VERSION}.", AGAIN, code="model-version")
     return metadata
 
 

@@ -99,6 +99,7 @@ def find_limits(field: MarkerField, camera: Camera, spec: DatasetSpec, seed: int
         raise PalpateError(
             "The limit of an obstacle that lies level is not known: near the axis its place does not tell its pose.",
             "Measure errors on held-out images (palpate.learn.evaluate).",
+            code="limit-obstacle-level",
         )
     limits: list[DepthLimit] = []
     if len(field.depths_mm) < FEWEST_IMAGES:

@@ -47,7 +47,11 @@ class ErrorSummary:
     def of(cls, errors: FloatArray) -> Self:
         """Summarise errors of any shape, at least one."""
         if errors.size == 0:
-            raise PalpateError("There is no image to measure an error on.", "Hold out at least one press.")
+            raise PalpateError(
+                "There is no image to measure an error on.",
+                "Hold out at least one press.",
+                code="evaluation-no-image",
+            )
         size = np.abs(errors)
         return cls(
             rmse=float(np.sqrt(np.mean(errors**2))),
@@ -196,12 +200,16 @@ def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = 
     (0.7071, 1.0, 0.1)
     """
     if estimates.shape != poses.shape:
-        raise PalpateError(f"{estimates.shape} estimates cannot be compared with {poses.shape} poses.")
+        raise PalpateError(
+            f"{estimates.shape} estimates cannot be compared with {poses.shape} poses.", code="estimates-shape"
+        )
     errors = np.asarray(estimates, dtype=float) - poses
     if not np.isfinite(errors).all():
         count = int((~np.isfinite(errors).all(axis=1)).sum())
         raise PalpateError(
-            f"{count} of {len(errors)} estimates are not numbers.", "Lower the learning rate and train again."
+            f"{count} of {len(errors)} estimates are not numbers.",
+            "Lower the learning rate and train again.",
+            code="estimates-not-finite",
         )
     depths = np.round(poses[:, 2], 6)
     by_depth = tuple(

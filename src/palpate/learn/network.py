@@ -231,6 +231,7 @@ class _Training:
                 raise PalpateError(
                     f"Training diverged in epoch {epoch + 1} at a learning rate of {repeat.rate:g}.",
                     "Lower the learning rate.",
+                    code="training-diverged",
                 )
             repeat.errors.append(error)
             if self.spec.schedule == "cosine" or self._goes_on(repeat, row, error, epoch):

@@ -65,6 +65,7 @@ class Predictor:
             raise PalpateError(
                 f"The images have markers of shape {images_px.shape[1:]}, the model reads {(self.markers, 2)}.",
                 "Use the model of this marker layout.",
+                code="model-marker-count",
             )
         wanted = [POSE, *(_INTERVAL if self.level is not None else ()), *(_FORCES if self.forces else ())]
         given = {INPUT: np.ascontiguousarray(images_px, dtype=float)}
@@ -101,5 +102,7 @@ def open_predictor(path: Path) -> Predictor:
     except PalpateError:
         raise
     except Exception as error:  # the runtime raises errors of its own, without a common parent
-        raise PalpateError(f"{path} is not an estimator: {type(error).__name__}.", AGAIN) from error
+        raise PalpateError(
+            f"{path} is not an estimator: {type(error).__name__}.", AGAIN, code="model-unreadable"
+        ) from error
     return Predictor(session, markers, level, space, "forces" in metadata)

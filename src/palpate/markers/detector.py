@@ -74,6 +74,7 @@ class Detector:
                 f"The image has {grey.shape[1]} × {grey.shape[0]} px, the detector was made for "
                 f"{self.mask.shape[1]} × {self.mask.shape[0]}.",
                 "Make a detector from an image of this size.",
+                code="image-size-changed",
             )
         return self._by_opencv(grey) if self.spec.method == "opencv" else self._by_centroid(grey)
 
@@ -152,6 +153,7 @@ def prepare_detector(
     none = PalpateError(
         f"No field of dots was found in the image (grey levels {grey.min():g} to {grey.max():g}).",
         "Check light and focus, or give polarity and diameter_px.",
+        code="markers-not-found",
     )
     field = choose_field(grey, spec)
     if field is None:

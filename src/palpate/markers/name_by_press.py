@@ -84,7 +84,9 @@ def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray
     moved = float(np.sqrt(np.mean((motions_px**2).sum(axis=-1))))
     if not moved > _LEAST_MOTION_PX:
         raise PalpateError(
-            f"The known press moves the markers by {moved:.2f} px only.", "Press deeper, by a slanted wall."
+            f"The known press moves the markers by {moved:.2f} px only.",
+            "Press deeper, by a slanted wall.",
+            code="calibration-press-too-light",
         )
     motions = np.stack([_by_dot(choice, motion) for choice, motion in zip(choices, motions_px, strict=True)])
     rest = _by_dot(naming, naming.positions_px)
@@ -104,6 +106,7 @@ def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray
             f"No numbering explains the press: {have.sum()} of {len(have)} markers found their dot, "
             f"{misfit[best]:.1f} px off.",
             "Check its roll, pitch and depth, and that camera and dome are where they were at rest.",
+            code="calibration-press-unexplained",
         )
     apart = ((laid - laid[best]) ** 2).sum(axis=(1, 2)) / have.sum()
     sureness = (misfit**2 - misfit[best] ** 2) / np.maximum(2.0 * apart, 1e-12)

@@ -94,6 +94,7 @@ def name_markers(blobs_px: FloatArray, pattern: MarkerPattern) -> Naming:
         raise PalpateError(
             f"{count} of {len(pattern)} markers were found among {len(blobs_px)} dots{why}.",
             "Check that design and camera are those of the image, and that the dome is at rest.",
+            code="assignment-doubtful" if why else "markers-not-assigned",
         )
     return _resolve(blobs_px, pattern, laid)
 

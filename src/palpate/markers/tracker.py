@@ -53,7 +53,9 @@ class Tracker:
 
     def __post_init__(self) -> None:
         if len(self.motion.rest_px) < 1:
-            raise PalpateError("There is no marker to follow.", "Name the markers of a rest image first.")
+            raise PalpateError(
+                "There is no marker to follow.", "Name the markers of a rest image first.", code="tracker-no-marker"
+            )
         self._last = self._before = self.motion.rest_px
         self._near = (
             cKDTree(self.motion.rest_px)

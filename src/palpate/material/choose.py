@@ -51,12 +51,15 @@ def get_material(text: str) -> Material:
         raise PalpateError(
             f"There is no material '{text}'.",
             f"{hint}Known: {', '.join(list_materials())}; or {laws} in MPa; or a material file (.yaml).",
+            code="material-unknown",
         )
     try:
         constants = [float(number) for number in numbers.split(",")]
     except ValueError:
         raise PalpateError(
-            f"'{numbers}' are not numbers.", f"Write {law}:{LAWS.get(law).written()} in MPa."
+            f"'{numbers}' are not numbers.",
+            f"Write {law}:{LAWS.get(law).written()} in MPa.",
+            code="constants-not-numbers",
         ) from None
     return Material(name=text, law=LAWS.get(law).from_numbers(constants))
 

@@ -104,6 +104,7 @@ def find_column(table: Table, given: str | None, kind: str, pattern: re.Pattern[
         raise PalpateError(
             f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
             f"Say which: --{kind} NAME or NUMBER.",
+            code="column-missing",
         )
     return found
 
@@ -137,6 +138,7 @@ def _find(table: Table, given: str | None, kind: str, patterns: tuple[re.Pattern
     raise PalpateError(
         f"{table.path}: no column is called {kind}; there are {_listed(table)}.",
         f"Say which: --{kind} NAME or NUMBER, and --{kind}-unit.",
+        code="column-missing",
     )
 
 
@@ -147,7 +149,11 @@ def _matching(table: Table, pattern: re.Pattern[str]) -> list[int]:
 
 def _several(table: Table, kind: str, columns: list[int]) -> PalpateError:
     shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in columns)
-    return PalpateError(f"{table.path}: columns {shown} may all be the {kind}.", f"Choose one: --{kind} NUMBER.")
+    return PalpateError(
+        f"{table.path}: columns {shown} may all be the {kind}.",
+        f"Choose one: --{kind} NUMBER.",
+        code="column-ambiguous",
+    )
 
 
 def _named(table: Table, given: str, kind: str) -> list[int]:
@@ -161,7 +167,11 @@ def _named(table: Table, given: str, kind: str) -> list[int]:
     if len(found) == 1:
         return found
     what = f"there is no column '{given}'" if not found else f"'{given}' stands {len(found)} times"
-    raise PalpateError(f"{table.path}: {what}; there are {_listed(table)}.", f"Give its number: --{kind} NUMBER.")
+    raise PalpateError(
+        f"{table.path}: {what}; there are {_listed(table)}.",
+        f"Give its number: --{kind} NUMBER.",
+        code="column-ambiguous" if found else "column-unknown",
+    )
 
 
 def _listed(table: Table) -> str:
@@ -180,7 +190,9 @@ def _check_apart(table: Table, pairs: tuple[Pair, ...]) -> None:
     for pair in pairs:
         if pair.strain == pair.stress:
             raise PalpateError(
-                f"{table.path}: column {pair.strain + 1} is both strain and stress.", "Give --strain and --stress."
+                f"{table.path}: column {pair.strain + 1} is both strain and stress.",
+                "Give --strain and --stress.",
+                code="column-taken-twice",
             )
 
 
@@ -213,6 +225,7 @@ def _strain_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> Stra
     raise PalpateError(
         f"{table.path}: the strain (column {column + 1}) is {said}.",
         f"Give --strain-unit: {', '.join(StrainUnit)}.",
+        code="column-unit-unknown",
     )
 
 
@@ -227,6 +240,7 @@ def _stress_unit(table: Table, pairs: tuple[Pair, ...], spec: BenchSpec) -> Stre
     raise PalpateError(
         f"{table.path}: the stress (column {pairs[0].stress + 1}) is {said}.",
         f"Give --stress-unit: {', '.join(StressUnit)}.",
+        code="column-unit-unknown",
     )
 
 
@@ -239,6 +253,8 @@ def _sample_column(table: Table, spec: BenchSpec) -> int | None:
     if len(found) > 1:
         shown = ", ".join(f"{column + 1} ({table.header[column]})" for column in found)
         raise PalpateError(
-            f"{table.path}: columns {shown} may all number the samples.", "Choose one: --sample NUMBER."
+            f"{table.path}: columns {shown} may all number the samples.",
+            "Choose one: --sample NUMBER.",
+            code="column-ambiguous",
         )
     return found[0] if found else None

@@ -64,7 +64,9 @@ def save_figure(path: Path, figure: Figure) -> None:
         If the ending is another one or the file cannot be written.
     """
     if path.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise PalpateError(f"{path} does not end in .png, .svg or .pdf.", "Name the picture so.")
+        raise PalpateError(
+            f"{path} does not end in .png, .svg or .pdf.", "Name the picture so.", code="file-ending-unknown"
+        )
     with writing(path, "Name a file in an existing folder."):
         figure.savefig(path, dpi=DOTS_PER_INCH)
 

@@ -117,6 +117,7 @@ def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit |
         raise PalpateError(
             f"{model.name} has {len(model.constants)} constants and there are {len(data.nominal)} rows.",
             "Give more rows or choose a model with fewer constants.",
+            code="fit-few-rows",
         )
     low, high = _scanned(samples, spec)
     if not model.shapes:
@@ -143,7 +144,7 @@ def fit_rows(samples: Sequence[Sample], spec: FitSpec | None = None, near: Fit |
 
 def _gather(samples: Sequence[Sample], spec: FitSpec) -> _Data:
     if not samples:
-        raise PalpateError("There are no samples.", "Give the files of at least one test.")
+        raise PalpateError("There are no samples.", "Give the files of at least one test.", code="fit-no-samples")
     greatest = {
         mode: max((float(np.abs(s.nominal).max()) for s in samples if s.mode is mode), default=0.0) for mode in Mode
     }
@@ -182,7 +183,9 @@ def _fit_linear(model: Model, data: _Data, ends: tuple[float, float] | None) -> 
         found = solve_positive_definite(A, b, _drucker_terms(model, data, ends), _MARGIN)
         if found is None:
             raise PalpateError(
-                f"No stable {model.name} fits these data.", "Choose another model or a narrower range."
+                f"No stable {model.name} fits these data.",
+                "Choose another model or a narrower range.",
+                code="fit-unstable",
             )
         held = len(found[1]) > 0
         c = found[0]
@@ -199,7 +202,7 @@ def _drucker_terms(model: Model, data: _Data, ends: tuple[float, float]) -> Floa
     plain = get_model("neo-hooke")
     c10 = solve_linear(*_weighted(plain, data, none))
     if not c10[0] > 0:
-        raise PalpateError("The stress falls with the stretch.", "Check columns and signs.")
+        raise PalpateError("The stress falls with the stretch.", "Check columns and signs.", code="fit-stress-falls")
     states = np.concatenate(
         [stretches(mode, end ** np.linspace(0, 1, _STATES)) for mode in Mode for end in scan_ends(mode, *ends)]
     )

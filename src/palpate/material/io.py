@@ -61,10 +61,14 @@ def read_material(path: Path) -> Material:
     try:
         text = path.read_text("utf-8")
     except UnicodeDecodeError:
-        raise PalpateError(f"{path} is not a text file.", "Give a YAML file that `palpate fit -o` wrote.") from None
+        raise PalpateError(
+            f"{path} is not a text file.", "Give a YAML file that `palpate fit -o` wrote.", code="file-not-text"
+        ) from None
     except OSError as error:
         raise PalpateError(
-            f"The material file {path} cannot be read: {error.strerror}.", "Give a file that `palpate fit -o` wrote."
+            f"The material file {path} cannot be read: {error.strerror}.",
+            "Give a file that `palpate fit -o` wrote.",
+            code="file-unreadable",
         ) from None
     return parse_material(text, str(path))
 
@@ -83,25 +87,37 @@ def parse_material(text: str, name: str) -> Material:
         content = YAML(typ="safe", pure=True).load(text)
     except MarkedYAMLError as error:
         line = f":{error.problem_mark.line + 1}" if error.problem_mark is not None else ""
-        raise PalpateError(f"{name}{line}: this is not YAML: {error.problem}.", "Mend the line.") from None
+        raise PalpateError(
+            f"{name}{line}: this is not YAML: {error.problem}.", "Mend the line.", code="yaml-malformed"
+        ) from None
     except (YAMLError, RecursionError):
-        raise PalpateError(f"{name}: this is not YAML.", "Mend the file.") from None
+        raise PalpateError(f"{name}: this is not YAML.", "Mend the file.", code="yaml-malformed") from None
     if not isinstance(content, dict) or not {"name", "law", "constants"} <= set(content):
-        raise PalpateError(f"{name} is no material file.", "It needs name, law and constants; see `palpate fit -o`.")
+        raise PalpateError(
+            f"{name} is no material file.",
+            "It needs name, law and constants; see `palpate fit -o`.",
+            code="material-file-malformed",
+        )
     unknown = [str(key) for key in content if key not in _KEYS]
     if unknown:
-        raise PalpateError(f"{name}: there is no key {unknown[0]}.", f"Keys: {', '.join(_KEYS)}.")
+        raise PalpateError(f"{name}: there is no key {unknown[0]}.", f"Keys: {', '.join(_KEYS)}.", code="key-unknown")
     return _make(content, name)
 
 
 def _make(content: dict[str, Any], name: str) -> Material:
     constants = content["constants"]
     if not isinstance(constants, dict):
-        raise PalpateError(f"{name}: constants are no mapping.", "Write each on a line of its own, C10: 0.0141.")
+        raise PalpateError(
+            f"{name}: constants are no mapping.",
+            "Write each on a line of its own, C10: 0.0141.",
+            code="constants-not-mapping",
+        )
     numbers = {str(key): _number(value, f"constants.{key}", name) for key, value in constants.items()}
     ends = content.get("stretch_range", [0.0, math.inf])
     if not isinstance(ends, list) or len(ends) != 2:
-        raise PalpateError(f"{name}: stretch_range is not two numbers.", "Write [0.5, 5.0].")
+        raise PalpateError(
+            f"{name}: stretch_range is not two numbers.", "Write [0.5, 5.0].", code="stretch-range-malformed"
+        )
     low, high = (_number(end, "stretch_range", name, finite=False) for end in ends)
     texts: dict[str, Any] = {key: str(content.get(key, "")).strip() for key in _TEXTS}
     try:
@@ -114,7 +130,7 @@ def _make(content: dict[str, Any], name: str) -> Material:
             **texts,
         )
     except PalpateError as error:
-        raise PalpateError(f"{name}: {error.what}", error.remedy) from None
+        raise PalpateError(f"{name}: {error.what}", error.remedy, code=error.code) from None
 
 
 def _relaxation_data(relaxation: Relaxation) -> dict[str, Any]:
@@ -129,12 +145,18 @@ def _read_relaxation(content: Any, name: str) -> Relaxation:
     """A relaxation as moduli and terms, or as a list of terms alone."""
     found = {"terms": content} if isinstance(content, list) else content
     if not isinstance(found, dict) or not {"terms"} <= set(found) <= {"moduli", "terms"}:
-        raise PalpateError(f"{name}: relaxation is no list of terms.", _RELAXATION)
+        raise PalpateError(f"{name}: relaxation is no list of terms.", _RELAXATION, code="relaxation-not-list")
     terms, moduli = found["terms"], str(found.get("moduli", Moduli.LONG_TERM))
     if not isinstance(terms, list) or any(not isinstance(term, dict) or set(term) != _TERM for term in terms):
-        raise PalpateError(f"{name}: a term of relaxation is no pair of share and time.", _RELAXATION)
+        raise PalpateError(
+            f"{name}: a term of relaxation is no pair of share and time.",
+            _RELAXATION,
+            code="relaxation-term-malformed",
+        )
     if moduli not in list(Moduli):
-        raise PalpateError(f"{name}: relaxation.moduli is {moduli!r}.", f"Choose one of {', '.join(Moduli)}.")
+        raise PalpateError(
+            f"{name}: relaxation.moduli is {moduli!r}.", f"Choose one of {', '.join(Moduli)}.", code="moduli-unknown"
+        )
     shares, times = (
         tuple(_number(term[key], f"relaxation.terms[{at}].{key}", name) for at, term in enumerate(terms, start=1))
         for key in ("share", "time")
@@ -144,5 +166,5 @@ def _read_relaxation(content: Any, name: str) -> Relaxation:
 
 def _number(value: Any, key: str, name: str, *, finite: bool = True) -> float:
     if isinstance(value, bool) or not isinstance(value, Real) or (finite and not math.isfinite(value)):
-        raise PalpateError(f"{name}: {key} is {value!r}.", "Write a number.")
+        raise PalpateError(f"{name}: {key} is {value!r}.", "Write a number.", code="value-not-number")
     return float(value)

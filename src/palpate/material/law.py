@@ -120,7 +120,9 @@ class Law(ABC):
         form = next((form for form in cls._forms() if len(form) == len(numbers)), None)
         if form is None:
             raise PalpateError(
-                f"{cls.name} takes {cls.written()}, but {len(numbers)} numbers were given.", "Write them in MPa."
+                f"{cls.name} takes {cls.written()}, but {len(numbers)} numbers were given.",
+                "Write them in MPa.",
+                code="law-constant-count",
             )
         return cls.from_constants(dict(zip(form, numbers, strict=True)))
 
@@ -137,7 +139,9 @@ class Law(ABC):
         needed = {item.name for item in fields(cls) if item.default is MISSING}
         if not constants or not needed <= set(constants) <= known:
             raise PalpateError(
-                f"The constants of {cls.name} are not {', '.join(constants) or 'none'}.", f"They are {cls.written()}."
+                f"The constants of {cls.name} are not {', '.join(constants) or 'none'}.",
+                f"They are {cls.written()}.",
+                code="law-constants-unknown",
             )
         make: Any = cls
         return make(**constants)
@@ -151,7 +155,9 @@ def refuse_stiffening(law: Law, stiffening: float) -> None:
     """Refuse to vary constants of higher order that a law does not have."""
     if not np.isclose(stiffening, 1.0):
         raise PalpateError(
-            f"The law {law.name} has no constants of higher order to vary.", "Set the tolerance of stiffening to 0."
+            f"The law {law.name} has no constants of higher order to vary.",
+            "Set the tolerance of stiffening to 0.",
+            code="law-not-stiffening",
         )
 
 

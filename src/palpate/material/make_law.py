@@ -44,7 +44,9 @@ def get_model(name: str) -> Model:
     """
     models = _models() | {SECOND_INVARIANT.name: SECOND_INVARIANT}
     if name not in models:
-        raise PalpateError(f"There is no model '{name}'.", f"Choose one of {', '.join(list_models())}.")
+        raise PalpateError(
+            f"There is no model '{name}'.", f"Choose one of {', '.join(list_models())}.", code="law-unknown"
+        )
     return models[name]
 
 

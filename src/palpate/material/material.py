@@ -59,9 +59,14 @@ class Material:
             raise PalpateError(
                 f"Material {self.name} has the initial shear modulus {self.law.shear_modulus:.4g} MPa.",
                 "It must be positive: check sign and unit (MPa) of the coefficients.",
+                code="shear-modulus-not-positive",
             )
         if not 2 <= self.bulk_ratio <= 1e7:
-            raise PalpateError(f"The bulk ratio K/mu is {self.bulk_ratio:.4g}.", "Choose one between 2 and 1e7.")
+            raise PalpateError(
+                f"The bulk ratio K/mu is {self.bulk_ratio:.4g}.",
+                "Choose one between 2 and 1e7.",
+                code="bulk-ratio-out-of-bounds",
+            )
 
     @property
     def fills(self) -> bool:
@@ -96,6 +101,7 @@ class Material:
             raise PalpateError(
                 f"The gel {self.gel.name} relaxes otherwise than its wall {self.name}.",
                 "Give both materials the same relaxation, or neither: one function serves the whole skin.",
+                code="gel-relaxes-otherwise",
             )
         return self.relaxation
 

@@ -76,6 +76,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
             f"{sample.name}: {len(sample.stretch)} rows are left between stretch {spec.least_stretch:g} and "
             f"{spec.greatest_stretch:g}.",
             "Widen the range.",
+            code="samples-few-rows-left",
         )
     if spec.points is not None and len(sample.stretch) > spec.points:
         sample = _thin(sample, spec.points)
@@ -121,7 +122,9 @@ def average_samples(samples: Sequence[Sample], points: int = 60) -> AverageCurve
     high = min(sample.stretch.max() for sample in samples)
     if not low < high:
         names = ", ".join(sample.name for sample in samples)
-        raise PalpateError(f"{names} have no stretch in common.", "Average samples of one test.")
+        raise PalpateError(
+            f"{names} have no stretch in common.", "Average samples of one test.", code="samples-no-common-stretch"
+        )
     grid = np.linspace(low, high, points)
     curves = []
     for sample in samples:

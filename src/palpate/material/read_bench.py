@@ -80,6 +80,7 @@ def read_bench(path: str | Path, spec: BenchSpec | None = None) -> tuple[Sample,
             raise PalpateError(
                 f"{path}: row {lines[bad[0]]}, column {pair.strain + 1}: the stretch is {stretch[bad[0]]:.4g}.",
                 "A stretch is positive: check the unit of strain, and whether this is tension or compression.",
+                code="stretch-not-positive",
             )
         if spec.true_stress:
             nominal = nominal / stretch
@@ -102,12 +103,14 @@ def _split(table: Table, columns: Columns) -> Iterator[tuple[str, Pair, FloatArr
         raise PalpateError(
             f"{table.path}: row {table.lines[empty[0]]} has no number of a sample (column {columns.sample + 1}).",
             "Fill the cell.",
+            code="cell-empty",
         )
     found = list(dict.fromkeys(ids.tolist()))
     if len(found) > _MOST_SAMPLES:
         raise PalpateError(
             f"{table.path}: column {columns.sample + 1} numbers {len(found)} samples.",
             "Say by --sample which column numbers them.",
+            code="sample-count-wrong",
         )
     for number in found:
         for pair in columns.pairs:
@@ -126,12 +129,15 @@ def _take(table: Table, pair: Pair, rows: FloatArray) -> tuple[FloatArray, Float
         column = pair.strain if np.isnan(strain[gaps[0]]) else pair.stress
         name = f" ({table.header[column]})" if table.header else ""
         raise PalpateError(
-            f"{table.path}: row {lines[gaps[0]]}, column {column + 1}{name} is empty.", "Fill or delete the row."
+            f"{table.path}: row {lines[gaps[0]]}, column {column + 1}{name} is empty.",
+            "Fill or delete the row.",
+            code="cell-empty",
         )
     if end < LEAST_ROWS:
         raise PalpateError(
             f"{table.path} has {end} row{'s' if end != 1 else ''} of numbers.",
             f"A curve needs {LEAST_ROWS} or more: export the whole test.",
+            code="table-few-rows",
         )
     return strain, stress, np.asarray(lines)
 
@@ -140,7 +146,9 @@ def _to_stretch(strain: FloatArray, columns: Columns, spec: BenchSpec, path: Pat
     if columns.strain_unit is StrainUnit.TRAVEL:
         if spec.gauge_length is None:
             raise PalpateError(
-                f"{path}: column {columns.pairs[0].strain + 1} is travel in mm.", "Give the --gauge-length in mm."
+                f"{path}: column {columns.pairs[0].strain + 1} is travel in mm.",
+                "Give the --gauge-length in mm.",
+                code="gauge-length-missing",
             )
         return np.asarray(1 + strain / spec.gauge_length)
     if columns.strain_unit is StrainUnit.STRETCH:
@@ -157,6 +165,7 @@ def _to_stress(stress: FloatArray, columns: Columns, spec: BenchSpec, path: Path
         raise PalpateError(
             f"{path}: column {columns.pairs[0].stress + 1} is a force in {columns.stress_unit}.",
             "Give the undeformed --section in mm².",
+            code="section-missing",
         )
     return _MPA[columns.stress_unit] * stress / spec.section
 
@@ -173,6 +182,7 @@ def _signed(stretch: FloatArray, nominal: FloatArray, loading: Loading, path: Pa
         raise PalpateError(
             f"{path} is read as tension, but its strain reaches {far:.3g}.",
             "Give the file to --compression, or to --uniaxial if it holds both.",
+            code="tension-strain-negative",
         )
     return stretch, nominal
 
@@ -194,29 +204,41 @@ def _find_loading(table: Table, pair: Pair, spec: BenchSpec) -> Loading:
         several = several or found
     said = f"may be {' or '.join(several)}" if several else "does not say which test it is"
     flags = ", ".join(f"--{loading}" for loading in Loading)
-    raise PalpateError(f"{table.path} {said}.", f"Give it to one of {flags}, or name the file after its test.")
+    raise PalpateError(
+        f"{table.path} {said}.", f"Give it to one of {flags}, or name the file after its test.", code="test-unknown"
+    )
 
 
 def _check(sample: Sample, path: Path) -> None:
     """Refuse what cannot be a curve."""
     if np.ptp(sample.stretch) < 1e-3:
         raise PalpateError(
-            f"{path}: the stretch stays at {sample.stretch[0]:.4g}.", "Check the column and unit of strain."
+            f"{path}: the stretch stays at {sample.stretch[0]:.4g}.",
+            "Check the column and unit of strain.",
+            code="stretch-constant",
         )
     if np.ptp(sample.nominal) <= 0:
-        raise PalpateError(f"{path}: the stress stays at {sample.nominal[0]:g} MPa.", "Check the column of stress.")
+        raise PalpateError(
+            f"{path}: the stress stays at {sample.nominal[0]:g} MPa.",
+            "Check the column of stress.",
+            code="stress-constant",
+        )
     if sample.stretch.max() > 1 + 25 or sample.stretch.min() < 0.01:
         raise PalpateError(
             f"{path}: the stretch goes from {sample.stretch.min():.3g} to {sample.stretch.max():.4g}.",
             "No elastomer bears that: check the unit of strain (mm/mm or %) and the gauge length.",
+            code="stretch-implausible",
         )
     if np.abs(sample.nominal).max() > 1e3:
         raise PalpateError(
             f"{path}: the stress reaches {np.abs(sample.nominal).max():.4g} MPa.",
             "No elastomer bears that: check the unit of stress and the section.",
+            code="stress-implausible",
         )
     against = np.sum((sample.stretch - 1) * sample.nominal)
     if against <= 0:
         raise PalpateError(
-            f"{path}: the stress has the sign against the strain.", "Check the columns, or give --compression."
+            f"{path}: the stress has the sign against the strain.",
+            "Check the columns, or give --compression.",
+            code="stress-sign-wrong",
         )

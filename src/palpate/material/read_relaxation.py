@@ -46,7 +46,9 @@ def read_relaxation(path: str | Path, spec: BenchSpec | None = None) -> Relaxati
     twice = [column for column in columns if columns.count(column) > 1]
     if twice:
         raise PalpateError(
-            f"{path}: column {twice[0] + 1} is taken twice.", "Give --time, --stress and --strain by number."
+            f"{path}: column {twice[0] + 1} is taken twice.",
+            "Give --time, --stress and --strain by number.",
+            code="column-taken-twice",
         )
     values = _take(table, columns)
     time = values[:, 0] * _SECONDS[_time_unit(table, time_at, spec)]
@@ -70,12 +72,16 @@ def _take(table: Table, columns: list[int]) -> FloatArray:
     filled = ~np.isnan(values).all(axis=1)
     values, lines = values[filled], table.lines[filled]
     if not len(values):
-        raise PalpateError(f"{table.path}: the columns of time and stress are empty.", "Give other columns.")
+        raise PalpateError(
+            f"{table.path}: the columns of time and stress are empty.", "Give other columns.", code="columns-empty"
+        )
     gap = np.argwhere(np.isnan(values))
     if len(gap):
         row, at = gap[0]
         raise PalpateError(
-            f"{table.path}: row {lines[row]}, column {columns[at] + 1} is empty.", "Fill or delete the row."
+            f"{table.path}: row {lines[row]}, column {columns[at] + 1} is empty.",
+            "Fill or delete the row.",
+            code="cell-empty",
         )
     return values
 
@@ -89,6 +95,7 @@ def _time_unit(table: Table, column: int, spec: BenchSpec) -> TimeUnit:
     raise PalpateError(
         f"{table.path}: the time (column {column + 1}) is without a unit.",
         f"Give --time-unit: {', '.join(TimeUnit)}.",
+        code="column-unit-unknown",
     )
 
 
@@ -105,6 +112,8 @@ def _strain(table: Table, strain: FloatArray, column: int, spec: BenchSpec) -> F
     strain = _signed(strain)
     if not np.abs(strain).max() > 0:
         raise PalpateError(
-            f"{table.path}: the strain (column {column + 1}) stays at 0.", "Check the column of strain."
+            f"{table.path}: the strain (column {column + 1}) stays at 0.",
+            "Check the column of strain.",
+            code="strain-zero",
         )
     return strain

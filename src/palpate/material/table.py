@@ -106,7 +106,7 @@ def read_table(path: Path, spec: BenchSpec) -> Table:
     lines, skipped = _lines(path, data)
     kept = [line for line in lines if line[1].strip() and not line[1].lstrip().startswith(_COMMENT)]
     if not kept:
-        raise PalpateError(f"{path} is empty.", "Export the test again.")
+        raise PalpateError(f"{path} is empty.", "Export the test again.", code="table-empty")
     dialect = _find_dialect(path, kept, spec)
     first = next(at for at, (_, text) in enumerate(kept) if dialect.is_row(text))
     width = len(_trimmed(dialect.split(kept[first][1])))
@@ -121,17 +121,21 @@ def read_table(path: Path, spec: BenchSpec) -> Table:
 def _read_bytes(path: Path) -> bytes:
     try:
         if path.stat().st_size > MOST_BYTES:
-            raise PalpateError(f"{path} has {path.stat().st_size / 1e9:.1f} GB.", "Export fewer rows.")
+            raise PalpateError(
+                f"{path} has {path.stat().st_size / 1e9:.1f} GB.", "Export fewer rows.", code="table-too-large"
+            )
         data = path.read_bytes()
     except OSError as error:
-        raise PalpateError(f"{path} cannot be read: {error.strerror}.", "Give the CSV files of a test.") from None
+        raise PalpateError(
+            f"{path} cannot be read: {error.strerror}.", "Give the CSV files of a test.", code="file-unreadable"
+        ) from None
     if data.startswith(b"PK") or data.startswith(b"\xd0\xcf\x11\xe0"):
-        raise PalpateError(f"{path} is a spreadsheet or an archive, not text.", _SAVE)
+        raise PalpateError(f"{path} is a spreadsheet or an archive, not text.", _SAVE, code="file-is-spreadsheet")
     for mark, encoding in _BOMS:
         if data.startswith(mark):
             return data[len(mark) :].decode(encoding, "replace").encode() if encoding != "utf-8" else data[3:]
     if _FOREIGN.search(data[:100_000]):
-        raise PalpateError(f"{path} is not text: it holds binary data.", _SAVE)
+        raise PalpateError(f"{path} is not text: it holds binary data.", _SAVE, code="file-not-text")
     return data
 
 
@@ -169,6 +173,7 @@ def _find_dialect(path: Path, lines: list[Line], spec: BenchSpec) -> _Dialect:
         raise PalpateError(
             f"{path}: no row holds two numbers side by side (row {number} is '{text.strip()[:40]}').",
             "Columns stand apart by comma, semicolon, tab or space; --delimiter and --decimal say which.",
+            code="table-no-numbers",
         )
     return found[int(np.argmax(scores))]
 
@@ -188,6 +193,7 @@ def _read_head(
         raise PalpateError(
             f"{path}: row {lines[-1][0]}, column {last.index(words[0]) + 1}: '{words[0][:40]}' is no number.",
             "Mend or delete the row, or put # in front of it.",
+            code="value-not-number",
         )
     if not words:
         return (), (), tuple(texts)
@@ -202,6 +208,7 @@ def _read_head(
         raise PalpateError(
             f"{path}: row {lines[-1][0]} names {len(header)} columns, but row {lines[-1][0] + 1} has {width} cells.",
             "Name every column once; a decimal comma needs another delimiter, and a name holds no delimiter.",
+            code="header-length-wrong",
         )
     return tuple(header), tuple(units), tuple(rest)
 
@@ -225,13 +232,16 @@ def _read_rows(path: Path, lines: list[Line], dialect: _Dialect, names: tuple[st
             raise PalpateError(
                 f"{path}: row {number} has {len(cells)} cells where {len(names)} are usual.",
                 "Mend the row; a decimal comma needs another delimiter.",
+                code="row-length-wrong",
             )
         for column, cell in enumerate(cells):
             value = dialect.number(cell)
             if value is None or (cell and not np.isfinite(value)):
                 label = f"column {column + 1}" + (f" ({names[column]})" if names[column] else "")
                 raise PalpateError(
-                    f"{path}: row {number}, {label}: '{cell[:40]}' is no number.", _mend(cell, dialect)
+                    f"{path}: row {number}, {label}: '{cell[:40]}' is no number.",
+                    _mend(cell, dialect),
+                    code="value-not-number",
                 )
             values[at, column] = value
     return values

@@ -71,7 +71,9 @@ class ArcLength:
 
     def __post_init__(self) -> None:
         if not np.abs(self.force.ravel()[self.problem.body.free]).any():
-            raise PalpateError("No load acts on what is free to move.", "Load nodes that are not held.")
+            raise PalpateError(
+                "No load acts on what is free to move.", "Load nodes that are not held.", code="load-missing"
+            )
         self._shortest = _SHORTEST * self.step
         if not self.points:
             self.points = [ArcPoint(0.0, self.problem.body.rest(), 0)]
@@ -96,6 +98,7 @@ class ArcLength:
             f"The path ends at {self.points[-1].factor:.4g} times the load: no equilibrium follows within "
             f"{self.step:.2g} mm.",
             "Refine the mesh.",
+            code="path-ended",
         )
 
     def go_back(self, step: float) -> None:

@@ -197,7 +197,13 @@ def make_linear_solver(name: str = "auto") -> LinearSolver:
     if name == "auto":
         name = next(backend for backend, installed in available.items() if installed)
     if name not in _BACKENDS:
-        raise PalpateError(f"There is no solver backend '{name}'.", f"Choose one of auto, {', '.join(_BACKENDS)}.")
+        raise PalpateError(
+            f"There is no solver backend '{name}'.",
+            f"Choose one of auto, {', '.join(_BACKENDS)}.",
+            code="solver-unknown",
+        )
     if not available[name]:
-        raise PalpateError(f"The solver backend {name} is not installed.", f"pip install {_BACKENDS[name][2]}")
+        raise PalpateError(
+            f"The solver backend {name} is not installed.", f"pip install {_BACKENDS[name][2]}", code="solver-missing"
+        )
     return _BACKENDS[name][0]()

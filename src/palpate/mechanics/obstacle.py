@@ -77,7 +77,9 @@ class Obstacle(ABC):
             If the obstacle gives none.
         """
         raise PalpateError(
-            f"The obstacle {type(self).__name__} has no quadrilaterals to write or draw.", "Give it a method `patch`."
+            f"The obstacle {type(self).__name__} has no quadrilaterals to write or draw.",
+            "Give it a method `patch`.",
+            code="obstacle-no-patch",
         )
 
     def reach(self, points: FloatArray) -> FloatArray:

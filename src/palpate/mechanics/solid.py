@@ -180,6 +180,7 @@ class Solid(Body):
             raise PalpateError(
                 f"The skin is filled, and the material {self.material.name} names no gel.",
                 "Name one, or leave it hollow.",
+                code="gel-missing",
             )
         return self.material.gel
 

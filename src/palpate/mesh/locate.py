@@ -106,6 +106,7 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies {off[worst]:.3g} mm off the "
             f"{'tips of the pins' if mesh.skin.pin else 'inner surface'} of {mesh.skin.name}.",
             f"Give points within {_OFF_SURFACE_MM} mm of it.",
+            code="point-off-surface",
         )
     place = mesh.skin.disc(points)
     beyond = np.maximum(np.hypot(place[:, 0], place[:, 1]), 1.0)
@@ -114,6 +115,7 @@ def _on_disc(mesh: Mesh, points: FloatArray) -> FloatArray:
         raise PalpateError(
             f"Point {worst + 1} at {np.round(points[worst], 3).tolist()} mm lies below the base plane z = 0.",
             "Give points of the skin itself.",
+            code="point-below-base",
         )
     return np.asarray(place / beyond[:, None])
 

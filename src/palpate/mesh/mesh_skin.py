@@ -74,7 +74,11 @@ def mesh_skin(skin: Skin, spec: MeshSpec | None = None, pole: FloatArray | None 
 def _mesh_tube(skin: Skin, spec: MeshSpec, pole: FloatArray | None) -> Mesh:
     """Mesh a skin that is open at both ends."""
     if spec.filled:
-        raise PalpateError(f"{skin.name} is open at both ends: what fills it is not meshed.", "Leave the gel out.")
+        raise PalpateError(
+            f"{skin.name} is open at both ends: what fills it is not meshed.",
+            "Leave the gel out.",
+            code="filling-needs-apex",
+        )
     spec = spec.model_copy(update={"cells": spec.cells or CELLS})
     grid = grid_tube(skin.hole, spec.cells or CELLS, spec.core or CORE, pole, whole=spec.whole)
     on_mirror = np.empty(0, np.int64) if spec.whole else np.flatnonzero(np.abs(grid.points[:, 0]) < 1e-9)

@@ -210,7 +210,9 @@ def _spread(places: RingPlaces, markers: int, share: float) -> IntArray:
     """Places of rings that are even over a share of the meridian."""
     count = next((n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers), None)
     if count is None:
-        raise PalpateError(f"{markers} markers are no rings.", f"Take {_counts(places.limits)}.")
+        raise PalpateError(
+            f"{markers} markers are no rings.", f"Take {_counts(places.limits)}.", code="marker-count-not-rings"
+        )
     wanted = np.linspace(share / count, share, count) * (len(places.radii) - 1)
     return _best_chain(places, (np.arange(len(places.radii)) - wanted[:, None]) ** 2.0)
 
@@ -225,7 +227,11 @@ def _radii(skin: Skin, limits: PrintLimits) -> FloatArray:
     reach = float(skin.arc_length(skin.inner_point(rho, np.zeros(len(rho))))[-1]) if len(rho) else 0.0
     least = limits.dot + limits.gap
     if reach <= least:
-        raise PalpateError(f"Only {reach:.2g} mm of the meridian can be printed.", "Take a wider skin.")
+        raise PalpateError(
+            f"Only {reach:.2g} mm of the meridian can be printed.",
+            "Take a wider skin.",
+            code="meridian-not-printable",
+        )
     return skin.at_arc_length(np.linspace(least, reach, limits.places))
 
 
@@ -239,7 +245,11 @@ def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
     steep = np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1.0, 1.0)))
     fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
     if not fine.any():
-        raise PalpateError("No ring can be printed on this skin.", "Take a flatter or wider skin, or smaller dots.")
+        raise PalpateError(
+            "No ring can be printed on this skin.",
+            "Take a flatter or wider skin, or smaller dots.",
+            code="rings-not-printable",
+        )
     return np.asarray(rho[fine & (rho <= rho[fine].max() - _MARK_ROOM * limits.dot)], float)
 
 
@@ -329,6 +339,7 @@ def _best_chain(places: RingPlaces, cost: FloatArray) -> IntArray:
         raise PalpateError(
             f"{markers_in_rings(len(cost))} markers cannot be printed on this skin and be seen apart.",
             "Take fewer markers, smaller dots, or a larger skin.",
+            code="markers-not-printable",
         )
     found = [int(least.argmin())]
     for k in range(len(cost) - 1, 0, -1):

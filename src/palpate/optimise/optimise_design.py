@@ -247,6 +247,8 @@ def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))
         if other:
             raise PalpateError(
-                f"{out} holds a search of other requirements: {', '.join(other)}.", "Give another --out."
+                f"{out} holds a search of other requirements: {', '.join(other)}.",
+                "Give another --out.",
+                code="search-requirements-differ",
             )
     file.write_text(json.dumps(asked, indent=2) + "\n", "utf-8")

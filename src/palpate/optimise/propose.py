@@ -193,6 +193,7 @@ def _choose(twin: Twin, material: str, spec: RequirementsSpec, checks: Sequence[
                 f"{markers_in_rings(rings)} markers cannot be printed on this skin and be seen apart by the camera "
                 f"{choice.name}.",
                 "Allow a greater distance, smaller dots, or a larger skin.",
+                code="markers-not-printable",
             )
             for camera, markers in _offers(settings, markers_in_rings(rings)):
                 refusal = _refuse(twin, markers, material, camera, spec, _LOOKED_AT_FULLY if checks else _LOOKED_AT)
@@ -237,7 +238,7 @@ def _refuse(
     layout = place_markers(twin.skin, markers)
     for finding in check_process(twin.skin, layout, get_material(material), camera, spec.process):
         if finding.severity is Severity.ERROR:
-            return PalpateError(finding.message, finding.remedy)
+            return PalpateError(finding.message, finding.remedy, code=finding.code)
     unit = Unit(twin.skin, layout, nominal=camera.spec, tolerance=spec.tolerance)
     for number in range(_FIRST_UNIT, _FIRST_UNIT + units):
         deviation = draw_deviation(spec.tolerance, spec.seed, number)

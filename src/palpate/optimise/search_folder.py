@@ -85,12 +85,18 @@ class SearchFolder:
             If there is no such row, or it is no design.
         """
         if not 0 <= number < len(self.rows):
-            raise PalpateError(f"There is no design {number}.", f"There are designs 0 to {len(self.rows) - 1}.")
+            raise PalpateError(
+                f"There is no design {number}.",
+                f"There are designs 0 to {len(self.rows) - 1}.",
+                code="design-unknown",
+            )
         row = self.rows[number]
         try:
             return FoundDesign(row, _skin(row), str(row["material"]), _markers(row, self.spec), self._camera(row))
         except (KeyError, TypeError, ValueError, ValidationError) as error:
-            raise PalpateError(f"Row {number} of the search is no design: {error}.", _AGAIN) from None
+            raise PalpateError(
+                f"Row {number} of the search is no design: {error}.", _AGAIN, code="design-row-unreadable"
+            ) from None
 
     def _camera(self, row: Row) -> CameraSpec:
         choice = next((one for one in self.spec.cameras if one.name == row["camera"]), None)
@@ -113,14 +119,18 @@ def read_search(folder: Path) -> SearchFolder:
         If the folder holds no search, or one that cannot be read.
     """
     if not is_search(folder):
-        raise PalpateError(f"{folder} holds no search.", "Give the folder of `palpate optimise`.")
+        raise PalpateError(
+            f"{folder} holds no search.", "Give the folder of `palpate optimise`.", code="search-missing"
+        )
     try:
         asked = json.loads((folder / ASKED).read_text("utf-8"))
         spec = RequirementsSpec.model_validate({name: asked[name] for name in asked if name != "sampler"})
         tried = tuple(_read_journal(folder / JOURNAL))
         ended = json.loads((folder / FRONT).read_text("utf-8")) if (folder / FRONT).is_file() else {}
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise PalpateError(f"The search in {folder} cannot be read: {error}.", _AGAIN) from error
+        raise PalpateError(
+            f"The search in {folder} cannot be read: {error}.", _AGAIN, code="search-unreadable"
+        ) from error
     known = Front(spec, tried)
     others = [describe_entry(Entry(one, best)) for one in tried if (best := one.known.best(spec.markers)) is not None]
     finished = ended.get("skins") == len(tried)  # a search that goes on has tried more

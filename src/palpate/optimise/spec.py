@@ -52,7 +52,7 @@ class CameraChoice(Spec):
     def _is_known(self) -> CameraChoice:
         if self.name != _CAMERA and "camera" not in self.model_fields_set:
             raise PydanticCustomError(
-                "camera",
+                "camera-unknown",
                 "of the camera {name} nothing is known but its name; give its numbers as camera, or name {known}",
                 {"name": self.name, "known": _CAMERA},
             )
@@ -92,7 +92,7 @@ class GridSpec(Spec):
     @classmethod
     def _has_rings(cls, given: DesignsSpec) -> DesignsSpec:
         if any(markers.file is not None or markers.rows is not None for markers in given.markers):
-            raise PydanticCustomError("no_rings", "a grid's layouts are rings; give numbers of markers.", {})
+            raise PydanticCustomError("layout-not-rings", "a grid's layouts are rings; give numbers of markers.", {})
         return given
 
 
@@ -170,11 +170,13 @@ class RequirementsSpec(Spec):
     @classmethod
     def _at_least_one(cls, given: tuple[object, ...]) -> tuple[object, ...]:
         if not given:
-            raise PydanticCustomError("empty_list", "the list is empty; give at least one.", {})
+            raise PydanticCustomError("list-empty", "the list is empty; give at least one.", {})
         names = [item.name if isinstance(item, CameraChoice) else item for item in given]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
-            raise PydanticCustomError("twice", "{name} stands there twice; keep one.", {"name": str(twice)})
+            raise PydanticCustomError(
+                "list-entry-twice", "{name} stands there twice; keep one.", {"name": str(twice)}
+            )
         return given
 
     @field_validator("materials")
@@ -184,7 +186,7 @@ class RequirementsSpec(Spec):
             try:
                 get_material(name)
             except PalpateError as error:
-                raise PydanticCustomError("unknown_material", "{says}", {"says": str(error)}) from None
+                raise PydanticCustomError(error.code, "{says}", {"says": str(error)}) from None
         return names
 
     @model_validator(mode="after")
@@ -192,20 +194,34 @@ class RequirementsSpec(Spec):
         """Refuse what contradicts itself; the numbers are named."""
         if self.least_depth >= self.depth:
             _refuse(
-                f"least_depth is {self.least_depth:g} mm and depth {self.depth:g} mm; read at less than full depth."
+                f"least_depth is {self.least_depth:g} mm and depth {self.depth:g} mm; read at less than full depth.",
+                "depths-not-rising",
             )
         if self.heights[1] <= self.depth:
             _refuse(
-                f"no height up to {self.heights[1]:g} mm can be pressed by {self.depth:g} mm; allow higher skins."
+                f"no height up to {self.heights[1]:g} mm can be pressed by {self.depth:g} mm; allow higher skins.",
+                "heights-below-depth",
             )
         if self.thicknesses[0] >= self.base_radii[1]:
-            _refuse(f"walls of {self.thicknesses[0]:g} mm do not fit into a radius of {self.base_radii[1]:g} mm.")
+            _refuse(
+                f"walls of {self.thicknesses[0]:g} mm do not fit into a radius of {self.base_radii[1]:g} mm.",
+                "wall-thicker-than-radius",
+            )
         if self.dot < self.process.smallest_dot:
-            _refuse(f"dot is {self.dot:g} mm, less than process.smallest_dot, {self.process.smallest_dot:g} mm.")
+            _refuse(
+                f"dot is {self.dot:g} mm, less than process.smallest_dot, {self.process.smallest_dot:g} mm.",
+                "markers-not-printable",
+            )
         if self.greatest_dot is not None and self.greatest_dot < self.dot:
-            _refuse(f"greatest_dot is {self.greatest_dot:g} mm and dot {self.dot:g} mm; give the greater one there.")
+            _refuse(
+                f"greatest_dot is {self.greatest_dot:g} mm and dot {self.dot:g} mm; give the greater one there.",
+                "marker-sizes-not-rising",
+            )
         if "price" in self.objectives and len(self.cameras) == 1:
-            _refuse("price is made least, but there is only one camera; give several or leave price out.")
+            _refuse(
+                "price is made least, but there is only one camera; give several or leave price out.",
+                "price-without-choice",
+            )
         return self
 
 
@@ -229,9 +245,13 @@ def read_requirements(source: str | Path) -> RequirementsSpec:
     try:
         text = path.read_text("utf-8")
     except OSError as error:
-        raise PalpateError(f"The requirements {path} cannot be read: {error.strerror}.", _HINT) from error
+        raise PalpateError(
+            f"The requirements {path} cannot be read: {error.strerror}.", _HINT, code="file-unreadable"
+        ) from error
     except UnicodeDecodeError as error:
-        raise PalpateError(f"{path} is not a text file.", "Give a YAML file in UTF-8.") from error
+        raise PalpateError(
+            f"{path} is not a text file.", "Give a YAML file in UTF-8.", code="file-not-text"
+        ) from error
     return read_spec(path, text, RequirementsSpec, _HINT)
 
 
@@ -239,12 +259,12 @@ def _growing(given: Range, least: float, most: float, unit: str) -> Range:
     low, high = given
     if not least <= low <= high <= most:
         raise PydanticCustomError(
-            "no_range",
+            "range-malformed",
             "{given} is no range within {bounds}; give the least and the greatest.",
             {"given": f"{low:g} to {high:g}", "bounds": f"{least:g} to {most:g} {unit}".strip()},
         )
     return given
 
 
-def _refuse(sentence: str) -> None:
-    raise PydanticCustomError("contradiction", "{sentence}", {"sentence": sentence})
+def _refuse(sentence: str, code: str) -> None:
+    raise PydanticCustomError(code, "{sentence}", {"sentence": sentence})

@@ -73,6 +73,7 @@ def read_start(path: Path) -> Start:
         raise PalpateError(
             f"{path.name} has no network on dots to begin with; it has {', '.join(model.parts)}.",
             "Give a model whose best estimator reads dots.",
+            code="model-no-marker-network",
         )
     return Start(path.name, model.layout, found[0], model.space.names)
 
@@ -101,13 +102,17 @@ def carry_network(start: Start, seen: Seen) -> DotsNetwork:
     wanted = tuple(f"{one.axis}_{one.unit}" for one in seen.recording.poses)
     if any(name not in start.outputs for name in wanted):
         raise PalpateError(
-            f"{start.name} estimates {', '.join(start.outputs)}, not {', '.join(wanted)}.", "Choose by --learn."
+            f"{start.name} estimates {', '.join(start.outputs)}, not {', '.join(wanted)}.",
+            "Choose by --learn.",
+            code="model-outputs-differ",
         )
     own, other = seen.assigned.layout.rest_px, start.layout.rest_px
     scale = float(np.median(seen.assigned.layout.spacing_px) / np.median(start.layout.spacing_px))
     if not 1 / _DENSITY < scale < _DENSITY:
         raise PalpateError(
-            f"The dots of {start.name} are {scale:.2g} times as dense.", "Give a unit of the same make."
+            f"The dots of {start.name} are {scale:.2g} times as dense.",
+            "Give a unit of the same make.",
+            code="rest-markers-density",
         )
     shrunk = (own - own.mean(axis=0)) / scale + other.mean(axis=0)
     found = Correspondent(start.layout, seen.eye.shape).find(shrunk)
@@ -115,6 +120,7 @@ def carry_network(start: Start, seen: Seen) -> DotsNetwork:
         raise PalpateError(
             f"The dots at rest are not those of {start.name}: {found.fault} ({found.agreement:.0%} agree).",
             "Give a unit of the same make, its camera turned by less than half the angle between two dots.",
+            code="rest-markers-differ",
         )
     placed = start.layout.rest_px + found.moved_px
     number = np.argmin(np.linalg.norm(placed[:, None] - shrunk[None], axis=-1), axis=1)
@@ -143,7 +149,11 @@ def adapt_parts(start: Start, seen: Seen, say: Say) -> dict[str, DotsNetwork]:
         If its dots are not this unit's, or this recording has none.
     """
     if seen.assigned is None:
-        raise PalpateError("The recording has no numbered dots to adapt by.", "Learn without --from.")
+        raise PalpateError(
+            "The recording has no numbered dots to adapt by.",
+            "Learn without --from.",
+            code="recording-markers-unassigned",
+        )
     carried = carry_network(start, seen)
     lesson = Lesson(seen.moved, seen.targets, seen.split.teach & seen.good, seen.split.choose & seen.good)
     found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}

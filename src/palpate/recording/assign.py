@@ -89,6 +89,7 @@ def choose_reference(sight: Sight, count: int) -> int:
         raise PalpateError(
             f"Half of the images show fewer than {LEAST_DOTS} dots.",
             "Learn from pictures alone: --estimators picture.",
+            code="markers-few",
         )
     shape = (sight.pictures.shape[1], sight.pictures.shape[2])
     most = np.max([dots.max(axis=0) for dots in sight.dots[:count] if len(dots)], axis=0)

@@ -120,7 +120,9 @@ def find_image_column(table: RecordingTable, choice: Choice) -> str:
         return held[0]
     if held:
         raise PalpateError(
-            f"The columns {', '.join(held)} of {table.name} all name images.", "Choose one by --image."
+            f"The columns {', '.join(held)} of {table.name} all name images.",
+            "Choose one by --image.",
+            code="column-ambiguous",
         )
     numbered = [name for name in table.columns if name.strip().lower() in _IMAGE and table.is_numeric(name)]
     if len(numbered) == 1:
@@ -128,6 +130,7 @@ def find_image_column(table: RecordingTable, choice: Choice) -> str:
     raise PalpateError(
         f"No column of {table.name} names images; it has {_list(table)}.",
         "Name the column of image files by --image.",
+        code="image-column-missing",
     )
 
 
@@ -169,7 +172,11 @@ def find_pose_columns(
             continue
         why = _why_not(table, name)
         if why and wanted:
-            raise PalpateError(f"Column {name} cannot be learnt: {why}.", "Mend it, or leave it out of --learn.")
+            raise PalpateError(
+                f"Column {name} cannot be learnt: {why}.",
+                "Mend it, or leave it out of --learn.",
+                code="column-not-trainable",
+            )
         if why:
             left_out.append(f"Column {name} is left out: {why}.")
             continue
@@ -181,13 +188,14 @@ def find_pose_columns(
             else:
                 doubts.append(error)
     if doubts:
-        raise PalpateError(" ".join(error.what for error in doubts), doubts[0].remedy)
+        raise PalpateError(" ".join(error.what for error in doubts), doubts[0].remedy, code=doubts[0].code)
     poses = _turn(_name_axes(poses), choice.euler) if choice.euler else _name_axes(poses)
     chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
     if not chosen:
         raise PalpateError(
             f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {_list(table)}."),
             "Give columns of numbers that vary by --learn.",
+            code="columns-none",
         )
     if learn:
         chosen.sort(key=lambda one: learn.index(one.column))
@@ -201,7 +209,11 @@ def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTab
     new = {_given(table, old.strip(), "--learn"): name.strip() for old, mark, name in pairs if mark}
     twice = [name for name in new.values() if not name or name in table.columns]
     if twice:
-        raise PalpateError(f"A column cannot be called '{twice[0]}'.", "Give another name after the = of --learn.")
+        raise PalpateError(
+            f"A column cannot be called '{twice[0]}'.",
+            "Give another name after the = of --learn.",
+            code="column-name-reserved",
+        )
     columns = {new.get(name, name): values for name, values in table.columns.items()}
     faults = {new.get(name, name): fault for name, fault in table.faults.items()}
     return RecordingTable(table.name, columns, faults), tuple(
@@ -212,11 +224,19 @@ def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTab
 def _turn(poses: list[PoseColumn], order: str) -> list[PoseColumn]:
     """The same with rx and ry as components of the tilt's rotation vector, from Euler angles in an order."""
     if sorted(order.lower()) != ["x", "y", "z"] or order not in (order.lower(), order.upper()):
-        raise PalpateError(f"'{order}' is no order of Euler angles.", "Give xyz, zyx, ... or capitals: XYZ.")
+        raise PalpateError(
+            f"'{order}' is no order of Euler angles.",
+            "Give xyz, zyx, ... or capitals: XYZ.",
+            code="euler-order-unknown",
+        )
     letters = {"rx": "x", "ry": "y", "rz": "z", "yaw": "z"}
     angles = {letters[one.axis]: one for one in poses if one.axis in letters and one.unit == "deg"}
     if "x" not in angles or "y" not in angles:
-        raise PalpateError("Euler angles need columns rx and ry.", "Name them so, or leave out --euler.")
+        raise PalpateError(
+            "Euler angles need columns rx and ry.",
+            "Name them so, or leave out --euler.",
+            code="euler-columns-missing",
+        )
     count = len(angles["x"].values)
     turns = np.stack([angles[k].values if k in angles else np.zeros(count) for k in order.lower()], axis=1)
     normal = Rotation.from_euler(order, turns, degrees=True).as_matrix()[:, :, 2]
@@ -288,7 +308,9 @@ def _with_unit(table: RecordingTable, name: str, choice: Choice) -> PoseColumn:
             return PoseColumn(name, _short(low), "1", values, f"Column {name} has no unit that is known; it is kept.")
         if not unit:
             raise PalpateError(
-                f"Column {name} names no unit, and its values up to {most:.3g} may be {other}.", f"Give {flag}."
+                f"Column {name} names no unit, and its values up to {most:.3g} may be {other}.",
+                f"Give {flag}.",
+                code="column-unit-unknown",
             )
         given = choice.angles if _ANGLE.search(low) else choice.lengths
         note = (
@@ -315,7 +337,9 @@ def _given(table: RecordingTable, name: str, flag: str) -> str:
     alike = [column for column in table.columns if column.strip().lower() == name.strip().lower()]
     if not alike:
         raise PalpateError(
-            f"{table.name} has no column {name}; it has {_list(table)}.", f"Choose one of these by {flag}."
+            f"{table.name} has no column {name}; it has {_list(table)}.",
+            f"Choose one of these by {flag}.",
+            code="column-unknown",
         )
     return alike[0]
 

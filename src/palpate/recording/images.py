@@ -71,13 +71,16 @@ class VideoImages(ImageSet):
     def read(self, numbers: Sequence[int]) -> Iterator[Item]:
         playing, at = -1, -1
         images: Iterator[Item] = iter(())
-        item: Item = PalpateError("The video is empty.")
+        item: Item = PalpateError("The video is empty.", code="video-empty")
         for number in numbers:
             video, frame = self._which[number], self._frames[number]
             if video != playing or frame < at:
                 images, playing, at = open_source(str(self._videos[video])).images(), video, -1
             while at < frame:
-                item = next(images, PalpateError(f"{self._videos[video].name} ends before its image {frame}."))
+                item = next(
+                    images,
+                    PalpateError(f"{self._videos[video].name} ends before its image {frame}.", code="video-cut-off"),
+                )
                 at += 1
             yield item
 
@@ -100,7 +103,7 @@ class ArrayImages(ImageSet):
                 try:
                     yield np.asarray(file[name][row])
                 except (OSError, ValueError) as error:
-                    yield PalpateError(f"Image {row} of {name} cannot be read: {error}.")
+                    yield PalpateError(f"Image {row} of {name} cannot be read: {error}.", code="image-unreadable")
 
 
 @final
@@ -152,6 +155,7 @@ def find_files(folder: Path, names: Sequence[str]) -> list[Path]:
         raise PalpateError(
             f"None of the {len(names)} images of the table is there, the first is {names[0]}.",
             f"Put them beside the table, into {folder} or a folder in it.",
+            code="images-missing",
         )
     return found
 

@@ -82,6 +82,7 @@ def number_dots(positions_px: FloatArray) -> DotLayout:
         raise PalpateError(
             f"The image at rest shows {len(positions_px)} dots, {LEAST_DOTS} are needed.",
             "Choose another image at rest, or learn from pictures alone: --estimators picture.",
+            code="rest-markers-few",
         )
     middle = positions_px.mean(axis=0)
     spacing = float(np.median(cKDTree(positions_px).query(positions_px, 2)[0][:, 1]))
@@ -91,7 +92,9 @@ def number_dots(positions_px: FloatArray) -> DotLayout:
     layout = DotLayout(np.ascontiguousarray(positions_px[np.lexsort((angle, ring))], dtype=float))
     if not (layout.neighbours >= 0).any(axis=1).all():
         raise PalpateError(
-            "The dots at rest lie on a line, or some of them have no neighbour.", "Choose another image at rest."
+            "The dots at rest lie on a line, or some of them have no neighbour.",
+            "Choose another image at rest.",
+            code="rest-markers-on-line",
         )
     return layout
 
@@ -100,7 +103,9 @@ def _find_neighbours(places: FloatArray) -> IntArray:
     try:
         first, *_ = starts = Delaunay(places).vertex_neighbor_vertices
     except QhullError as error:
-        raise PalpateError("The dots at rest lie on a line.", "Choose another image at rest.") from error
+        raise PalpateError(
+            "The dots at rest lie on a line.", "Choose another image at rest.", code="rest-markers-on-line"
+        ) from error
     near = np.full((len(places), NEIGHBOURS), -1)
     for dot in range(len(places)):
         around = starts[1][first[dot] : first[dot + 1]]

@@ -195,6 +195,7 @@ def _refuse_strangers(seen: Seen, scores: tuple[PartScore, ...]) -> None:
         raise PalpateError(
             f"Poses and images are {abs(shift)} row{'s' if abs(shift) > 1 else ''} apart: moved by so much they fit.",
             "Mend the table.",
+            code="recording-rows-shifted",
         )
     if (ratio[best] > _NO_BETTER).all():
         one, error = seen.recording.poses[0], scores[best].errors[0].rmse
@@ -202,4 +203,5 @@ def _refuse_strangers(seen: Seen, scores: tuple[PartScore, ...]) -> None:
             f"The poses cannot be told from the images: on presses held out the best estimate of {one.axis} is off "
             f"by {error:.3g} {one.unit}, its mean by {sd[0]:.3g} {one.unit}.",
             "Images and poses do not belong together: another run's table, or names that were shuffled.",
+            code="recording-poses-unrelated",
         )

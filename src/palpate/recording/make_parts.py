@@ -200,6 +200,7 @@ def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[A
             f"The process that trained {job.name} ended with code {process.exitcode}, perhaps for want of memory.",
             "Start again, it goes on where it was; with --threads 1 one network is trained at a time. In a script of "
             'your own, call it under `if __name__ == "__main__":`.',
+            code="training-process-died",
         ) from error
     if isinstance(told, PalpateError):
         raise told
@@ -212,4 +213,4 @@ def _work(job: PartJob, threads: int, kept: Path, pipe: Any, parent: int) -> Non
     try:
         pipe.send(dict(job.train(threads, kept, pipe.send)))
     except PalpateError as error:
-        pipe.send(PalpateError(error.what, error.remedy))
+        pipe.send(PalpateError(error.what, error.remedy, code=error.code))

@@ -231,7 +231,7 @@ def read_model(path: Path) -> RecordedModel:
         with h5py.File(path, "r") as file:
             refuse_outside_links(file, path)
             if file.attrs.get("format") != FORMAT or int(file.attrs.get("format_version", 0)) != FORMAT_VERSION:
-                raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again)
+                raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
             facts = json.loads(file.attrs["about"])
             parts = {
                 name: PARTS[kind](name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
@@ -256,7 +256,9 @@ def read_model(path: Path) -> RecordedModel:
             facts["about"],
         )
     except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
-        raise PalpateError(f"{path} is not a model of a recording: {error}.", again) from error
+        raise PalpateError(
+            f"{path} is not a model of a recording: {error}.", again, code="model-unreadable"
+        ) from error
 
 
 def is_recorded_model(path: Path) -> bool:

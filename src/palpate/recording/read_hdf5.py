@@ -34,7 +34,7 @@ def read_hdf5(path: Path) -> tuple[RecordingTable, ImageSet]:
             refuse_outside_links(file, path)
             groups = _groups(file)
             if not groups:
-                raise PalpateError(f"{path.name} holds no images.", _REMEDY)
+                raise PalpateError(f"{path.name} holds no images.", _REMEDY, code="recording-no-images")
             parts, places = [], list[tuple[str, int]]()
             for number, (images, group) in enumerate(groups):
                 count = images.shape[0]
@@ -43,10 +43,12 @@ def read_hdf5(path: Path) -> tuple[RecordingTable, ImageSet]:
                     parts[-1].setdefault("press", np.full(count, float(number)))
                 places += [(images.name, row) for row in range(count)]
     except (OSError, KeyError, ValueError) as error:
-        raise PalpateError(f"{path.name} cannot be read: {error}.", _REMEDY) from error
+        raise PalpateError(f"{path.name} cannot be read: {error}.", _REMEDY, code="recording-unreadable") from error
     names = set.intersection(*(set(part) for part in parts))
     if not names - {"press"}:
-        raise PalpateError(f"{path.name} has no numbers with as many rows as images.", _REMEDY)
+        raise PalpateError(
+            f"{path.name} has no numbers with as many rows as images.", _REMEDY, code="recording-no-table"
+        )
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
     return RecordingTable(path.name, columns, {}), ArrayImages(path, places)
 

@@ -40,11 +40,13 @@ def read_lerobot(folder: Path) -> tuple[RecordingTable, ImageSet]:
         cameras = [name for name, about in features.items() if about["dtype"] in ("image", "video")]
         if len(cameras) != 1:
             raise PalpateError(
-                f"{folder.name} has {len(cameras)} cameras: {', '.join(cameras)}.", "Keep the sensor's camera alone."
+                f"{folder.name} has {len(cameras)} cameras: {', '.join(cameras)}.",
+                "Keep the sensor's camera alone.",
+                code="recording-several-cameras",
             )
         tables = [parquet.read_table(path) for path in sorted((folder / "data").rglob("*.parquet"))]
         if not tables:
-            raise PalpateError(f"{folder.name} has no table in its folder data.", _REMEDY)
+            raise PalpateError(f"{folder.name} has no table in its folder data.", _REMEDY, code="recording-no-table")
         columns = _columns(tables, features, cameras[0])
         images = (
             _videos(folder, cameras[0], columns, parquet)
@@ -52,7 +54,9 @@ def read_lerobot(folder: Path) -> tuple[RecordingTable, ImageSet]:
             else _Cells([cell for table in tables for cell in table.column(cameras[0]).to_pylist()], folder)
         )
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(f"{folder.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY) from error
+        raise PalpateError(
+            f"{folder.name} cannot be read as a LeRobot dataset: {error}.", _REMEDY, code="recording-unreadable"
+        ) from error
     return RecordingTable(folder.name, columns, {}), images
 
 
@@ -116,4 +120,8 @@ class _Cells(ImageSet):
             path = self._folder / str(cell.get("path"))
             content = cell.get("bytes") or (path.read_bytes() if path.is_file() else b"")
             image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_ANYCOLOR) if content else None
-            yield PalpateError(f"Image {number} cannot be decoded.") if image is None else np.asarray(image)
+            yield (
+                PalpateError(f"Image {number} cannot be decoded.", code="image-damaged")
+                if image is None
+                else np.asarray(image)
+            )

@@ -148,11 +148,15 @@ def _find_rest(folder: Path) -> Path | None:
 
 def _find_table(place: Path) -> Path:
     if not place.exists():
-        raise PalpateError(f"{place} is not there.", "Give a folder with a table of poses, or the table.")
+        raise PalpateError(
+            f"{place} is not there.", "Give a folder with a table of poses, or the table.", code="file-missing"
+        )
     if place.is_file():
         if place.suffix.lower() not in (*TABLES, *HDF5):
             raise PalpateError(
-                f"{place.name} is no table that is known.", f"Known are {', '.join((*TABLES, *HDF5))}."
+                f"{place.name} is no table that is known.",
+                f"Known are {', '.join((*TABLES, *HDF5))}.",
+                code="file-ending-unknown",
             )
         return place
     if is_lerobot(place):
@@ -162,11 +166,15 @@ def _find_table(place: Path) -> Path:
     tables = tables or [path for path in files if path.suffix.lower() in HDF5]
     if not tables:
         raise PalpateError(
-            f"{place} holds no table of poses.", "Write a CSV with a row an image: its name, and its pose."
+            f"{place} holds no table of poses.",
+            "Write a CSV with a row an image: its name, and its pose.",
+            code="recording-no-table",
         )
     if len(tables) > 1:
         raise PalpateError(
-            f"{place} holds {len(tables)} tables: {', '.join(path.name for path in tables[:5])}.", "Name one of them."
+            f"{place} holds {len(tables)} tables: {', '.join(path.name for path in tables[:5])}.",
+            "Name one of them.",
+            code="recording-several-tables",
         )
     return tables[0]
 
@@ -209,6 +217,7 @@ def _find_images(place: Path, table: RecordingTable, column: str) -> ImageSet:
         raise PalpateError(
             f"Column {column} numbers images, and {place.parent} holds {len(videos)} videos.",
             "Put the one video of these images beside the table.",
+            code="recording-several-videos",
         )
     frames = table.columns[column].astype(int).tolist()
     return VideoImages(videos, [0] * len(frames), frames)
@@ -216,10 +225,13 @@ def _find_images(place: Path, table: RecordingTable, column: str) -> ImageSet:
 
 def _refuse_small(found: Recording) -> None:
     if len(found) < LEAST_IMAGES:
-        raise PalpateError(f"The recording has {len(found)} images.", f"Give {LEAST_IMAGES} or more.")
+        raise PalpateError(
+            f"The recording has {len(found)} images.", f"Give {LEAST_IMAGES} or more.", code="recording-few-images"
+        )
     if found.presses < LEAST_PRESSES:
         raise PalpateError(
             f"The recording has {found.presses} {'press' if found.presses == 1 else 'presses'}: none could be held "
             "out to judge what was learnt.",
             f"Record {LEAST_PRESSES} presses or more; if its press column means something else, give --press.",
+            code="recording-few-presses",
         )

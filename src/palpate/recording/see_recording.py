@@ -100,6 +100,7 @@ def see_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStor
             f"{len(rows)} different images of {len(np.unique(press))} presses are left of {count}: too few to learn "
             "from.",
             " ".join(notes[-2:]),
+            code="recording-few-left",
         )
     good = np.zeros(len(rows), bool) if assigned is None else assigned.good[:count][rows]
     moved: FloatArray = np.zeros((len(rows), 0, 2)) if assigned is None else assigned.moved_px[:count][rows]

@@ -71,6 +71,7 @@ class Eye:
             raise PalpateError(
                 f"An image has {grey.shape[1]} × {grey.shape[0]} px, others {self.shape[1]} × {self.shape[0]}.",
                 "Give images of one size.",
+                code="image-size-changed",
             )
         cv2 = load_opencv()
         small = cv2.resize(grey, self.size[::-1], interpolation=cv2.INTER_AREA)
@@ -126,7 +127,9 @@ def open_eye(recording: Recording, picture_px: int) -> Eye:
     images = [_grey(item) for item in items if not isinstance(item, PalpateError)]
     if not images:
         reason = next((item.what for item in items if isinstance(item, PalpateError)), "there is none")
-        raise PalpateError(f"The first images cannot be read: {reason}", "Check the table's image names.")
+        raise PalpateError(
+            f"The first images cannot be read: {reason}", "Check the table's image names.", code="images-unreadable"
+        )
     shape = images[0].shape
     size = tuple(max(8, round(side * picture_px / max(shape))) for side in shape)
     found = []
@@ -170,7 +173,7 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
         np.concatenate([part["faults"] for part in parts]),
     )
     if not sight.readable.any():
-        raise PalpateError(f"No image can be read: {sight.faults[0]}", "Check the images.")
+        raise PalpateError(f"No image can be read: {sight.faults[0]}", "Check the images.", code="images-unreadable")
     return sight
 
 
@@ -214,9 +217,15 @@ def _grey(image: NDArray[Any]) -> Pictures:
     """Grey levels (h, w) of 8 bit of any image."""
     image = np.asarray(image)
     if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (1, 3, 4)):
-        raise PalpateError(f"An array of shape {image.shape} is not an image.", "Give (h, w) or (h, w, 3).")
+        raise PalpateError(
+            f"An array of shape {image.shape} is not an image.", "Give (h, w) or (h, w, 3).", code="image-shape-wrong"
+        )
     if image.shape[0] * image.shape[1] > _MOST_MPX * 1e6 or min(image.shape[:2]) < 8:
-        raise PalpateError(f"An image has {image.shape[1]} × {image.shape[0]} px.", "Give 8 px a side to 40 million.")
+        raise PalpateError(
+            f"An image has {image.shape[1]} × {image.shape[0]} px.",
+            "Give 8 px a side to 40 million.",
+            code="image-size-out-of-bounds",
+        )
     if image.ndim == 3:
         image = image[..., 0] if image.shape[2] == 1 else image[..., :3].astype(np.float32) @ _LUMA
     if image.dtype != np.uint8:

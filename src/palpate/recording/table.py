@@ -77,10 +77,12 @@ def read_table(path: Path) -> RecordingTable:
             parts.append(_columns(part, kinds, faults))
     except (OSError, UnicodeDecodeError, csv.Error, json.JSONDecodeError) as error:
         raise PalpateError(
-            f"{path.name} cannot be read: {error}.", "Give a CSV or JSON lines, a row an image."
+            f"{path.name} cannot be read: {error}.",
+            "Give a CSV or JSON lines, a row an image.",
+            code="table-unreadable",
         ) from error
     if not parts:
-        raise PalpateError(f"{path.name} has no row below its head.", "Give a row an image.")
+        raise PalpateError(f"{path.name} has no row below its head.", "Give a row an image.", code="table-empty")
     names = list(dict.fromkeys(name for part in parts for name in part))
     columns = {name: _join([part.get(name) for part in parts], parts) for name in names}
     return RecordingTable(path.name, columns, faults)
@@ -93,7 +95,11 @@ def _read_lines(path: Path) -> Iterator[dict[str, Any]]:
                 if line.strip():
                     found = json.loads(line)
                     if not isinstance(found, dict):
-                        raise PalpateError(f"{path.name} has a line that is no object.", "Write {...} on each line.")
+                        raise PalpateError(
+                            f"{path.name} has a line that is no object.",
+                            "Write {...} on each line.",
+                            code="table-line-not-object",
+                        )
                     yield flatten(found)
             return
         head = file.readline()
@@ -106,6 +112,7 @@ def _read_lines(path: Path) -> Iterator[dict[str, Any]]:
                 raise PalpateError(
                     f"{path.name}, line {table.line_num}: {len(row[None])} more cells than columns.",
                     "Name every column, and write decimals with a point.",
+                    code="row-length-wrong",
                 )
             yield row
 
@@ -114,11 +121,14 @@ def _check_head(path: Path, names: Any) -> None:
     names = list(names or ())
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise PalpateError(f"{path.name} has two columns named {', '.join(twice)}.", "Name each column once.")
+        raise PalpateError(
+            f"{path.name} has two columns named {', '.join(twice)}.", "Name each column once.", code="column-twice"
+        )
     if names and all(_is_number(name) for name in names):
         raise PalpateError(
             f"{path.name} has numbers in its first line: {', '.join(names[:4])}.",
             "Name the columns in the first line.",
+            code="header-missing",
         )
 
 

@@ -44,6 +44,7 @@ class ForceCurve:
             raise PalpateError(
                 f"{len(self.depth)} depths and {len(self.force)} forces are no curve of a press on its way down.",
                 "Give rising depths and a force for each; of a press that was drawn back, the way down.",
+                code="press-curve-malformed",
             )
 
     def at(self, depth: FloatArray) -> FloatArray:
@@ -59,6 +60,7 @@ class ForceCurve:
             raise PalpateError(
                 f"The wall goes to {deepest:.4g} mm and was pressed to {self.depth[-1]:.4g} mm.",
                 "Press deeper, or command less depth.",
+                code="press-curve-too-short",
             )
         if self.force.ndim == 1:
             return np.interp(depth, self.depth, self.force)
@@ -143,7 +145,9 @@ def sink_wall(
         If the stiffness is not positive, or the wall goes beyond the press.
     """
     if not 0 < stiffness < np.inf:
-        raise PalpateError(f"The robot's stiffness is {stiffness:g} N/mm.", "Give one above 0.")
+        raise PalpateError(
+            f"The robot's stiffness is {stiffness:g} N/mm.", "Give one above 0.", code="robot-stiffness-not-positive"
+        )
     course = _course(time, travel)
     return _balance(relaxation, curve, course * [1.0, stiffness], stiffness)
 
@@ -175,7 +179,11 @@ def _course(time: FloatArray, given: FloatArray) -> FloatArray:
     """Times and what is given at each, (n, 2)."""
     time, given = np.asarray(time, float), np.asarray(given, float)
     if time.ndim != 1 or time.shape != given.shape:
-        raise PalpateError(f"There are {time.size} times and {given.size} values.", "Give one value for every time.")
+        raise PalpateError(
+            f"There are {time.size} times and {given.size} values.",
+            "Give one value for every time.",
+            code="course-lengths-differ",
+        )
     return np.column_stack([time, given])
 
 
@@ -185,6 +193,7 @@ def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stif
         raise PalpateError(
             "A robot that gives way, or keeps a force, needs one number for the force at a depth.",
             "Give the curve of the force along the wall's normal.",
+            code="press-curve-missing",
         )
     history, depths, forces = StressHistory(relaxation), [], []
     for when, push in course:
@@ -199,6 +208,7 @@ def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stif
             raise PalpateError(
                 f"After {when:.4g} s the wall goes beyond the {curve.depth[-1]:.4g} mm of the press.",
                 "Press deeper, or command less.",
+                code="press-curve-too-short",
             )
         else:
             depth = float(brentq(missing, 0.0, float(curve.depth[-1]), xtol=1e-12))

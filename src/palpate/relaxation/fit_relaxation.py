@@ -117,9 +117,11 @@ def fit_relaxation(
         end as if nothing would stay.
     """
     if not tests:
-        raise PalpateError("There are no relaxation tests.", "Give the file of at least one.")
+        raise PalpateError("There are no relaxation tests.", "Give the file of at least one.", code="fit-no-samples")
     if terms is not None and not 1 <= terms <= MOST_TERMS:
-        raise PalpateError(f"A series of {terms} terms was asked for.", f"Ask for 1 to {MOST_TERMS}.")
+        raise PalpateError(
+            f"A series of {terms} terms was asked for.", f"Ask for 1 to {MOST_TERMS}.", code="relaxation-term-count"
+        )
     for test in tests:
         test.check()
     rows = [_average(test) for test in tests]
@@ -132,6 +134,7 @@ def fit_relaxation(
             f"{numbers[0]} terms in {len(tests)} tests have {len(tests) + 2 * numbers[0]} constants, and there are "
             f"{count} rows.",
             "Give more rows or ask for fewer terms.",
+            code="fit-few-rows",
         )
     fits = [_fit(rows, number, (first, last)) for number in numbers if count > len(tests) + 2 * number + 2]
     fits = fits or [_fit(rows, numbers[0], (first, last))]
@@ -290,13 +293,16 @@ def _conclude(
         raise PalpateError(
             f"After {ends[1]:.3g} s the stress still falls as if nothing would stay.",
             "Hold longer, until the stress levels off, or cut what comes after the strain is let go.",
+            code="relaxation-not-levelled",
         )
     kept = best.strengths / whole > _AT_BOUND
     m = len(rows)
     shares, times = best.strengths[kept] / whole, best.times[kept]
     if not len(shares):
         raise PalpateError(
-            "The stress does not fall.", "Check the columns: a relaxation loses stress while it is held."
+            "The stress does not fall.",
+            "Check the columns: a relaxation loses stress while it is held.",
+            code="relaxation-not-falling",
         )
     half = _half_widths(best, m, confidence, ends)
     values = np.concatenate([shares, times])

@@ -100,28 +100,33 @@ class RelaxationTest:
             raise PalpateError(
                 f"{self.name} has {len(self.time)} row{'s' if len(self.time) != 1 else ''} of numbers.",
                 f"A relaxation needs {LEAST_ROWS} or more: export the whole test.",
+                code="table-few-rows",
             )
         back = np.flatnonzero(np.diff(self.time) <= 0)
         if len(back):
             raise PalpateError(
                 f"{self.name}: after {self.time[back[0]]:g} s comes {self.time[back[0] + 1]:g} s.",
                 "Times must rise: give one test a file, in the order in which it was measured.",
+                code="times-not-rising",
             )
         if self.strain is not None and self._strain_held <= 0:
             raise PalpateError(
                 f"{self.name}: in the second half of its rows the strain is gone.",
                 "Cut what comes after the strain is let go, and check the column of strain.",
+                code="strain-released",
             )
         begun, whole = self.came
         if begun == whole == 0.0 and self.time[0] < 0:
             raise PalpateError(
                 f"{self.name} begins at {self.time[0]:g} s and has no strain.",
                 "Count time from when the strain came.",
+                code="strain-missing",
             )
         if self.last < _DECADE * self.first:
             raise PalpateError(
                 f"{self.name} goes from {self.first:.3g} s to {self.last:.3g} s after the strain began.",
                 "A relaxation needs a decade of time or more: strain faster or hold longer.",
+                code="relaxation-too-short",
             )
         self._check_held(begun, whole)
 
@@ -142,9 +147,11 @@ class RelaxationTest:
                 f"{self.name}: the held stress rises from {mean[low]:.4g} at {when[low]:.3g} s to {mean[high]:.4g} "
                 f"at {when[high]:.3g} s.",
                 "Give a test whose strain stays, without drift of the cell, and cut what comes after it.",
+                code="held-stress-rises",
             )
         if mean.min() <= 0:
             raise PalpateError(
                 f"{self.name}: the stress falls to {mean.min():.4g} and changes its sign.",
                 "Set the cell to zero before the strain comes, or cut the unloading.",
+                code="held-stress-changes-sign",
             )

@@ -83,6 +83,7 @@ class StressHistory:
             raise PalpateError(
                 f"Time goes back from {self._time:g} s to {time:g} s.",
                 "Begin a new history where a clock starts anew.",
+                code="time-goes-back",
             )
         passed = (time - self._time) / self._times
         whole = np.where(passed > 0, -np.expm1(-passed) / np.where(passed > 0, passed, 1.0), 1.0)

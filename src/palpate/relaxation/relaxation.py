@@ -62,21 +62,32 @@ class Relaxation:
             raise PalpateError(
                 f"A relaxation has {len(self.shares)} shares and {len(self.times)} times.",
                 f"Give as many of each, 1 to {MOST_TERMS}.",
+                code="relaxation-lengths-differ",
             )
         for number, (share, time) in enumerate(zip(self.shares, self.times, strict=True), start=1):
             if not share >= 0:
-                raise PalpateError(f"Share {number} of the relaxation is {share:g}.", "Give a share of 0 or more.")
+                raise PalpateError(
+                    f"Share {number} of the relaxation is {share:g}.",
+                    "Give a share of 0 or more.",
+                    code="relaxation-share-negative",
+                )
             if not 0 < time < np.inf:
-                raise PalpateError(f"Time {number} of the relaxation is {time:g} s.", "Give a time above 0 s.")
+                raise PalpateError(
+                    f"Time {number} of the relaxation is {time:g} s.",
+                    "Give a time above 0 s.",
+                    code="relaxation-time-not-positive",
+                )
         if not sum(self.shares) < 1:
             raise PalpateError(
                 f"The shares of the relaxation sum to {sum(self.shares):.6g}.",
                 "Their sum is below 1: something of the stress of a solid is left in the end.",
+                code="relaxation-shares-sum",
             )
         if any(later <= sooner for sooner, later in zip(self.times, self.times[1:], strict=False)):
             raise PalpateError(
                 f"The times of the relaxation are {', '.join(f'{time:g}' for time in self.times)} s.",
                 "Write the terms by rising time, each time once.",
+                code="relaxation-times-not-rising",
             )
 
     @property

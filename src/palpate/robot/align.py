@@ -76,7 +76,11 @@ class Aligner:
     ) -> None:
         fitter = sensor.reader.twin_fit
         if fitter is None:
-            raise PalpateError("A network tells no force for a limit.", "Open the sensor with the design's twin.")
+            raise PalpateError(
+                "A network tells no force for a limit.",
+                "Open the sensor with the design's twin.",
+                code="network-no-force",
+            )
         self.robot, self.sensor, self.tool, self.spec = robot, sensor, tool, spec or AlignSpec()
         self._next_image = next_image
         self._limit = ForceLimit(fitter, self.spec.force_n, self.spec.robot_mm)
@@ -144,6 +148,7 @@ class Aligner:
                 raise PalpateError(
                     f"Touch {len(touches) + 1} of {len(turns)} failed: {failed.ending}.",
                     "Check the wall's place, the light and the force limit.",
+                    code="alignment-touch-failed",
                 ) from None
         self._turn_to(start, start.rotation)
         self.tool = find_tool_offset(self.tool, touches, self.spec.robot_deg)

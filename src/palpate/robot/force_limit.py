@@ -66,4 +66,5 @@ class ForceLimit:
             raise PalpateError(
                 f"The search may go {depth:g} mm deep, which makes up to {force:.3f} N, above {self._most:g} N.",
                 "Make the steps of the search shorter, or the limit greater.",
+                code="force-limit-passed",
             )

@@ -35,7 +35,8 @@ class OpenSpec(Spec):
         try:
             return MarkerSpec(count=count).count
         except ValidationError as error:
-            raise PydanticCustomError("no_ring_number", "{says}", {"says": error.errors()[0]["msg"]}) from None
+            first = error.errors()[0]
+            raise PydanticCustomError(first["type"], "{says}", {"says": first["msg"]}) from None
 
 
 S = TypeVar("S", bound=OpenSpec)
@@ -55,7 +56,9 @@ def read_open_spec(kind: type[S], values: dict[str, Any]) -> S:
         first = error.errors()[0]
         name = ".".join(str(part) for part in first["loc"])
         raise PalpateError(
-            f"The parameter {name}: {first['msg'].rstrip('.')}.", f"Known are {', '.join(kind.model_fields)}."
+            f"The parameter {name}: {first['msg'].rstrip('.')}.",
+            f"Known are {', '.join(kind.model_fields)}.",
+            code=first["type"],
         ) from None
 
 
@@ -79,6 +82,7 @@ def open_by(spec: OpenSpec) -> Sensor:
         raise PalpateError(
             f"{spec.rest_images} images at rest were asked for, {len(images)} can be read.",
             "Look at the camera, or ask for fewer.",
+            code="rest-images-few",
         )
     sensor = open_sensor(images, unit, twin, RigSpec(rest_images=spec.rest_images))
     sensor.clock = clock

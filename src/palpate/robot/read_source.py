@@ -89,7 +89,7 @@ class SourceReader:
 
     def _gone(self, reason: str) -> None:
         with self._lock:
-            row = _row(self._sensor.read(PalpateError(reason, "Plug it in.")), GONE, time.time())
+            row = _row(self._sensor.read(PalpateError(reason, "Plug it in.", code="source-gone")), GONE, time.time())
             self._publish(row)
 
 

@@ -128,7 +128,7 @@ class SimulatedCell:
             self._first = self._first or sensor
             self._weigh()
         if self._rng.random() < self._unreadable:
-            return PalpateError("The image was torn.", "Look again.")
+            return PalpateError("The image was torn.", "Look again.", code="image-damaged")
         if pose[2] <= 0.0:
             return unit.at_rest[int(self._rng.integers(len(unit.at_rest)))]
         edges = unit.dome.edges(pose, self._wall.slip, self._drift(sensor, pose))

@@ -50,7 +50,11 @@ def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> 
         If there are fewer than three touches, or they do not fit one flat wall.
     """
     if len(touches) < 3:
-        raise PalpateError(f"{len(touches)} touches do not tell the tool's offset.", "Touch three times or more.")
+        raise PalpateError(
+            f"{len(touches)} touches do not tell the tool's offset.",
+            "Touch three times or more.",
+            code="tool-few-touches",
+        )
     nominal = tool.flange_from_sensor.rotation
     first = touches[0].base_from_flange.rotation @ nominal @ wall_normal(*np.radians(touches[0].tilt_deg))
     side = np.linalg.svd(first[None])[2][1:]
@@ -73,6 +77,7 @@ def find_tool_offset(tool: Tool, touches: Sequence[Touch], robot_deg: float) -> 
         raise PalpateError(
             f"The touches do not fit one flat wall: they are {rms:.1f} standard deviations off.",
             "Touch one place of a flat wall, and check that the drill's axis is the one that was turned about.",
+            code="tool-touches-misfit",
         )
     covariance = np.linalg.inv(fit.jac.T @ fit.jac)[:3, :3]
     placed = Placement(nominal @ turn_by(fit.x[:3]), tool.flange_from_sensor.position)

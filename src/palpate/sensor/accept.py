@@ -152,6 +152,7 @@ def accept_unit(
         raise PalpateError(
             f"No image is deeper than {spec.least_depth:g} mm after the first press.",
             "Record more presses, or press deeper.",
+            code="acceptance-no-press",
         )
     read = estimates[counts] + np.array([0.0, 0.0, offset])
     wanted = truth.poses[counts] if known else np.column_stack([truth.poses[counts, :2], read[:, 2]])

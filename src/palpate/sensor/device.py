@@ -49,10 +49,10 @@ class Device:
             If the device is not connected, has no more images, or this one cannot be read.
         """
         if self._images is None:
-            raise PalpateError(f"{self.name} is not connected.", "Call connect first.")
+            raise PalpateError(f"{self.name} is not connected.", "Call connect first.", code="sensor-not-connected")
         image = next(self._images, None)
         if image is None:
-            raise PalpateError(f"{self.name} has no more images.", "Connect it again.")
+            raise PalpateError(f"{self.name} has no more images.", "Connect it again.", code="source-ended")
         if isinstance(image, PalpateError):
             raise image
         return image

@@ -62,7 +62,9 @@ def identify_unit(
     """
     reader, noise, robot = sensor.reader, sensor.spec.noise_px, robot or RobotSpec()
     if not isinstance(reader, TwinReader):
-        raise PalpateError("A network cannot learn its unit.", "Open the sensor with the design's twin.")
+        raise PalpateError(
+            "A network cannot learn its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
+        )
     model = reader.fitter.model
     seen = [_see(sensor, press) for press in presses]
     found = identify(model, [each.press for each in seen], noise, robot)
@@ -88,7 +90,9 @@ def _see(sensor: Sensor, known: KnownImages) -> _Seen:
     poses, images, forces = known
     readings = [sensor.read(image) for image in images]
     if len(readings) != len(poses):
-        raise PalpateError(f"{len(readings)} images have {len(poses)} poses.", "Give each image its pose.")
+        raise PalpateError(
+            f"{len(readings)} images have {len(poses)} poses.", "Give each image its pose.", code="pose-count-differs"
+        )
     kept = [
         (pose, seen.sighting, force)
         for pose, seen, force in zip(poses, readings, forces, strict=True)
@@ -98,6 +102,7 @@ def _see(sensor: Sensor, known: KnownImages) -> _Seen:
         raise PalpateError(
             "No image of a known press shows a touch that this unit could show.",
             "Press deeper, check the light, and that design and recording belong together.",
+            code="calibration-press-no-touch",
         )
     pixels = [np.where(seen.found[:, None], seen.positions_px, np.nan) for _, seen, _ in kept]
     press = RobotPress(np.array([pose for pose, _, _ in kept]), np.array(pixels))

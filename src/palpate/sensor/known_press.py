@@ -58,7 +58,11 @@ class KnownPress:
         """
         rx, ry, depth = pose
         if not depth > 0.0:
-            raise PalpateError(f"A press {depth:g} mm deep is none.", "Give a positive depth, 4 mm say.")
+            raise PalpateError(
+                f"A press {depth:g} mm deep is none.",
+                "Give a positive depth, 4 mm say.",
+                code="press-depth-not-positive",
+            )
         wall = WallSpec(
             tilt_deg=float(np.hypot(rx, ry)),
             azimuth_deg=float(np.degrees(np.arctan2(ry, rx))) % 360.0,
@@ -71,6 +75,7 @@ class KnownPress:
             raise PalpateError(
                 f"The simulated press ends at {press.depth[-1]:.1f} of {depth:g} mm: {press.ended}.",
                 "Press less deep.",
+                code="press-ends-early",
             )
         return cls(image, press.positions(unit.layout.positions)[-1])
 

@@ -204,6 +204,7 @@ def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
         raise PalpateError(
             f"The untouched dots are {moved:.2f} px from where they were when the unit was identified.",
             "Identify it again: its camera has moved, or this is another unit.",
+            code="rest-markers-moved",
         )
 
 
@@ -239,6 +240,7 @@ def open_model(path: Path, skin: Skin | None = None) -> Model:
         raise PalpateError(
             f"{path.name} was learnt from a recording and knows no design.",
             "Use it by palpate live or palpate accept.",
+            code="model-no-design",
         )
     return read_twin(path)
 
@@ -247,7 +249,9 @@ def _find_twin(folder: Path, skin: Skin) -> Path:
     found = twin_path(folder, skin)
     if not found.is_file():
         raise PalpateError(
-            f"{folder} has no twin of {skin.name}.", "Make it: palpate twin STUDY --out FOLDER, or give a file."
+            f"{folder} has no twin of {skin.name}.",
+            "Make it: palpate twin STUDY --out FOLDER, or give a file.",
+            code="twin-missing",
         )
     return found
 
@@ -257,24 +261,32 @@ def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> Non
     if isinstance(model, Twin):
         if model.skin.spec_data != unit.skin.spec_data:
             raise PalpateError(
-                f"The twin is of {model.skin.name}, the design is {unit.skin.name}.", "Use its own twin."
+                f"The twin is of {model.skin.name}, the design is {unit.skin.name}.",
+                "Use its own twin.",
+                code="twin-design-differs",
             )
         if unit.known is not None:
             unit.known.check(unit.skin, unit.layout)
         estimates = TILT_DEPTH
     else:
         if unit.known is not None:
-            raise PalpateError("A network cannot use what presses told about a unit.", "Read by the design's twin.")
+            raise PalpateError(
+                "A network cannot use what presses told about a unit.",
+                "Read by the design's twin.",
+                code="network-no-unit",
+            )
         if model.markers != len(unit.layout):
             raise PalpateError(
                 f"The model reads {model.markers} markers, the design has {len(unit.layout)}.",
                 "Use the model of this design.",
+                code="model-marker-count",
             )
         estimates = model.space
     if space is not None and estimates != space:
         raise PalpateError(
             f"The model estimates {', '.join(estimates.names)}, not {', '.join(space.names)}.",
             "Use a model that was trained on presses of the same obstacle.",
+            code="model-outputs-differ",
         )
 
 

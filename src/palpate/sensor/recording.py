@@ -67,11 +67,15 @@ def read_truth(path: Path) -> Truth:
     rest = tuple(row["image"] for _, row in rows if row["press"].strip() == REST)
     pressed = [(line, row) for line, row in rows if row["press"].strip() != REST]
     if not pressed:
-        raise PalpateError(f"{path.name} has no press.", _EXAMPLE)
+        raise PalpateError(f"{path.name} has no press.", _EXAMPLE, code="recording-no-press")
     poses = np.array([[_number(path, line, row, name) for name in _ESTIMATE] for line, row in pressed])
     for (line, _), pose in zip(pressed, poses, strict=True):
         if not np.isfinite(pose[:2]).all():
-            raise PalpateError(f"{path.name}, line {line}: an angle is missing.", "Only the depth may be unknown.")
+            raise PalpateError(
+                f"{path.name}, line {line}: an angle is missing.",
+                "Only the depth may be unknown.",
+                code="angle-missing",
+            )
     names = list(dict.fromkeys(row["press"] for _, row in pressed))
     press = np.array([names.index(row["press"]) for _, row in pressed])
     forces = np.array([_number(path, line, row, _FORCE) for line, row in pressed])
@@ -97,13 +101,16 @@ def read_readings(path: Path, truth: Truth) -> tuple[FloatArray, BoolArray]:
         raise PalpateError(
             f"{len(missing)} images of the truth have no reading in {path.name}, the first is {missing[0]}.",
             "Number the images as palpate live does: from 1, images at rest not counted.",
+            code="readings-missing",
         )
     chosen = [rows[name] for name in truth.images]
     try:
         poses = np.array([[_or_nan(row[name]) for name in _ESTIMATE] for row in chosen])
     except (KeyError, ValueError, TypeError) as error:
         raise PalpateError(
-            f"{path.name} holds no readings: {error}.", "Give what palpate live --out wrote."
+            f"{path.name} holds no readings: {error}.",
+            "Give what palpate live --out wrote.",
+            code="readings-unreadable",
         ) from error
     return poses, np.array([bool(row.get("flags")) for row in chosen])
 
@@ -114,18 +121,20 @@ def _read_rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
             table = csv.DictReader(file)
             absent = [name for name in _TRUTH if name not in (table.fieldnames or ())]
             if absent:
-                raise PalpateError(f"{path.name} has no column {', '.join(absent)}.", _EXAMPLE)
+                raise PalpateError(f"{path.name} has no column {', '.join(absent)}.", _EXAMPLE, code="column-missing")
             for row in table:
                 yield table.line_num, {name: row.get(name) or "" for name in (*_TRUTH, _FORCE)}
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise PalpateError(f"{path} cannot be read: {error}.", _EXAMPLE) from error
+        raise PalpateError(f"{path} cannot be read: {error}.", _EXAMPLE, code="file-unreadable") from error
 
 
 def _number(path: Path, line: int, row: dict[str, str], name: str) -> float:
     try:
         return _or_nan(row[name])
     except ValueError:
-        raise PalpateError(f"{path.name}, line {line}: {name} is '{row[name]}'.", "Write a number.") from None
+        raise PalpateError(
+            f"{path.name}, line {line}: {name} is '{row[name]}'.", "Write a number.", code="value-not-number"
+        ) from None
 
 
 def _or_nan(value: Any) -> float:
@@ -139,4 +148,6 @@ def _read_any(path: Path) -> list[dict[str, Any]]:
                 return [json.loads(line) for line in file if line.strip()]
             return list(csv.DictReader(file))
     except (OSError, ValueError, csv.Error) as error:
-        raise PalpateError(f"{path} cannot be read: {error}.", "Give what palpate live --out wrote.") from error
+        raise PalpateError(
+            f"{path} cannot be read: {error}.", "Give what palpate live --out wrote.", code="file-unreadable"
+        ) from error

@@ -114,10 +114,13 @@ def register_dome(
         raise PalpateError(
             f"{naming.found.sum()} named markers do not give a pose, {_LEAST_MARKERS} are needed.",
             "Check the light.",
+            code="pose-few-markers",
         )
     if naming.mirrored:
         raise PalpateError(
-            "The image is mirrored: left is right.", "Flip it before it is read, or turn off the mirror."
+            "The image is mirrored: left is right.",
+            "Flip it before it is read, or turn off the mirror.",
+            code="image-mirrored",
         )
     points, seen = layout.positions[naming.found], naming.positions_px[naming.found]
     normals = skin.normal(points)
@@ -141,6 +144,7 @@ def register_dome(
         raise PalpateError(
             f"The markers fit the design to {law.rms_px:.1f} px only, and that with rings {law.greatest:.0%} off.",
             "Check height, base radius and marker count, and the camera's focal length.",
+            code="layout-misfit-rings",
         )
     if not law:
         _check_size(seen, build_camera(nominal).project(points), fit.rms_px)
@@ -148,6 +152,7 @@ def register_dome(
         raise PalpateError(
             f"The markers fit the design to {fit.rms_px:.1f} px only.",
             "Check height, base radius and marker count, and the camera's focal length.",
+            code="layout-misfit",
         )
     errors = np.full((len(layout), 2), np.nan)
     errors[naming.found] = -fit.left
@@ -164,6 +169,7 @@ def _check_size(seen: FloatArray, expected: FloatArray, rms_px: float) -> None:
             f"The markers fit the design to {rms_px:.1f} px only where all of it is drawn {abs(scale):.0%} "
             f"too {'large' if scale > 0 else 'small'}.",
             "Check height, base radius and marker count, and the camera's focal length and distance.",
+            code="layout-misfit-scale",
         )
 
 

@@ -172,7 +172,9 @@ def read_rest(
     """
     images = list(images)
     if not images:
-        raise PalpateError("There is no image at rest.", "Record the untouched dome first.")
+        raise PalpateError(
+            "There is no image at rest.", "Record the untouched dome first.", code="rest-image-missing"
+        )
     mark = place_orientation_mark(unit.skin, unit.layout) if unit.marked else None
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     detector, naming = _find_and_name(images[0], unit, detect, pattern)
@@ -182,11 +184,13 @@ def read_rest(
             raise PalpateError(
                 f"The known press leaves {1 + len(naming.alternatives)} ways to number the markers.",
                 "Press by a wall slanted by 5° or more, towards 15° from a row of markers.",
+                code="assignment-ambiguous",
             )
     elif unit.marked and naming.ambiguous:
         raise PalpateError(
             f"The orientation mark was not seen; {1 + len(naming.alternatives)} ways to number the markers fit.",
             "Check that it is printed and lit, give an image of a known press, or say that the unit has no mark.",
+            code="orientation-mark-unseen",
         )
     naming = _average(naming, detector, images)
     where = register_dome(naming, unit.layout, unit.skin, unit.lens or unit.nominal, refine_lens)

@@ -64,6 +64,7 @@ def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4
         raise PalpateError(
             f"{counts.sum()} images deeper than {least_depth:g} mm do not give the depth's zero.",
             f"Press deeper and record at least {LEAST_IMAGES} images.",
+            code="depth-zero-unknown",
         )
     apart = other[counts] - estimated[counts]
     offset = float(np.median(apart))

@@ -31,7 +31,9 @@ class Bag:
 
     def __init__(self, folder: Path) -> None:
         if folder.exists():
-            raise PalpateError(f"{folder} is there already.", "A bag is a new folder: choose another name.")
+            raise PalpateError(
+                f"{folder} is there already.", "A bag is a new folder: choose another name.", code="folder-exists"
+            )
         rosbag2 = load_extra("rosbags.rosbag2", "ros", "rosbags")
         typesys = load_extra("rosbags.typesys", "ros", "rosbags")
         self._store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)

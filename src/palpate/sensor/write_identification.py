@@ -36,7 +36,9 @@ def write_identification(folder: Path, found: Identified, sensor: Sensor, robot:
         If the sensor reads by a network, or the files cannot be written.
     """
     if not isinstance(sensor.reader, TwinReader):
-        raise PalpateError("A network has not learnt its unit.", "Open the sensor with the design's twin.")
+        raise PalpateError(
+            "A network has not learnt its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
+        )
     fitter = sensor.reader.fitter
     spec = ForeseeSpec(
         noise_px=fitter.noise_px, robot=robot, max_tilt_deg=float(fitter.model.dots.twin.tilts_deg[-1])

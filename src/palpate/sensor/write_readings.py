@@ -77,7 +77,11 @@ def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = T
         If rosbags is not installed and a bag is asked for.
     """
     if path.suffix not in KINDS:
-        raise PalpateError(f"{path.name} is neither {', '.join(KINDS[:-1])} nor {KINDS[-1]}.", "Choose one of these.")
+        raise PalpateError(
+            f"{path.name} is neither {', '.join(KINDS[:-1])} nor {KINDS[-1]}.",
+            "Choose one of these.",
+            code="file-ending-unknown",
+        )
     if path.suffix == ".rosbag2":
         return write_bag(path, ((reading, describe_reading(reading)) for reading in readings))
     return _write_text(path, readings, reading_columns(space))

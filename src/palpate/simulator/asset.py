@@ -89,11 +89,16 @@ def check_wall(wall: ObstacleSpec) -> None:
         If it is no straight flat wall, or pressed in too few steps.
     """
     if not isinstance(wall, WallSpec) or wall.radial > _STRAIGHT_DEG or wall.bend:
-        raise PalpateError(f"The skin is pressed by {wall.words}.", "Press it by a straight flat wall: --tilt 0.")
+        raise PalpateError(
+            f"The skin is pressed by {wall.words}.",
+            "Press it by a straight flat wall: --tilt 0.",
+            code="asset-wall-not-straight",
+        )
     if wall.depth < _TERMS * wall.image_step:
         raise PalpateError(
             f"A press to {wall.depth:g} mm in steps of {wall.image_step:g} mm is too short for a force curve.",
             f"Press to {_TERMS * wall.image_step:g} mm or deeper, or in shorter steps.",
+            code="asset-press-short",
         )
 
 
@@ -114,6 +119,7 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
         raise PalpateError(
             f"The press has {len(depth)} images before it ends or jumps; a force curve needs {_TERMS + 1}.",
             "Press in shorter steps.",
+            code="asset-few-images",
         )
     spring, spring_rms = _fit(depth, force, _TERMS)
     line, line_rms = _fit(depth, force, 1)

@@ -35,9 +35,15 @@ def check_asset(folder: Path) -> None:
     """
     load_extra("trimesh", "cad")
     if folder.exists():
-        raise PalpateError(f"{folder} exists already.", "Name a new folder, or remove that one.")
+        raise PalpateError(
+            f"{folder} exists already.", "Name a new folder, or remove that one.", code="folder-exists"
+        )
     if not folder.parent.is_dir():
-        raise PalpateError(f"The folder {folder.parent} does not exist.", "Make it first, or name another one.")
+        raise PalpateError(
+            f"The folder {folder.parent} does not exist.",
+            "Make it first, or name another one.",
+            code="folder-missing",
+        )
 
 
 def export_asset(folder: Path, asset: SensorAsset, to: AssetFormat) -> Path:

@@ -131,6 +131,7 @@ def plan_twin(study: Study, skin: SkinSpec) -> TwinTask:
     skin.build().require_revolution(
         "a twin has one press a tilt for all azimuths",
         "Leave the twin out: `palpate run` without `built` reads its presses by azimuth and trains on them.",
+        code="twin-needs-revolution",
     )
     asked = study.built or BuiltSpec()
     inverted = tuple(_plan_inverted(study, skin)) if asked.inverted and not study.material.gel else ()

@@ -119,6 +119,7 @@ def check_place(where: str) -> None:
         raise PalpateError(
             f"--cluster is '{where}'.",
             f"Give local:N with N from 1 to {MOST_WORKERS}, or a scheduler's address, tcp://HOST:PORT.",
+            code="cluster-malformed",
         )
 
 
@@ -141,14 +142,18 @@ def _connect(where: str) -> tuple[Any, Any]:
         client = distributed.Client(where, timeout=CONNECT_S)
     except (OSError, TimeoutError, ValueError) as error:
         raise PalpateError(
-            f"No Dask scheduler answers at {where}: {type(error).__name__}.", "Start one with: dask scheduler"
+            f"No Dask scheduler answers at {where}: {type(error).__name__}.",
+            "Start one with: dask scheduler",
+            code="scheduler-silent",
         ) from error
     try:
         client.wait_for_workers(1, timeout=CONNECT_S)
     except TimeoutError as error:
         client.close()
         raise PalpateError(
-            f"The Dask scheduler at {where} has no worker.", f"Start some with: dask worker {where} --nthreads 1"
+            f"The Dask scheduler at {where} has no worker.",
+            f"Start some with: dask worker {where} --nthreads 1",
+            code="scheduler-no-worker",
         ) from error
     return client, None
 

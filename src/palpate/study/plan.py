@@ -111,9 +111,15 @@ def _refuse_unfit(study: Study, skin: Skin) -> None:
     for tilt_deg in study.tilts_deg:
         study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).refuse_skin(skin, study.mesh.rim)
     if skin.hole and study.material.gel:
-        raise PalpateError(f"{skin.name} is open at both ends: what fills it is not meshed.", "Leave the gel out.")
+        raise PalpateError(
+            f"{skin.name} is open at both ends: what fills it is not meshed.",
+            "Leave the gel out.",
+            code="filling-needs-apex",
+        )
     if study.forces:
-        skin.require_revolution("its forces are not interpolated", "Leave `forces` out of the study.")
+        skin.require_revolution(
+            "its forces are not interpolated", "Leave `forces` out of the study.", code="forces-need-revolution"
+        )
 
 
 def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
@@ -157,7 +163,7 @@ def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     try:
         refuse_errors(check_design(skin, layout))
     except PalpateError as error:
-        raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy) from None
+        raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy, code=error.code) from None
     return markers.model_copy(update={"count": len(layout)})
 
 

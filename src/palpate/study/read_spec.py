@@ -54,13 +54,15 @@ def read_spec(
         mark = error.problem_mark or error.context_mark
         line = f":{mark.line + 1}" if mark is not None else ""
         problem = str(error.problem or error.context).splitlines()[0]
-        raise PalpateError(f"{path}{line}: this is not YAML: {problem}.", "Mend the line.") from error
+        raise PalpateError(
+            f"{path}{line}: this is not YAML: {problem}.", "Mend the line.", code="yaml-malformed"
+        ) from error
     except YAMLError as error:
-        raise PalpateError(f"{path}: this is not YAML: {error}.", "Mend the file.") from error
+        raise PalpateError(f"{path}: this is not YAML: {error}.", "Mend the file.", code="yaml-malformed") from error
     except RecursionError:
-        raise PalpateError(f"{path} is nested too deeply.", hint) from None
+        raise PalpateError(f"{path} is nested too deeply.", hint, code="yaml-too-deep") from None
     if not isinstance(tree, CommentedMap):
-        raise PalpateError(f"{path}:1: a {name} is a mapping of keys.", hint)
+        raise PalpateError(f"{path}:1: a {name} is a mapping of keys.", hint, code="yaml-not-mapping")
     if resolve is not None:
         resolve(tree)
     try:
@@ -69,7 +71,7 @@ def read_spec(
         errors = sorted(error.errors(), key=lambda details: _line(tree, tuple(details["loc"])))
         lines = [_say(path, tree, details, spec) for details in errors]
         more = [f"… and {len(lines) - MOST_ERRORS} more"] if len(lines) > MOST_ERRORS else []
-        raise PalpateError("\n".join([*lines[:MOST_ERRORS], *more])) from None
+        raise PalpateError("\n".join([*lines[:MOST_ERRORS], *more]), code=errors[0]["type"]) from None
 
 
 def _plain(node: Any) -> Any:

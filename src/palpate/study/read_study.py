@@ -52,9 +52,12 @@ def read_study(source: str | Path) -> Study:
         raise PalpateError(
             f"The study {source} cannot be read: {error.strerror}.",
             f"Give a YAML file or a preset: {', '.join(list_presets())}.",
+            code="file-unreadable",
         ) from error
     except UnicodeDecodeError as error:
-        raise PalpateError(f"{source} is not a text file.", "Give a YAML file in UTF-8.") from error
+        raise PalpateError(
+            f"{source} is not a text file.", "Give a YAML file in UTF-8.", code="file-not-text"
+        ) from error
     return _parse(text, path)
 
 
@@ -75,5 +78,7 @@ def _resolve_files(tree: CommentedMap, folder: Path) -> None:
 
 def _file_name(name: str) -> str:
     if "\0" in name:
-        raise PalpateError(f"{name!r} can be no file: its name holds a zero byte.", "Mend the name.")
+        raise PalpateError(
+            f"{name!r} can be no file: its name holds a zero byte.", "Mend the name.", code="file-name-malformed"
+        )
     return name

@@ -104,4 +104,6 @@ def _read_failures(out: Path) -> tuple[TaskFailure, ...]:
     except FileNotFoundError:
         return ()
     except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
-        raise PalpateError(f"{path} cannot be read: {type(error).__name__}.", "Remove it and run again.") from error
+        raise PalpateError(
+            f"{path} cannot be read: {type(error).__name__}.", "Remove it and run again.", code="file-unreadable"
+        ) from error

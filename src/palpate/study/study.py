@@ -60,7 +60,7 @@ class DesignsSpec(Spec):
         try:
             skin_from_data(skin)
         except PalpateError as error:
-            raise PydanticCustomError("no_skin", "{says}", {"says": str(error).replace("\n", " ")}) from None
+            raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
         return skin
 
     @field_validator("heights", "thicknesses", "base_radius")
@@ -119,7 +119,7 @@ class MaterialSpec(Spec):
             if name is not None:
                 get_material(name)
         except PalpateError as error:
-            raise PydanticCustomError("unknown_material", "{says}", {"says": str(error)}) from None
+            raise PydanticCustomError(error.code, "{says}", {"says": str(error)}) from None
         return name
 
     def material(self) -> Material:
@@ -166,7 +166,7 @@ def _read_side_wall(given: Any) -> Any:
     try:
         return obstacle_from_data({**given, "kind": _SIDE})
     except PalpateError as error:
-        raise PydanticCustomError("no_wall", "{says}", {"says": str(error).replace("\n", " ")}) from None
+        raise PydanticCustomError(error.code, "{says}", {"says": str(error).replace("\n", " ")}) from None
 
 
 class Study(Spec):
@@ -204,7 +204,7 @@ class Study(Spec):
     @classmethod
     def _tilts_in_bounds(cls, tilts: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
         if not all(a < b for a, b in pairwise(tilts)):
-            raise PydanticCustomError("tilts_not_growing", "tilts must grow; write each once, in order.", {})
+            raise PydanticCustomError("tilts-not-growing", "tilts must grow; write each once, in order.", {})
         # one that was refused is not among the data, and was asked for all the same
         kind = OBSTACLES.get(_SIDE) if info.data.get("side_wall", True) else WallSpec
         return _each_in_bounds(kind, "tilt_deg", tilts)
@@ -215,7 +215,7 @@ class Study(Spec):
         even = [90.0 * k / max(len(azimuths) - 1, 1) for k in range(len(azimuths))]
         if len(azimuths) < 2 or max(abs(a - b) for a, b in zip(azimuths, even, strict=True)) > 1e-6:
             raise PydanticCustomError(
-                "azimuths_uneven", "azimuths must go from 0 to 90 in equal steps, such as 0, 30, 60, 90.", {}
+                "azimuths-uneven", "azimuths must go from 0 to 90 in equal steps, such as 0, 30, 60, 90.", {}
             )
         return azimuths
 
@@ -233,7 +233,7 @@ class Study(Spec):
             return None
         for name in {"tilt_deg", "azimuth_deg", "unload"} & wall.model_fields_set:
             raise PydanticCustomError(
-                "tilt_in_wall",
+                "wall-tilt-given",
                 "{name} is not chosen here: the study presses every one of tilts_deg to full depth, and one press "
                 "serves every azimuth, or azimuths_deg says which.",
                 {"name": name},
@@ -244,7 +244,7 @@ class Study(Spec):
     def _tilts_are_those_of_the_wall(self) -> Self:
         if self.side_wall is not None and {"wall", "tilts_deg"} & self.model_fields_set != {"tilts_deg"}:
             raise PydanticCustomError(
-                "side_wall_alone",
+                "side-wall-not-alone",
                 "side_wall takes the place of wall; give it tilts_deg from 60 to 120, about 90.",
                 {},
             )
@@ -291,12 +291,12 @@ def study_of(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Stu
 def _each_in_bounds(spec: type[BaseModel], name: str, values: tuple[float, ...]) -> tuple[float, ...]:
     """Hold every value against the bounds that `spec` declares for one."""
     if not values:
-        raise PydanticCustomError("empty_list", "the list is empty; give at least one value.", {})
+        raise PydanticCustomError("list-empty", "the list is empty; give at least one value.", {})
     for value in values:
         try:
             spec.model_validate({name: value})
         except ValidationError as error:
-            raise PydanticCustomError(
-                "out_of_bounds", "{value}: {says}", {"value": f"{value:g}", "says": error.errors()[0]["msg"]}
-            ) from None
+            first = error.errors()[0]
+            said = {"value": f"{value:g}", "says": first["msg"]}
+            raise PydanticCustomError(first["type"], "{value}: {says}", said) from None
     return values

@@ -32,8 +32,10 @@ from palpate.twin import build_field
 class MissingArtefactError(PalpateError):
     """An artefact that a task reads is not there any more, or broken; `key` is that of its recipe."""
 
+    code = "artefact-missing"
+
     def __init__(self, what: str, key: str) -> None:
-        super().__init__(what, "Run the study again.")
+        super().__init__(what, "Run the study again.", code=self.code)
         self.key = key
 
 
@@ -290,7 +292,9 @@ class LearningTask(Task):
         clean, jittered = evaluate(estimator, dataset, None), evaluate(estimator, dataset, self.spec.seed)
         leak = find_leak(jittered, read_limits(find_made(store, self.limit)), dataset.spec)
         if leak:
-            raise PalpateError(leak, "Look for a press, or a pose, that stands on both sides of the split.")
+            raise PalpateError(
+                leak, "Look for a press, or a pose, that stands on both sides of the split.", code="evaluation-leaks"
+            )
         coverage = measure_coverage(estimator, dataset, self.spec.seed)
         tally = {
             "clean": clean.as_dict(),

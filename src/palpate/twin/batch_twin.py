@@ -63,6 +63,7 @@ class BatchTwin:
             raise PalpateError(
                 f"The lens {camera.lens.name} is not known to the twin in batch.",
                 f"Take {' or '.join(_LENSES)}, or UnitModel.look pose by pose.",
+                code="lens-not-in-batch",
             )
         self._kind = {"device": device, "dtype": getattr(self._torch, dtype)}
         self._camera, twin = camera, dots.twin

@@ -46,12 +46,21 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
         raise PalpateError(
             f"{name} is no body of revolution and has no mirrors: one press does not serve other azimuths.",
             "Press every azimuth and read single presses; images of such a skin are not interpolated.",
+            code="skin-no-symmetry",
         )
     if len({press.wall.pose_space for press in presses}) > 1:
-        raise PalpateError("The presses are of obstacles with different poses.", "Give presses of one obstacle.")
+        raise PalpateError(
+            "The presses are of obstacles with different poses.",
+            "Give presses of one obstacle.",
+            code="presses-obstacles-differ",
+        )
     outside = int((~np.isfinite(markers.positions).all(axis=1)).sum())
     if outside:
-        raise PalpateError(f"{outside} markers lie outside the dome.", "Leave them out, or use smaller rings.")
+        raise PalpateError(
+            f"{outside} markers lie outside the dome.",
+            "Leave them out, or use smaller rings.",
+            code="markers-outside-skin",
+        )
     if Symmetry.MIRRORED in symmetries:
         return build_turned_field(presses, markers, depths_mm)
     return build_revolved_field(presses, markers, shared_depths(presses) if depths_mm is None else depths_mm)

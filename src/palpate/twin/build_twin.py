@@ -122,24 +122,34 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
 
 def _refuse_others(presses: Sequence[Press]) -> None:
     if not presses:
-        raise PalpateError("A twin needs presses, and none was given.", "Press the design first.")
+        raise PalpateError(
+            "A twin needs presses, and none was given.", "Press the design first.", code="presses-none"
+        )
     first = presses[0]
     if first.mesh.skin.hole:
-        first.mesh.skin.require_revolution("a twin is of walls that come down", "Use single presses instead.")
+        first.mesh.skin.require_revolution(
+            "a twin is of walls that come down", "Use single presses instead.", code="twin-needs-revolution"
+        )
     for press in presses:
         if press.mesh.skin.spec_data != first.mesh.skin.spec_data or press.material != first.material:
             raise PalpateError(
                 f"The presses are of several designs: {first.mesh.skin.name} and {press.mesh.skin.name}.",
                 "Give those of one design and material.",
+                code="presses-designs-differ",
             )
         missing = [name for name in TWIN_DERIVATIVES if name not in press.derivatives]
         if missing:
             raise PalpateError(
                 f"The press under {press.wall.words} has no derivative by {missing[0]}.",
                 f"Press with `derivatives: [{', '.join(TWIN_DERIVATIVES)}]`.",
+                code="derivative-missing",
             )
     if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(press.wall.pose_space.tilts for press in presses):
-        raise PalpateError("A twin is of a body of revolution under a flat wall.", "Use single presses instead.")
+        raise PalpateError(
+            "A twin is of a body of revolution under a flat wall.",
+            "Use single presses instead.",
+            code="twin-needs-flat-wall",
+        )
 
 
 def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
@@ -155,11 +165,13 @@ def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]
             if slip
             else f"{len(missing)} presses are missing, the first at a tilt of {tilt:g}° without slip.",
             "Press every tilt under every friction.",
+            code="presses-missing",
         )
     if tilts[0] != 0.0 or len(tilts) < _FEWEST or 1 < len(slips) < _FEWEST:
         raise PalpateError(
             f"{len(tilts)} tilts from {tilts[0]:g}° on and {len(slips)} frictions do not make a twin.",
             f"Press at least {_FEWEST} tilts from 0° on, under one friction or at least {_FEWEST}.",
+            code="twin-few-tilts",
         )
     return slips, tilts, [by_place[slip, tilt] for slip in slips for tilt in tilts]
 
@@ -172,12 +184,18 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
     """Depths (d,) mm of the images, from the first that is no less than `first`."""
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
-        raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
+        raise PalpateError(
+            f"The presses have images every {sorted(steps)} mm.",
+            "Give all of them one image step.",
+            code="presses-steps-differ",
+        )
     step, deepest = steps.pop(), max(_reach(press) for press in presses)
     begin, count = int(np.ceil((first - SAME_DEPTH_MM) / step)), int((deepest + SAME_DEPTH_MM) / step)
     if not first and count < _FEWEST:
         raise PalpateError(
-            f"{count} images down to {deepest:.2f} mm do not make a twin.", "Press deeper, or in shorter steps."
+            f"{count} images down to {deepest:.2f} mm do not make a twin.",
+            "Press deeper, or in shorter steps.",
+            code="twin-few-images",
         )
     return np.asarray(step * np.arange(begin, count + 1))
 
@@ -214,6 +232,7 @@ def _refuse_holes(values: FloatArray, slips: FloatArray, tilts: FloatArray) -> N
             f"{len(holes)} of {len(slips) * len(tilts)} presses jump to another state, the first at {tilt:g}° under "
             f"{law}; there is no twin across a jump.",
             "Take a thicker or lower skin, or less depth.",
+            code="twin-across-jump",
         )
 
 

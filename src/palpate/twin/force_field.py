@@ -54,10 +54,14 @@ def build_force_field(presses: Sequence[Press]) -> ForceField:
         If there is no press, a tilt appears twice, image steps differ, or what presses is no wall.
     """
     if not all(press.wall.pose_space.tilts for press in presses):
-        raise PalpateError("Forces are interpolated under walls.", "Read those of single presses instead.")
+        raise PalpateError(
+            "Forces are interpolated under walls.", "Read those of single presses instead.", code="forces-need-wall"
+        )
     for press in presses:
         press.mesh.skin.require_revolution(
-            "its forces are not interpolated", "Read those of single presses; leave `forces` out."
+            "its forces are not interpolated",
+            "Read those of single presses; leave `forces` out.",
+            code="forces-need-revolution",
         )
     depths = shared_depths(presses)
     presses = sorted(presses, key=lambda press: press.wall.radial)

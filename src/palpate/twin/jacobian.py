@@ -40,7 +40,11 @@ def image_jacobian(
     """
     last = len(field.depths_mm) - 1
     if not min(2, last) <= image <= last and not 1 <= image < last:
-        raise PalpateError(f"Image {image} of {last + 1} has too few neighbours in depth.", "Press deeper.")
+        raise PalpateError(
+            f"Image {image} of {last + 1} has too few neighbours in depth.",
+            "Press deeper.",
+            code="image-few-neighbours",
+        )
 
     def pixels(turn_x: float, turn_y: float, depth: int) -> FloatArray:
         poses = rotations_deg + np.array([turn_x, turn_y])

@@ -179,14 +179,20 @@ def shared_depths(presses: Sequence[Press]) -> FloatArray:
         If there is no press, a tilt appears twice, or the image steps differ.
     """
     if not presses:
-        raise PalpateError("An interpolation needs at least one press.", "Solve the straight press first.")
+        raise PalpateError(
+            "An interpolation needs at least one press.", "Solve the straight press first.", code="presses-none"
+        )
     steps = {round(float(press.wall.image_step), 9) for press in presses}
     if len(steps) > 1:
-        raise PalpateError(f"The presses have images every {sorted(steps)} mm.", "Give all of them one image step.")
+        raise PalpateError(
+            f"The presses have images every {sorted(steps)} mm.",
+            "Give all of them one image step.",
+            code="presses-steps-differ",
+        )
     tilts = sorted(press.wall.radial for press in presses)
     repeated = next((tilt for tilt, after in pairwise(tilts) if tilt == after), None)
     if repeated is not None:
-        raise PalpateError(f"The tilt {repeated:g}° was given twice.", "Keep one press a tilt.")
+        raise PalpateError(f"The tilt {repeated:g}° was given twice.", "Keep one press a tilt.", code="tilt-twice")
     step = steps.pop()
     reached = max(float(press.depth.max()) for press in presses)
     depths: FloatArray = step * np.arange(1.0, int((reached + SAME_DEPTH_MM) / step) + 1)

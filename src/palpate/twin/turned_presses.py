@@ -39,6 +39,7 @@ def sort_presses(presses: Sequence[Press]) -> tuple[Table, tuple[float, ...]]:
         raise PalpateError(
             "Presses of a skin that is no body of revolution are interpolated under flat walls alone.",
             "Read single presses of other obstacles.",
+            code="azimuths-need-flat-wall",
         )
     table: dict[tuple[float, float], Press] = {}
     azimuths = _azimuths(presses)
@@ -46,13 +47,19 @@ def sort_presses(presses: Sequence[Press]) -> tuple[Table, tuple[float, ...]]:
         tilt, azimuth = press.wall.radial, round(press.wall.turn_deg, _DECIMALS)
         for place in [(tilt, azimuth)] if tilt > 0 else [(tilt, each) for each in azimuths]:
             if place in table:
-                raise PalpateError(f"The tilt {tilt:g}° at {place[1]:g}° was given twice.", "Keep one press a pose.")
+                raise PalpateError(
+                    f"The tilt {tilt:g}° at {place[1]:g}° was given twice.",
+                    "Keep one press a pose.",
+                    code="tilt-twice",
+                )
             table[place] = press
     tilts = sorted({tilt for tilt, _ in table})
     missing = [f"{tilt:g}° at {each:g}°" for tilt in tilts for each in azimuths if (tilt, each) not in table]
     if missing:
         raise PalpateError(
-            f"Presses are missing: the tilt {', '.join(missing)}.", "Press every tilt at every one of the azimuths."
+            f"Presses are missing: the tilt {', '.join(missing)}.",
+            "Press every tilt at every one of the azimuths.",
+            code="presses-missing",
         )
     return table, azimuths
 
@@ -65,6 +72,7 @@ def _azimuths(presses: Sequence[Press]) -> tuple[float, ...]:
         raise PalpateError(
             f"Presses at the azimuths {given or '(none)'}° do not tell the others of {presses[0].mesh.skin.name}.",
             "Press every tilt from 0 to 90° in equal steps, such as 0, 30, 60 and 90°.",
+            code="azimuths-incomplete",
         )
     return found
 

@@ -93,7 +93,9 @@ class Twin:
         """
         if not np.isfinite(places).all():
             raise PalpateError(
-                f"{int((~np.isfinite(places).all(axis=1)).sum())} dots lie outside the dome.", "Leave them out."
+                f"{int((~np.isfinite(places).all(axis=1)).sum())} dots lie outside the dome.",
+                "Leave them out.",
+                code="markers-outside-skin",
             )
         disc = self.skin.disc(places)
         along, azimuth = np.hypot(disc[:, 0], disc[:, 1]), np.arctan2(disc[:, 1], disc[:, 0])

@@ -95,7 +95,9 @@ def write_twin(path: Path, twin: Twin) -> None:
             if twin.inverted is not None:
                 _write_branch(file.create_group(_INVERTED), twin.inverted)
     except OSError as error:
-        raise PalpateError(f"{path} cannot be written: {error}.", "Choose another place.") from None
+        raise PalpateError(
+            f"{path} cannot be written: {error}.", "Choose another place.", code="file-unwritable"
+        ) from None
 
 
 def twin_version() -> str:
@@ -115,16 +117,18 @@ def read_twin(path: Path) -> Twin:
         with h5py.File(path, "r") as file:
             refuse_outside_links(file, path)
             if file.attrs.get("kind") != _KIND:
-                raise PalpateError(f"{path} is not a twin.", _AGAIN)
+                raise PalpateError(f"{path} is not a twin.", _AGAIN, code="twin-unreadable")
             if file.attrs["version"] != TWIN_VERSION:
                 raise PalpateError(
-                    f"{path} is a twin of version {file.attrs['version']}, this is {TWIN_VERSION}.", _AGAIN
+                    f"{path} is a twin of version {file.attrs['version']}, this is {TWIN_VERSION}.",
+                    _AGAIN,
+                    code="twin-version",
                 )
             twin = _read_branch(file, file.attrs)
             if _INVERTED in file:
                 twin = replace(twin, inverted=_read_branch(file[_INVERTED], file.attrs))
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN) from None
+        raise PalpateError(f"{path} cannot be read as a twin: {error}.", _AGAIN, code="twin-unreadable") from None
     for branch in (twin,) if twin.inverted is None else (twin, twin.inverted):
         _check(path, branch)
     return twin
@@ -157,9 +161,9 @@ def _check(path: Path, twin: Twin) -> None:
     if not all(
         np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients, twin.drifts.coefficients)
     ):
-        raise PalpateError(f"{path} holds numbers that are none.", _AGAIN)
+        raise PalpateError(f"{path} holds numbers that are none.", _AGAIN, code="twin-not-finite")
     wanted = _PARTS * (len(twin.order) + FORCES)
     for name in ("amplitudes", "drifts"):
         count = getattr(twin, name).coefficients.shape[-1]
         if count != wanted:
-            raise PalpateError(f"{path} has {count} {name}, not {wanted}.", _AGAIN)
+            raise PalpateError(f"{path} has {count} {name}, not {wanted}.", _AGAIN, code="twin-count-wrong")

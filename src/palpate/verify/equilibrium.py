@@ -65,6 +65,7 @@ def find_equilibrium(
             f"No equilibrium was found: {found.outcome}, residual {found.residual:.3g} N after {found.iterations} "
             f"iterations is above {tolerance:.3g} N.",
             "Start nearer to it, or refine the mesh.",
+            code="equilibrium-not-found",
         )
     return found
 
@@ -94,6 +95,6 @@ def follow_load(
     states = []
     for factor in factors:
         if not path.advance(float(factor)):
-            raise PalpateError(f"The load ended: {path.message}", "Refine the mesh.")
+            raise PalpateError(f"The load ended: {path.message}", "Refine the mesh.", code="path-ended")
         states.append(path.last.state)
     return states

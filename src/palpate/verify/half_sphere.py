@@ -181,7 +181,11 @@ class _Problem:
                 return x
             x = x.copy()
             x[self._free] -= splu(tangent[self._free][:, self._free]).solve(free)
-        raise PalpateError(f"The half ball was not solved at {1 - plate:.3g} mm.", "Take smaller triangles.")
+        raise PalpateError(
+            f"The half ball was not solved at {1 - plate:.3g} mm.",
+            "Take smaller triangles.",
+            code="half-ball-not-solved",
+        )
 
     def measure(self, x: FloatArray, plate: float) -> tuple[float, float]:
         """Force (N) on the plate and stored energy (mJ)."""

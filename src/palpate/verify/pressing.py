@@ -100,7 +100,9 @@ class Pressing:
         """
         path = self.start(self.size)
         if not path.settle(depth, shape, State(shape, self.solid.rest().p)):
-            raise PalpateError(f"No equilibrium was found at {depth:.4g} mm.", "Refine the mesh.")
+            raise PalpateError(
+                f"No equilibrium was found at {depth:.4g} mm.", "Refine the mesh.", code="equilibrium-not-found"
+            )
         return path
 
     def reach(self, found: Increment) -> FloatArray:
@@ -117,5 +119,7 @@ def advance_to(path: Continuation, depth: float) -> Increment:
         If the branch ends before.
     """
     if not path.advance(depth):
-        raise PalpateError(f"No equilibrium beyond {path.last.depth:.4g} mm: {path.message}", "Refine the mesh.")
+        raise PalpateError(
+            f"No equilibrium beyond {path.last.depth:.4g} mm: {path.message}", "Refine the mesh.", code="path-ended"
+        )
     return path.last

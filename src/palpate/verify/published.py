@@ -214,7 +214,11 @@ def _page(item: Published, suite: str) -> str:
     for case in item.cases:
         found = [line for line in suite.splitlines() if line.startswith(f"| {case} |") and line.count("|") == 10]
         if not found:
-            raise PalpateError(f"The page of the suite has no row of '{case}'.", "Run all cases with --markdown.")
+            raise PalpateError(
+                f"The page of the suite has no row of '{case}'.",
+                "Run all cases with --markdown.",
+                code="case-row-missing",
+            )
         rows += found
     failed = sum(not row.endswith("| yes |") for row in rows)
     verdict = f"All {len(rows)} rows pass." if not failed else f"{failed} of {len(rows)} rows do not pass."

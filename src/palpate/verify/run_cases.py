@@ -50,10 +50,12 @@ def choose_cases(only: str | None = None, *, quick: bool = False) -> tuple[Case,
     named = [case for case in CASES if only is None or fnmatch(case.name, f"*{only}*")]
     if not named:
         names = ", ".join(case.name for case in CASES)
-        raise PalpateError(f"No case of the verification suite is named like '{only}'.", f"There are {names}.")
+        raise PalpateError(
+            f"No case of the verification suite is named like '{only}'.", f"There are {names}.", code="case-unknown"
+        )
     chosen = tuple(case for case in named if not (quick and case.slow))
     if not chosen:
-        raise PalpateError(f"All cases named like '{only}' are slow.", "Leave --quick out.")
+        raise PalpateError(f"All cases named like '{only}' are slow.", "Leave --quick out.", code="case-slow")
     return chosen
 
 

@@ -53,7 +53,7 @@ def threshold(poisson: float) -> float:
     """
     here = _inverted(poisson, _DEEP, None)
     if here is None:
-        raise PalpateError("No inverted cap was found.", "Start at a larger lambda.")
+        raise PalpateError("No inverted cap was found.", "Start at a larger lambda.", code="inverted-cap-missing")
     before = here
     while (found := _inverted(poisson, here.rise - _STEP, here)) is not None:
         before, here = here, found
@@ -65,7 +65,9 @@ def threshold(poisson: float) -> float:
         if step > 1 and near[-1] > near[-2]:
             a, b, c = near[-3:]
             return b - (c - a) ** 2 / (8 * (a - 2 * b + c))
-    raise PalpateError(f"No fold was found down to lambda = {min(near):.4g}.", "Take more steps.")
+    raise PalpateError(
+        f"No fold was found down to lambda = {min(near):.4g}.", "Take more steps.", code="fold-missing"
+    )
 
 
 def _inverted(poisson: float, rise: float, start: _Solution | None) -> _Solution | None:
@@ -97,7 +99,11 @@ def _with_rim_slope(poisson: float, slope: float, start: _Solution) -> _Solution
         max_nodes=_NODES,
     )
     if not found.success:
-        raise PalpateError(f"No inverted cap with a rim's slope of {slope:.3g} was found.", "Take shorter steps.")
+        raise PalpateError(
+            f"No inverted cap with a rim's slope of {slope:.3g} was found.",
+            "Take shorter steps.",
+            code="inverted-cap-missing",
+        )
     return _Solution(found.x, found.y, float(found.p[0]))
 
 

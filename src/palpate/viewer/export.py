@@ -58,7 +58,9 @@ def dome_parts(design: Design, specimen: Specimen, pose: tuple[float, float, flo
     motion = specimen.pressed.at(tilt_deg, azimuth_deg)
     if not 0 <= depth <= motion.depths_mm[-1] + 1e-6:
         raise PalpateError(
-            f"{depth:g} mm is not reached at {tilt_deg:g}°.", f"It ends at {motion.depths_mm[-1]:g} mm."
+            f"{depth:g} mm is not reached at {tilt_deg:g}°.",
+            f"It ends at {motion.depths_mm[-1]:g} mm.",
+            code="depth-not-reached",
         )
     turn = turn_about_axis(np.radians(azimuth_deg - motion.azimuth_deg))
     shell, nodes = specimen.shell, specimen.pressed.nodes

@@ -29,25 +29,35 @@ def gather_presses(presses: Sequence[Press]) -> PressedSkin:
         revolution, was meshed whole.
     """
     if not presses:
-        raise PalpateError("There is no press to show.", "Run the study first.")
+        raise PalpateError("There is no press to show.", "Run the study first.", code="presses-none")
     first = presses[0]
     skin, spec = first.mesh.skin, first.mesh.spec.model_copy(update={"whole": False})
     if not first.wall.pose_space.tilts:
         raise PalpateError(
             f"Presses by other than walls are not drawn: {first.wall.words}.",
             "Write single presses for ParaView: `palpate press --export FOLDER`.",
+            code="obstacle-not-drawn",
         )
     if any(
         press.mesh.spec.model_copy(update={"whole": False}) != spec or press.mesh.skin != skin for press in presses
     ):
-        raise PalpateError("The presses are not of one skin and mesh.", "Give presses that differ by the pose alone.")
+        raise PalpateError(
+            "The presses are not of one skin and mesh.",
+            "Give presses that differ by the pose alone.",
+            code="presses-designs-differ",
+        )
     if skin.symmetry is Symmetry.NONE:
         raise PalpateError(
             f"{skin.name} has no symmetry: its presses are not interpolated.",
             "Write single presses for ParaView: `palpate press --export FOLDER`.",
+            code="skin-no-symmetry",
         )
     if skin.symmetry is Symmetry.MIRRORED:
         return gather_turned(presses, mesh_skin(skin, spec.model_copy(update={"whole": True})))
     if any(press.mesh.spec.whole for press in presses):
-        raise PalpateError("Presses of a whole dome are not drawn.", "Press half of it: mesh: {whole: false}.")
+        raise PalpateError(
+            "Presses of a whole dome are not drawn.",
+            "Press half of it: mesh: {whole: false}.",
+            code="mesh-half-needed",
+        )
     return gather_revolved(presses, mesh_skin(skin, spec))

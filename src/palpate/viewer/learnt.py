@@ -60,9 +60,9 @@ def read_learnt(folder: Path) -> LearntResults:
     try:
         report = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
-        raise PalpateError(f"{path} cannot be read: {error}.", _AGAIN) from error
+        raise PalpateError(f"{path} cannot be read: {error}.", _AGAIN, code="file-unreadable") from error
     if not isinstance(report, dict) or not isinstance(report.get("estimators"), list):
-        raise PalpateError(f"{path} is no report of palpate learn.", _AGAIN)
+        raise PalpateError(f"{path} is no report of palpate learn.", _AGAIN, code="report-unreadable")
     return LearntResults(folder, model, report)
 
 
@@ -93,4 +93,6 @@ def error_rows(learnt: LearntResults) -> list[list[str]]:
             for one in found
         ]
     except (KeyError, TypeError, ValueError) as error:
-        raise PalpateError(f"The report in {learnt.folder} lacks {error}.", _AGAIN) from error
+        raise PalpateError(
+            f"The report in {learnt.folder} lacks {error}.", _AGAIN, code="report-incomplete"
+        ) from error

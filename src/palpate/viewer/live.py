@@ -158,7 +158,7 @@ def open_recorded_live(model: RecordedModel, source: Source) -> Live:
 def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDArray[Any]:
     first = next(images, None)
     if first is None:
-        raise PalpateError("The source has no image.", remedy)
+        raise PalpateError("The source has no image.", remedy, code="source-no-image")
     if isinstance(first, PalpateError):
         raise first
     return first

@@ -92,7 +92,11 @@ class DesignOpening(LiveOpening):
 
     def open(self) -> Live:
         if self._design.value is None:
-            raise PalpateError("No design of this grid has a trained model.", "Run the study with its learning.")
+            raise PalpateError(
+                "No design of this grid has a trained model.",
+                "Run the study with its learning.",
+                code="model-missing",
+            )
         design = self._library.design(int(self._design.value))
         twin, chosen = twin_path(self.folder, design.dome), str(self._source.value)
         model = open_model(twin if twin.is_file() else model_path(self._library.results, design))

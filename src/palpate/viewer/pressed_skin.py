@@ -108,7 +108,11 @@ class PressedSkin(ABC):
         """
         first, last = float(self.tilts_deg[0]), float(self.tilts_deg[-1])
         if not first - _SAME_DEG <= tilt_deg <= last + _SAME_DEG:
-            raise PalpateError(f"{tilt_deg:g}° was not pressed.", f"Choose a tilt from {first:g} to {last:g}°.")
+            raise PalpateError(
+                f"{tilt_deg:g}° was not pressed.",
+                f"Choose a tilt from {first:g} to {last:g}°.",
+                code="tilt-not-pressed",
+            )
         azimuth = 0.0 if self.turned else _finite(azimuth_deg)
         labels = [self.runs.labels(np.array([tilt_deg]), image) for image in range(len(self.depths_mm))]
         deep = next((k for k, (branch, _) in enumerate(labels) if branch[0] == ""), len(labels))
@@ -183,6 +187,7 @@ def find_nodes(nodes: FloatArray, places: FloatArray) -> IntArray:
         raise PalpateError(
             f"The mesh is not symmetric: a mirror image of a node lies {distance.max():.2g} mm from the nearest one.",
             "Solve the presses again with this version.",
+            code="mesh-not-symmetric",
         )
     return np.asarray(found)
 
@@ -195,5 +200,5 @@ def nodal_stress_on(press: Press, mesh: Mesh) -> FloatArray:
 
 def _finite(azimuth_deg: float) -> float:
     if not np.isfinite(azimuth_deg):
-        raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.")
+        raise PalpateError(f"The azimuth {azimuth_deg} is no angle.", "Give degrees.", code="azimuth-not-finite")
     return float(azimuth_deg)

@@ -47,5 +47,7 @@ def follow_readings(link: str) -> Iterator[dict[str, Any]]:
         return
     except (OSError, InvalidHandshake) as error:
         raise PalpateError(
-            f"Nothing answers at {place.netloc}: {error}.", "Start palpate serve, and take its link."
+            f"Nothing answers at {place.netloc}: {error}.",
+            "Start palpate serve, and take its link.",
+            code="server-silent",
         ) from None

@@ -44,7 +44,11 @@ def inside(folder: Path, name: str) -> Path:
         path = root.parent
     known = path.is_dir() or (path.is_file() and path.suffix.lower() in recording_suffixes())
     if path == root or not path.is_relative_to(root) or not known:
-        raise PalpateError(f"There is no recording '{name[:60]}' in {folder.name}.", "Choose one from the list.")
+        raise PalpateError(
+            f"There is no recording '{name[:60]}' in {folder.name}.",
+            "Choose one from the list.",
+            code="recording-unknown",
+        )
     return path
 
 

@@ -89,11 +89,17 @@ def read_results(folder: Path) -> Results:
     """
     grid = read_grid(folder)
     if not grid.designs:
-        raise PalpateError(f"The grid of {folder.name} has no design.", "Give the folder of a finished study.")
+        raise PalpateError(
+            f"The grid of {folder.name} has no design.", "Give the folder of a finished study.", code="grid-empty"
+        )
     for number, row in enumerate(grid.designs):
         for column in _SIZES:
             if not isinstance(row.get(column), int | float):
-                raise PalpateError(f"Design {number} of the grid of {folder.name} has no {column}.", _AGAIN)
+                raise PalpateError(
+                    f"Design {number} of the grid of {folder.name} has no {column}.",
+                    _AGAIN,
+                    code="grid-value-missing",
+                )
     return Results(folder, grid)
 
 
@@ -107,7 +113,9 @@ def read_design(results: Results, number: int) -> Design:
     """
     if not 0 <= number < len(results.grid.designs):
         raise PalpateError(
-            f"There is no design {number}.", f"The grid has designs 0 to {len(results.grid.designs) - 1}."
+            f"There is no design {number}.",
+            f"The grid has designs 0 to {len(results.grid.designs) - 1}.",
+            code="design-unknown",
         )
     row = results.grid.designs[number]
     try:
@@ -117,7 +125,9 @@ def read_design(results: Results, number: int) -> Design:
         camera = build_camera(CameraSpec(**spec.get("camera", {})))
         return Design(number, row, skin, _read_layout(results, row, skin), camera, _keys(row, "press"))
     except (KeyError, TypeError, ValueError, ValidationError) as error:
-        raise PalpateError(f"Row {number} of the grid is no design: {error}.", _AGAIN) from None
+        raise PalpateError(
+            f"Row {number} of the grid is no design: {error}.", _AGAIN, code="design-row-unreadable"
+        ) from None
 
 
 def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
@@ -130,7 +140,7 @@ def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
     """
     if not design.press_keys:
         reason = design.row.get("failure") or "its chain broke before the first press"
-        raise PalpateError(f"{design.name} has no press: {reason}", _AGAIN)
+        raise PalpateError(f"{design.name} has no press: {reason}", _AGAIN, code="press-missing")
     presses = (read_press(artefact_path(results, "press", key, ".h5")) for key in design.press_keys)
     return tuple(sorted(presses, key=lambda press: press.wall.radial))
 
@@ -145,7 +155,9 @@ def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:
     """
     path = ArtefactStore(results.folder / "store").locate(kind, key, suffix)
     if not path.is_file():
-        raise PalpateError(f"The {kind} {key[:8]}… is not in the store of {results.folder.name}.", _AGAIN)
+        raise PalpateError(
+            f"The {kind} {key[:8]}… is not in the store of {results.folder.name}.", _AGAIN, code="artefact-not-stored"
+        )
     return path
 
 
@@ -160,7 +172,9 @@ def model_path(results: Results, design: Design) -> Path:
     kind = "forces" if _keys(design.row, "forces") else "estimator"
     keys = _keys(design.row, kind)
     if not keys:
-        raise PalpateError(f"{design.name} has no trained model.", "Choose a design that was learned.")
+        raise PalpateError(
+            f"{design.name} has no trained model.", "Choose a design that was learned.", code="model-missing"
+        )
     return artefact_path(results, kind, keys[0], ".onnx")
 
 

@@ -54,7 +54,7 @@ def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> AP
     @router.get("/grid.csv")
     def grid(where: str = "") -> Response:
         if shelf.library is None:
-            raise PalpateError("There is no grid.", "Start the viewer with a result folder.")
+            raise PalpateError("There is no grid.", "Start the viewer with a result folder.", code="grid-missing")
         found = shelf.library.results.grid
         rows = [dict(found.designs[i]) for i in sorted(kept_rows(found, where))]
         return _csv("grid.csv", rows)
@@ -63,7 +63,9 @@ def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> AP
     def picture(name: str) -> Response:
         found = {} if learnt is None else learnt.pictures
         if name not in found:
-            raise PalpateError("There is no such picture.", "Make the report again by palpate learn.")
+            raise PalpateError(
+                "There is no such picture.", "Make the report again by palpate learn.", code="picture-missing"
+            )
         return Response(found[name].read_bytes(), media_type="image/png")
 
     return router
@@ -74,7 +76,7 @@ def answer_errors(app: FastAPI) -> None:
 
     @app.exception_handler(PalpateError)
     def _say(_: Request, error: PalpateError) -> JSONResponse:
-        return JSONResponse({"what": error.what, "remedy": error.remedy}, status_code=422)
+        return JSONResponse({"what": error.what, "remedy": error.remedy, "code": error.code}, status_code=422)
 
 
 def _csv(name: str, rows: list[dict[str, Any]]) -> Response:

@@ -81,7 +81,8 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         try:
             image = decode_image(await request.body())
         except PalpateError as error:
-            return JSONResponse({"error": error.what, "remedy": error.remedy}, status_code=400)
+            content = {"error": error.what, "remedy": error.remedy, "code": error.code}
+            return JSONResponse(content, status_code=400)
         return JSONResponse(await run_in_threadpool(reader.read, image))
 
     async def tell(socket: WebSocket) -> None:

@@ -47,6 +47,7 @@ def open_door(spec: ServeSpec) -> tuple[Door, socket.socket]:
         raise PalpateError(
             f"The token has {len(spec.token)} characters or other signs than letters and digits.",
             f"Take {SHORTEST_TOKEN} letters and digits or more, or leave it out: one is made.",
+            code="token-malformed",
         )
     token = spec.token or ("" if is_loopback(spec.host) else secrets.token_hex(16))
     kind = socket.AF_INET6 if ":" in spec.host else socket.AF_INET
@@ -63,6 +64,7 @@ def open_door(spec: ServeSpec) -> tuple[Door, socket.socket]:
         raise PalpateError(
             f"The viewer cannot listen at {spec.host}, port {spec.port}: {reason}.",
             "Another viewer may be running there: open it, or choose another --port (0: any that is free).",
+            code="port-unavailable",
         ) from None
     return Door(spec.host, listener.getsockname()[1], token), listener
 
@@ -103,7 +105,7 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
         If NiceGUI is not installed.
     """
     if folder is not None and not folder.is_dir():
-        raise PalpateError(f"{folder} is no folder.", _GIVE)
+        raise PalpateError(f"{folder} is no folder.", _GIVE, code="folder-missing")
     load_extra("nicegui", "web", "NiceGUI")
     uvicorn: Any = load_extra("uvicorn", "web")
     from palpate.grid import is_grid
@@ -112,7 +114,9 @@ def serve(folder: Path | None, spec: ServeSpec, announce: Callable[[str], None])
     from palpate.viewer.pages import build_app
 
     if folder is not None and not (is_grid(folder) or is_search(folder) or is_learnt(folder)):
-        raise PalpateError(f"{folder} holds no grid, no search and no model that was learnt.", _GIVE)
+        raise PalpateError(
+            f"{folder} holds no grid, no search and no model that was learnt.", _GIVE, code="results-missing"
+        )
     door, listener = open_door(spec)
     try:
         guarded = Guard(build_app(folder), door)

@@ -68,7 +68,9 @@ def draw_sketch(sketch: Sketch) -> Drawn:
     skin = build_skin(sketch.dome)
     layout, camera = place_markers(skin, sketch.markers), build_camera(sketch.camera)
     if not layout.on_dome.all():
-        raise PalpateError("Some markers lie outside the dome.", "Use smaller rings, or a wider dome.")
+        raise PalpateError(
+            "Some markers lie outside the dome.", "Use smaller rings, or a wider dome.", code="markers-outside-skin"
+        )
     mesh = mesh_skin(skin, MeshSpec(cells=REST_CELLS))
     findings = check_process(skin, layout, sketch.material.material(), camera, sketch.process)
     hidden = int((~camera.visible(layout.positions, skin)).sum())

@@ -50,6 +50,8 @@ class SpecimenCache:
         if name in self._made:
             return self._made[name]
         if self.library is None or not (name.isascii() and name.isdigit() and len(name) < 8):
-            raise PalpateError(f"There is no design '{name[:40]}' any more.", "Load the page again.")
+            raise PalpateError(
+                f"There is no design '{name[:40]}' any more.", "Load the page again.", code="design-expired"
+            )
         design = self.library.design(int(name))
         return design, self.library.specimen(design)

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from errors import refused
 from needs import needs
 from palpate.benchmark import (
     BASELINES,
@@ -21,10 +22,13 @@ from palpate.benchmark import run_baselines as door
 from palpate.benchmark.fit_baseline import order_images
 from palpate.benchmark.read_set import SplitMarkers
 from palpate.benchmark.register_images import build_dataset, design_rest, register_images
-from palpate.core import PalpateError
 
 TINY = PRESETS["tiny"]
 SPEC = TINY.model_copy(update={"designs": TINY.designs[:1], "presses": 30})
+
+
+class MadeAgainError(Exception):
+    """What was there is made again."""
 
 
 @pytest.fixture(scope="module")
@@ -48,16 +52,16 @@ def test_ridge_and_the_fit_beat_chance_and_each_part_is_made_once(
     assert score_file(made_set, tmp_path / "ridge.csv") == first["ridge"][0]
 
     def again(*_: object) -> None:
-        raise AssertionError("what was there is made again")
+        raise MadeAgainError
 
     module = __import__("sys").modules[door.__module__]
     monkeypatch.setattr(module, "learn_design", again)
     monkeypatch.setattr(module, "fit_design", again)
     assert run_baselines(made_set, spec, tmp_path, ("ridge", "twin"), workers=1) == first
     assert (tmp_path / "ridge.csv").read_bytes() == written
-    with pytest.raises(AssertionError, match="made again"):
+    with pytest.raises(MadeAgainError):
         run_baselines(made_set, spec.model_copy(update={"jitter_px": 0.5}), tmp_path, ("ridge",))
-    assert "ridge regression on dots" in (tmp_path / "baselines.md").read_text()
+    assert "ridge" in (tmp_path / "baselines.md").read_text()
 
 
 def test_networks_and_pictures_are_learnt_and_judged(made_set: BenchmarkSet, tmp_path: Path) -> None:
@@ -75,7 +79,7 @@ def test_networks_and_pictures_are_learnt_and_judged(made_set: BenchmarkSet, tmp
 
 
 def test_a_baseline_that_is_none_is_refused(made_set: BenchmarkSet, tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="no baseline luck"):
+    with refused("baseline-unknown", "luck"):
         run_baselines(made_set, TINY_BASELINES, tmp_path, ("luck",))
     assert len(BASELINES) == 5
 

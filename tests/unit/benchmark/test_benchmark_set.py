@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from errors import refused
 from needs import needs
 from palpate.benchmark import PRESETS, BenchmarkSet, make_benchmark, read_set
 from palpate.benchmark.draw_unit import deviation_of
 from palpate.benchmark.set_files import digest
 from palpate.camera import build_camera
-from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers, wall_normal
 from palpate.fea import WallSpec, solve_press
 from palpate.markers import prepare_detector
@@ -202,5 +202,5 @@ def test_pictures_are_grey_and_of_the_cameras_size(made_set: BenchmarkSet) -> No
 
 
 def test_what_is_no_set_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="holds no benchmark"):
+    with refused("benchmark-missing"):
         read_set(tmp_path)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from synthetic_board import LENS, MATRIX, SIZE, views
 
+from errors import check_values, refused
 from palpate.camera import (
     BoardSpec,
     CalibrateSpec,
@@ -20,7 +21,7 @@ from palpate.camera import (
 )
 from palpate.camera.board import BOARDS, board_points
 from palpate.camera.find_board import find_board
-from palpate.core import PalpateError, generator
+from palpate.core import generator
 
 PHOTOS = Path(__file__).parent / "data" / "chessboard_opencv"
 TRUE = np.array([MATRIX[0, 0], MATRIX[1, 1], MATRIX[0, 2], MATRIX[1, 2]])
@@ -114,7 +115,7 @@ def test_a_fisheye_is_found_used_by_the_camera_and_cannot_pass_for_a_pinhole(tmp
     np.testing.assert_allclose(build_camera(spec).project(domed), expected[0], atol=1e-3)
     text = (tmp_path / "fisheye.yaml").read_text().replace('distortion_model: "equidistant"', "")
     (tmp_path / "mixed.yaml").write_text(text)
-    with pytest.raises(PalpateError, match="4 coefficients for the lens model None"):
+    with refused("lens-coefficient-count", "4", "None"):
         read_calibration(tmp_path / "mixed.yaml")
 
 
@@ -130,7 +131,7 @@ def test_images_that_cannot_be_used_are_named_with_the_reason():
     found = calibrate_camera([*good, *bad], CalibrateSpec(board=board))
     reasons = dict(found.rejected)
     assert set(reasons) == {"empty", "unread", "small", "dot"}
-    assert "no chessboard" in reasons["empty"]
+    assert "chessboard" in reasons["empty"]
     assert "320 × 240" in reasons["small"]
 
 
@@ -141,18 +142,18 @@ def test_a_view_whose_points_are_wrong_is_left_out():
     bent = cv2.remap(image, x + 12 * np.sin(y / 40), y, cv2.INTER_LINEAR)
     found = calibrate_camera([("bent " + name, bent), *good[1:]], CalibrateSpec(board=BOARDS["chessboard"]))
     assert [rejected[0] for rejected in found.rejected] == ["bent " + name]
-    assert "its points fit to" in found.rejected[0][1]
+    assert found.rejected[0][1].count(" px") == 2
 
 
 def test_too_few_images_are_refused():
-    with pytest.raises(PalpateError, match="2 of 2 images can be used, 4 are needed"):
+    with refused("calibration-few-images", "2", "4"):
         calibrate_camera(photos()[:2], CalibrateSpec(board=BOARDS["chessboard"]))
 
 
 def test_find_board_says_why_it_found_nothing():
     blank = np.zeros((100, 100), np.uint8)
-    assert "0 corners and 0 markers" in find_board(blank, BOARDS["charuco"])
-    assert "no grid" in find_board(blank, BOARDS["circles"])
+    check_values(find_board(blank, BOARDS["charuco"]), 0)
+    assert find_board(blank, BOARDS["circles"])
 
 
 def test_a_calibration_is_read_by_opencv_and_comes_back(tmp_path):
@@ -178,7 +179,7 @@ def test_the_file_of_opencvs_sample_is_read():
 def test_a_file_that_is_no_calibration_is_refused(tmp_path, text):
     path = tmp_path / "bad.yaml"
     path.write_text(text)
-    with pytest.raises(PalpateError, match="is not a calibration"):
+    with refused("calibration-file-unreadable"):
         read_calibration(path)
 
 
@@ -197,16 +198,18 @@ def test_read_board_reads_words_and_refuses_what_is_none():
     assert read_board("charuco") == BoardSpec()
     assert read_board("chessboard:7x5:30").square == 30.0
     assert read_board("charuco:5x4:10:7:DICT_5X5_50").dictionary == "DICT_5X5_50"
-    for text in ("chess", "charuco:5", "charuco:5x4:a"):
-        with pytest.raises(PalpateError, match="is no board"):
+    with refused("board-unknown", "chess"):
+        read_board("chess")
+    for text in ("charuco:5", "charuco:5x4:a"):
+        with refused("board-malformed", text):
             read_board(text)
 
 
 def test_a_dictionary_that_is_too_small_or_unknown_is_refused():
     blank = np.zeros((100, 100), np.uint8)
-    with pytest.raises(PalpateError, match="no dictionary"):
+    with refused("board-dictionary-unknown", "DICT_NONE"):
         find_board(blank, BoardSpec(dictionary="DICT_NONE"))
-    with pytest.raises(PalpateError, match="need 180 markers"):
+    with refused("board-dictionary-too-small", "180"):
         find_board(blank, BoardSpec(columns=20, rows=18))
 
 
@@ -214,17 +217,17 @@ def test_damaged_and_giant_files_are_refused(tmp_path):
     photo = (PHOTOS / "left01.jpg").read_bytes()
     (tmp_path / "no.png").write_text("no image")
     (tmp_path / "cut.jpg").write_bytes(photo[:40])
-    with pytest.raises(PalpateError, match=r"is not an image|cannot be read"):
+    with refused("image-format-unknown", "no.png"):
         read_image(tmp_path / "no.png")
-    with pytest.raises(PalpateError, match=r"is not an image|cannot be read|cannot be decoded"):
+    with refused(("image-unreadable", "image-damaged", "image-format-unknown"), "cut.jpg"):
         read_image(tmp_path / "cut.jpg")
     cv2.imwrite(str(tmp_path / "large.png"), np.zeros((7000, 7000), np.uint8))
-    with pytest.raises(PalpateError, match="7000 × 7000 px, more than 40 million"):
+    with refused("image-too-large", "7000", "40"):
         read_image(tmp_path / "large.png")
-    with pytest.raises(PalpateError, match="cannot be read"):
+    with refused("image-unreadable", "absent.png"):
         read_image(tmp_path / "absent.png")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(PalpateError, match="has no image"):
+    with refused("folder-no-image", "empty"):
         list_images(tmp_path / "empty")
-    with pytest.raises(PalpateError, match="is not a folder"):
+    with refused("folder-missing", "nowhere"):
         list_images(tmp_path / "nowhere")

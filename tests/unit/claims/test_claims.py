@@ -3,13 +3,13 @@ from dataclasses import replace
 
 import pytest
 
+from errors import check_values, refused
 from palpate.claims import Verdict, judge_claims, read_evidence
 from palpate.claims import write_claims as write_page
 from palpate.claims.claim import CLAIMS
 from palpate.claims.evidence import DESIGNS, Evidence
 from palpate.claims.judge_claims import JUDGES
 from palpate.claims.judge_material import judge_law, judge_mesh
-from palpate.core import PalpateError
 from palpate.grid import SpecificationGrid, evaluate_grid, write_grid
 from results import FIRST, PAPER
 
@@ -109,8 +109,8 @@ def test_built_units_stand_beside_and_do_not_decide(claim):
     worst = {"built_worst_deg": lambda h, t, m: 3.0, "known_worst_deg": lambda h, t, m: 0.1}
     (found,) = (one.finding for one in judge_claims([grid({**built, **worst})]) if one.claim.name == claim)
     assert found.verdict == HOLDS
-    assert "as built" in found.figures
-    assert ("as built it does not hold" in found.why) == (claim not in ("C10", "C14"))
+    assert "built" in found.figures
+    assert bool(found.why) == (claim not in ("C10", "C14"))
     (without,) = (one.finding for one in judge_claims([grid()]) if one.claim.name == claim)
     assert "built" not in without.figures
 
@@ -127,9 +127,10 @@ def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
     assert len(grids) == 1
     assert grids[0].figures("known_rmse_deg") == {design: pytest.approx(error(*design)) for design in DESIGNS}
     (found,) = (one.finding for one in judge_claims(grids) if one.claim.name == "C9")
-    assert "built, after known presses: falls on 12 of 12 domes" in found.figures
+    assert "built" in found.figures
+    check_values(found.figures, 12)
     table.write_text("height_mm,markers\n20,7\n")
-    with pytest.raises(PalpateError, match=r"built.csv is no table of built units"):
+    with refused("units-table-unreadable", "built.csv"):
         read_evidence([tmp_path / "built", tmp_path / "study"])
 
 
@@ -161,9 +162,10 @@ def test_one_missing_design_of_48_is_named():
     answers = judge_claims([grid(keep=lambda h, t, m: (h, t, m) != (10, 3, 91))])
     needs = {answer.claim.name: answer.finding.why for answer in answers if answer.finding.verdict == OPEN}
     mesh = needs.pop("C2")
-    assert mesh.startswith("needs the folder of `palpate convergence")
+    check_values(mesh, "palpate convergence")
     assert set(needs) == {"C6", "C7", "C8", "C9", "C10", "C11", "C12"}
-    assert set(needs.values()) == {"needs H10 T3 with 91 markers"}
+    for missing in needs.values():
+        check_values(missing, "H10 T3", 91)
 
 
 def test_one_dome_refutes_what_is_claimed_of_every_dome():
@@ -181,7 +183,7 @@ def test_a_design_that_failed_is_missing_with_its_reason():
     ]
     answers = judge_claims([Evidence(evaluate_grid(failed), "x")])
     (found,) = (answer.finding for answer in answers if answer.claim.name == "C14")
-    assert found.why == "needs H20 T2 with 169 markers (the lamp went out)"
+    check_values(found.why, "H20 T2", 169, "the lamp went out")
 
 
 def test_without_a_grid_only_the_law_is_decided():
@@ -197,8 +199,7 @@ def test_the_law_of_table_2_gives_the_stresses_that_its_closed_form_gives():
         i = stretch**2 + 2 / stretch - 3
         return 2 * (stretch - stretch**-2) * (c10 + 2 * c20 * i + 3 * c30 * i**2)
 
-    assert f"stretch 5: {nominal(5.0):.4f} MPa" in finding.figures
-    assert f"half height: {-nominal(0.5):.4f} MPa" in finding.figures
+    check_values(finding.figures, f"{nominal(5.0):.4f} MPa", f"{-nominal(0.5):.4f} MPa")
     assert finding.verdict == HOLDS
 
 
@@ -220,7 +221,7 @@ def test_a_mesh_is_fine_enough_only_where_all_finer_ones_agree(tmp_path, errors,
 
 def test_a_broken_mesh_study_is_refused(tmp_path):
     (tmp_path / "convergence.csv").write_text("elements,stress_error\n100,much\n")
-    with pytest.raises(PalpateError, match="is no table of"):
+    with refused("convergence-table-unreadable"):
         judge_mesh(tmp_path / "convergence.csv")
 
 
@@ -250,7 +251,7 @@ def test_two_contact_laws_are_answered_side_by_side(tmp_path):
 
 
 def test_a_folder_without_a_grid_is_refused(tmp_path):
-    with pytest.raises(PalpateError, match=r"has no grid\.json"):
+    with refused("grid-missing", "grid.json"):
         read_evidence([tmp_path])
 
 
@@ -261,7 +262,7 @@ def test_the_page_tells_every_verdict_with_its_command_and_pictures(tmp_path, en
     page, *pictures = write_page(tmp_path / f"claims.{ending}", answers, [evidence], "palpate claims results/made-up")
     text = page.read_text()
     assert "palpate claims results/made-up" in text
-    assert text.count("does not hold") >= 2
+    assert text.count(str(FAILS)) >= 2
     assert all(f"claims/{picture.name}" in text for picture in pictures)
     assert {picture.parent.name for picture in pictures} == {"claims"}
     assert all(picture.stat().st_size > 1000 for picture in pictures)
@@ -280,5 +281,5 @@ def test_designs_are_the_papers_48():
 
 
 def test_another_ending_is_refused(tmp_path):
-    with pytest.raises(PalpateError, match=r"end in \.md or \.html"):
+    with refused("file-ending-unknown", ".md", ".html"):
         write_page(tmp_path / "claims.txt", (), (), "")

@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 
+from errors import check_refusal
 from palpate.cli import main
 
 PHOTOS = Path(__file__).parents[1] / "camera" / "data" / "chessboard_opencv"
@@ -37,12 +38,12 @@ def test_a_board_is_printed_without_images(tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ((), "No folder of images"),
-        (("nowhere",), "is not a folder"),
-        ((str(PHOTOS), "--board", "cheese"), "is no board"),
-        ((str(PHOTOS), "--board", "charuco"), "0 of 13 images can be used"),
+        ((), ("argument-missing", "--print-board")),
+        (("nowhere",), ("folder-missing", "nowhere")),
+        ((str(PHOTOS), "--board", "cheese"), ("board-unknown", "cheese")),
+        ((str(PHOTOS), "--board", "charuco"), ("calibration-few-images", 0, 13, 4)),
     ],
 )
 def test_bad_input_is_reported_in_one_sentence(words, says, capsys):
     assert run(*words) == 2
-    assert says in capsys.readouterr().err
+    check_refusal(capsys.readouterr().err, *says)

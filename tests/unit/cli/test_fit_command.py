@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from errors import check_refusal, check_values
 from palpate.cli import main
 from palpate.material import Loading, get_material, list_materials, read_material, trace_curve
 
@@ -54,11 +55,9 @@ def test_ten_files_of_a_bench_give_the_material_its_limits_and_the_picture(
     for text in (
         "tension_5.csv",
         "C30",
-        "95 % interval, from differences between samples",
+        "95 %",
         "R²",
-        "not measured",
-        "AICc behind",
-        "one sample left out",
+        "AICc",
     ):
         assert text in shown
     assert figure.read_bytes().startswith(b"\x89PNG")
@@ -86,8 +85,7 @@ def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.
     assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone") == 0
     shown = capsys.readouterr().out
     assert "-3.6" in shown
-    assert "Warning: Unstable (Drucker) in the uniaxial mode above a stretch of 11.68." in shown
-    assert "With --stable: C10 0.00796" in shown
+    check_values(shown, "Drucker", 11.68, "--stable", "C10 0.00796")
 
 
 def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,14 +94,14 @@ def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFix
     assert shown["stable_fit"] is None
     assert shown["constants"][0]["low"] is None
     held, secant = shown["warnings"]
-    assert held == "A bound or the stability holds the fit, so least squares gives no intervals."
-    assert "At 10 % strain in tension the fit's secant modulus is" in secant
+    assert held
+    check_values(secant, "10 %")
 
 
 def test_an_unstable_material_is_written_with_its_caution(tmp_path: Path) -> None:
     out = tmp_path / "soft.yaml"
     assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone", "-o", out) == 0
-    assert "above a stretch of 11.68" in read_material(out).caution
+    check_values(read_material(out).caution, 11.68)
 
 
 def test_files_are_given_to_their_test(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -119,23 +117,23 @@ def test_files_are_given_to_their_test(tmp_path: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ((), "There are no files"),
-        (("nowhere.csv",), "nowhere.csv cannot be read"),
-        ((ECOFLEX, "--model", "rubber"), "There is no model 'rubber'"),
-        ((ECOFLEX, "--weighting", "heavy"), "--weighting"),
-        ((ECOFLEX, "--strain-unit", "inch"), "--strain-unit"),
-        ((ECOFLEX, "--toe", "yes"), "--toe"),
-        ((ECOFLEX, "--confidence", "95"), "--confidence"),
-        ((ECOFLEX, "--figure", "fit.bmp"), "does not end in .png"),
-        ((ECOFLEX, "--figure", "no/folder/fit.png"), "cannot be written"),
-        ((ECOFLEX, "--no-figure", "-o", "no/folder/mine.yaml"), "cannot be written"),
-        ((ECOFLEX, "--model", "mooney-rivlin", "--no-figure", "-o", "mine.yaml"), "must be positive"),
-        ((ECOFLEX, "--colour", "red"), "--colour"),
+        ((), ("argument-missing",)),
+        (("nowhere.csv",), ("file-unreadable", "nowhere.csv")),
+        ((ECOFLEX, "--model", "rubber"), ("law-unknown", "rubber")),
+        ((ECOFLEX, "--weighting", "heavy"), ("usage", "--weighting", "heavy")),
+        ((ECOFLEX, "--strain-unit", "inch"), ("usage", "--strain-unit", "inch")),
+        ((ECOFLEX, "--toe", "yes"), ("usage", "--toe", "yes")),
+        ((ECOFLEX, "--confidence", "95"), ("less_than", "--confidence", 95)),
+        ((ECOFLEX, "--figure", "fit.bmp"), ("file-ending-unknown", "fit.bmp", ".png")),
+        ((ECOFLEX, "--figure", "no/folder/fit.png"), ("file-unwritable", "fit.png")),
+        ((ECOFLEX, "--no-figure", "-o", "no/folder/mine.yaml"), ("file-unwritable", "mine.yaml")),
+        ((ECOFLEX, "--model", "mooney-rivlin", "--no-figure", "-o", "mine.yaml"), ("shear-modulus-not-positive",)),
+        ((ECOFLEX, "--colour", "red"), ("usage", "--colour")),
     ],
 )
 def test_what_cannot_be_done_is_refused_with_2(
     words: tuple[str | Path, ...],
-    says: str,
+    says: tuple[object, ...],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -143,7 +141,7 @@ def test_what_cannot_be_done_is_refused_with_2(
     monkeypatch.chdir(tmp_path)
     assert call("fit", *words, *(() if "--alone" in words or not words else ("--alone",))) == 2
     shown = capsys.readouterr()
-    assert says in shown.err
+    check_refusal(shown.err, *says)
     assert "Traceback" not in shown.err
 
 
@@ -185,9 +183,9 @@ def test_a_relaxation_is_known_by_its_name_and_joins_the_law(
     material = read_material(out)
     assert material.relaxation is not None
     assert material.relaxation.times == pytest.approx([term["time_s"] for term in found["terms"]])
-    assert "relaxation 0.00282…287 s: within 0.15 %" in material.quality
+    check_values(material.quality, "0.00282…287 s", "0.15 %")
     assert call("material", "show", out) == 0
-    assert "relaxation, moduli long-term: shares 0.05527 in 0.01491 s" in capsys.readouterr().out
+    check_values(capsys.readouterr().out, "long-term", "0.05527", "0.01491 s")
 
 
 def test_a_relaxation_alone_is_put_beside_the_law_of_another_material(
@@ -198,7 +196,7 @@ def test_a_relaxation_alone_is_put_beside_the_law_of_another_material(
     words = ("fit", HELD, "--moduli", "instantaneous", "-o", "mine.yaml")
     assert call(*words, "--onto", plain.name) == 0
     shown = capsys.readouterr().out
-    for text in ("5 terms by AICc; within 0.15 %", "stress left after a step", "of the instantaneous", "interval"):
+    for text in ("AICc", "0.15 %", "instantaneous"):
         assert text in shown
     material = read_material(tmp_path / "mine.yaml")
     assert material.law == plain.law
@@ -206,7 +204,7 @@ def test_a_relaxation_alone_is_put_beside_the_law_of_another_material(
     assert (tmp_path / "fit.png").is_file()
     (tmp_path / "fit.png").unlink()
     assert call(*words) == 2
-    assert "A relaxation alone is no material." in capsys.readouterr().err
+    check_refusal(capsys.readouterr().err, "relaxation-without-law", "--onto")
     assert not (tmp_path / "fit.png").exists()  # refused before anything is drawn
     assert call(*words, "--tension", ECOFLEX, "--onto", plain.name) == 2
-    assert "--onto zaid_2024_ecoflex_00_30 gives the law" in capsys.readouterr().err
+    check_refusal(capsys.readouterr().err, "relaxation-onto-unused", "--onto", plain.name)

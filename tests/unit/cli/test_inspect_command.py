@@ -5,6 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
+from errors import check_refusal, check_values
 from palpate.camera import RenderSpec, build_camera, dot_edges, render
 from palpate.cli import main
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
@@ -44,20 +45,20 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
     assert float(rows[5]["distance_mm"]) < 0.05
     assert picture.read_text().count("<path") > 37
     assert run(*words) == 1
-    assert "36 of 37 dots found" in capsys.readouterr().out
+    check_values(capsys.readouterr().out, 36, 37)
 
 
 @pytest.mark.parametrize(
     ("words", "shown"),
     [
-        (["nothing.png"], "nothing.png"),
-        (["IMAGE", "--markers", "169"], "dots"),
-        (["IMAGE", "--tolerance", "-1"], "tolerance"),
-        (["IMAGE", "--out", "errors.txt"], ".csv"),
-        (["IMAGE", "--picture", "errors.gif"], ".png"),
-        (["IMAGE", "--markers", "37", "--out", "no/such/folder/errors.csv"], "cannot be written"),
+        (["nothing.png"], ("image-unreadable", "nothing.png")),
+        (["IMAGE", "--markers", "169"], ("markers-not-assigned", 169)),
+        (["IMAGE", "--tolerance", "-1"], ("greater_than", "--tolerance", -1)),
+        (["IMAGE", "--out", "errors.txt"], ("file-ending-unknown", "errors.txt", ".csv")),
+        (["IMAGE", "--picture", "errors.gif"], ("file-ending-unknown", "errors.gif", ".png")),
+        (["IMAGE", "--markers", "37", "--out", "no/such/folder/errors.csv"], ("file-unwritable", "errors.csv")),
     ],
 )
 def test_inspect_refuses_what_cannot_be_inspected(words, shown, image, capsys):
     assert run("inspect", *(str(image) if word == "IMAGE" else word for word in words)) == 2
-    assert shown in capsys.readouterr().err
+    check_refusal(capsys.readouterr().err, *shown)

@@ -1,11 +1,22 @@
+import pickle
+
 from palpate.core import MissingExtraError, PalpateError
 
 
 def test_an_error_keeps_sentence_and_remedy_apart() -> None:
-    error = PalpateError("The wall is 0 mm thick.", "Give more than 0.2 mm.")
+    error = PalpateError("The wall is 0 mm thick.", "Give more than 0.2 mm.", code="wall-not-positive")
     assert (error.what, error.remedy) == ("The wall is 0 mm thick.", "Give more than 0.2 mm.")
     assert str(error) == "The wall is 0 mm thick. Give more than 0.2 mm."
 
 
 def test_a_missing_extra_says_what_to_install() -> None:
-    assert 'pip install "palpate[learn]"' in str(MissingExtraError("torch", "learn"))
+    error = MissingExtraError("torch", "learn")
+    assert 'pip install "palpate[learn]"' in str(error)
+    assert error.code == "extra-missing"
+
+
+def test_an_error_keeps_its_code_from_one_process_to_another() -> None:
+    for error in (PalpateError("No.", "Go.", code="no-way"), MissingExtraError("torch", "learn")):
+        copy = pickle.loads(pickle.dumps(error))
+        assert (type(copy), copy.what, copy.remedy, copy.code) == (type(error), error.what, error.remedy, error.code)
+        assert str(copy) == str(error)

@@ -1,6 +1,6 @@
 import pytest
-from pydantic import ValidationError
 
+from errors import refused
 from palpate.core import Spec, flag_of, parameter, parameters
 
 
@@ -23,18 +23,18 @@ def test_a_number_as_text_is_no_number_with_a_unit(text: str) -> None:
 
 
 def test_another_unit_is_refused_by_name() -> None:
-    with pytest.raises(ValidationError, match="diameter is given in cm, but its unit is mm"):
+    with refused("quantity-unit-wrong", "diameter", "cm", "mm"):
         HoleSpec(diameter="8 cm")  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("diameter", [0.0, 20.5])
-def test_bounds_hold(diameter: float) -> None:
-    with pytest.raises(ValidationError):
+@pytest.mark.parametrize(("diameter", "code"), [(0.0, "greater_than"), (20.5, "less_than_equal")])
+def test_bounds_hold(diameter: float, code: str) -> None:
+    with refused(code, "diameter", diameter):
         HoleSpec(diameter=diameter)
 
 
 def test_unknown_keys_are_refused() -> None:
-    with pytest.raises(ValidationError, match="Extra inputs"):
+    with refused("extra_forbidden"):
         HoleSpec(radius=3.0)  # type: ignore[call-arg]
 
 
@@ -49,9 +49,9 @@ def test_notes_repeat_what_the_field_declares() -> None:
 
 @pytest.mark.parametrize("diameter", [float("nan"), float("inf"), "nan", "-inf"])
 def test_a_number_that_is_not_finite_is_refused(diameter: float | str) -> None:
-    with pytest.raises(ValidationError):
+    with refused("finite_number"):
         HoleSpec(diameter=diameter)  # type: ignore[arg-type]
-    with pytest.raises(ValidationError):
+    with refused("finite_number"):
         HoleSpec(offsets=(diameter,))  # type: ignore[arg-type]
 
 

@@ -29,7 +29,8 @@ def test_what_is_to_go_has_not_outlived_its_version():
 
 
 def test_a_name_that_never_was_is_missing():
-    with pytest.raises(AttributeError, match="has no attribute 'build_cone'"):
+    with pytest.raises(AttributeError) as missing:
         importlib.import_module("palpate.design").build_cone  # noqa: B018
+    assert missing.value.name == "build_cone"
     with pytest.raises(ImportError):
         from palpate.mesh import mesh_cone  # noqa: F401

@@ -3,7 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from palpate.core import ArtefactStore, PalpateError, Recipe
+from errors import refused
+from palpate.core import ArtefactStore, Recipe
 
 RECIPE = Recipe(kind="press", spec={"tilt_deg": 5.0, "depth": 8.0}, inputs=("abc",), version="1")
 
@@ -73,5 +74,5 @@ def test_a_writer_that_fails_leaves_nothing(store: ArtefactStore) -> None:
 
 def test_a_folder_that_cannot_be_written_is_an_error_with_a_remedy(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder")
-    with pytest.raises(PalpateError, match="--out"):
+    with refused("store-unwritable", "--out"):
         write_text(ArtefactStore(tmp_path / "file"))

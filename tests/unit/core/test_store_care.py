@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from errors import refused
 from palpate.core import ArtefactStore, PalpateError, Recipe, StoreError, check_store, clean_store, list_store
 from palpate.core.store_lock import can_lock, is_locked, take_lock
 
@@ -211,6 +212,6 @@ def test_can_lock_says_whether_a_held_folder_refuses(tmp_path: Path, monkeypatch
 
 def test_a_store_error_is_one_that_the_user_can_mend(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder")
-    with pytest.raises(StoreError, match="--out"), ArtefactStore(tmp_path / "file").lease(ONE):
+    with refused("store-unwritable", "--out"), ArtefactStore(tmp_path / "file").lease(ONE):
         pass
     assert issubclass(StoreError, PalpateError)

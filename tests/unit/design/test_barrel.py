@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
+from errors import refused
 from palpate.camera import build_camera
-from palpate.core import PalpateError
 from palpate.design import (
     Dome,
     MarkerSpec,
@@ -155,30 +154,30 @@ def test_all_markers_are_in_sight_of_a_fisheye_and_rays_through_their_pixels_mee
 
 
 def test_what_a_barrel_can_not_have_is_refused() -> None:
-    with pytest.raises(PalpateError, match="has no apex"):
+    with refused("skin-no-apex"):
         TACLINK.require_revolution("", "")
-    with pytest.raises(PalpateError, match="no apex about which rings"):
+    with refused("rings-need-apex"):
         place_markers(TACLINK, MarkerSpec())
-    with pytest.raises(PalpateError, match="rows of markers go around a tube"):
+    with refused("rows-need-tube"):
         place_markers(Dome(20.0, 20.0, 2.0), ROWS)
-    with pytest.raises(PalpateError, match="16 rows 20 mm apart do not fit on a meridian of 263 mm"):
+    with refused("rows-too-long", "16", "20", "263"):
         place_markers(TACLINK, MarkerSpec(rows=16, around=16, pitch=20))
     for middle in (32.804, 20.0, 170.0):
-        with pytest.raises(PalpateError, match="does not bulge"):
+        with refused("barrel-not-bulging"):
             BarrelSpec(middle_radius=middle).build()
 
 
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"rows": 3}, "given together"),
-        ({"rows": 3, "around": 8, "pitch": 5, "ring_diameters": [10]}, "without ring_diameters"),
-        ({"rows": 3, "around": 8, "pitch": 5, "count": 7}, "3 rows of 8 markers are not 7"),
-        ({"rows": "x", "around": 8, "pitch": 5}, "valid integer"),
+        ({"rows": 3}, ("rows-not-alone", "rows", "around", "pitch")),
+        ({"rows": 3, "around": 8, "pitch": 5, "ring_diameters": [10]}, ("rows-not-alone", "ring_diameters")),
+        ({"rows": 3, "around": 8, "pitch": 5, "count": 7}, ("marker-count-differs", "3", "8", "7")),
+        ({"rows": "x", "around": 8, "pitch": 5}, ("int_parsing",)),
     ],
 )
-def test_rows_that_say_too_little_or_too_much_are_refused(given: dict[str, object], says: str) -> None:
-    with pytest.raises(ValidationError, match=says):
+def test_rows_that_say_too_little_or_too_much_are_refused(given: dict[str, object], says: tuple[str, ...]) -> None:
+    with refused(*says):
         MarkerSpec.model_validate(given)
 
 

@@ -1,6 +1,6 @@
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import Dome, Finding, MarkerSpec, Severity, check_design, place_markers, refuse_errors
 
 DOME = Dome(20.0, 20.0, 2.0)
@@ -33,7 +33,7 @@ def test_a_ring_outside_the_dome_is_an_error_with_a_remedy() -> None:
     finding = found["ring-outside-dome"]
     assert finding.severity is Severity.ERROR
     assert "12 markers are up to 21 mm" in finding.message
-    with pytest.raises(PalpateError, match="below 40 mm"):
+    with refused("ring-outside-dome", "40"):
         refuse_errors(found.values())
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
+from errors import refused
 from palpate.design import Dome, DomeSpec, build_skin
 from palpate.design.dome import DomeShape
 
@@ -49,7 +49,15 @@ def test_widest_place_of_a_bulging_dome() -> None:
     assert Dome(10.0, 20.0, 2.0).widest[0] == 20.0
 
 
-@pytest.mark.parametrize("bad", [{"height": 1.0}, {"thickness": 0.1}, {"base_radius": 61.0}, {"hight": 20.0}])
-def test_out_of_bounds_and_unknown_keys_are_refused(bad: dict[str, float]) -> None:
-    with pytest.raises(ValidationError):
+@pytest.mark.parametrize(
+    ("bad", "code"),
+    [
+        ({"height": 1.0}, "greater_than_equal"),
+        ({"thickness": 0.1}, "greater_than_equal"),
+        ({"base_radius": 61.0}, "less_than_equal"),
+        ({"hight": 20.0}, "extra_forbidden"),
+    ],
+)
+def test_out_of_bounds_and_unknown_keys_are_refused(bad: dict[str, float], code: str) -> None:
+    with refused(code, *bad):
         DomeSpec(**bad)

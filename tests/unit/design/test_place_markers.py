@@ -2,9 +2,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import Dome, MarkerLayout, MarkerSpec, place_markers, ring_diameters
 from palpate.design.rings import ring_count
 
@@ -55,16 +54,16 @@ def test_own_rings_give_the_count() -> None:
 @pytest.mark.parametrize(
     ("bad", "says"),
     [
-        ({"count": 100}, "nearest valid: 91 or 127"),
-        ({"count": 0}, "greater than or equal to 1"),
-        ({"count": 5000}, "nearest valid: 1261"),
-        ({"ring_diameters": (10.0, 5.0)}, "do not grow"),
-        ({"ring_diameters": (10.0, 15.0), "count": 37}, "19 markers, but count is 37"),
-        ({"ring_diameters": (10.0,), "file": "dots.csv"}, "keep one"),
+        ({"count": 100}, ("marker-count-not-rings", "91", "127")),
+        ({"count": 0}, ("greater_than_equal", "1")),
+        ({"count": 5000}, ("marker-count-not-rings", "1261")),
+        ({"ring_diameters": (10.0, 5.0)}, ("rings-not-growing",)),
+        ({"ring_diameters": (10.0, 15.0), "count": 37}, ("marker-count-differs", "19", "37")),
+        ({"ring_diameters": (10.0,), "file": "dots.csv"}, ("layout-twice",)),
     ],
 )
-def test_bad_layouts_are_refused_with_the_numbers(bad: dict[str, object], says: str) -> None:
-    with pytest.raises(ValidationError, match=says):
+def test_bad_layouts_are_refused_with_the_numbers(bad: dict[str, object], says: tuple[str, ...]) -> None:
+    with refused(*says):
         MarkerSpec(**bad)
 
 
@@ -93,32 +92,32 @@ def test_a_free_layout_may_give_heights(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("", r"columns \(none\)"),
-        ("x,y\n1,2\n", "must be x_mm,y_mm"),
-        ("x_mm,y_mm\n", "no points"),
-        ("x_mm,y_mm\n1,2\n3,four\n", r"dots.csv:3: 3,four is not 2 numbers"),
-        ("x_mm,y_mm\n1,2,3\n", "is not 2 numbers"),
-        ("x_mm,y_mm\n1,nan\n", "is not 2 numbers"),
-        ("x_mm,y_mm,z_mm\n12,0,15\n", "off the inner surface"),
-        ("x_mm,y_mm,z_mm\n12,0,-16\n", "below the base plane"),
+        ("", ("columns-wrong",)),
+        ("x,y\n1,2\n", ("columns-wrong", "x_mm,y_mm")),
+        ("x_mm,y_mm\n", ("table-empty",)),
+        ("x_mm,y_mm\n1,2\n3,four\n", ("row-not-numbers", "dots.csv:3", "3,four", "2")),
+        ("x_mm,y_mm\n1,2,3\n", ("row-not-numbers", "2")),
+        ("x_mm,y_mm\n1,nan\n", ("row-not-numbers", "2")),
+        ("x_mm,y_mm,z_mm\n12,0,15\n", ("point-off-surface",)),
+        ("x_mm,y_mm,z_mm\n12,0,-16\n", ("point-below-base",)),
     ],
 )
-def test_a_bad_layout_file_is_an_error_with_its_place(tmp_path: Path, text: str, says: str) -> None:
-    with pytest.raises(PalpateError, match=says):
+def test_a_bad_layout_file_is_an_error_with_its_place(tmp_path: Path, text: str, says: tuple[str, ...]) -> None:
+    with refused(*says):
         place_markers(DOME, write(tmp_path, text))
 
 
 def test_a_missing_or_binary_layout_file_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="No such file"):
+    with refused("file-unreadable", "none.csv"):
         place_markers(DOME, MarkerSpec(file=tmp_path / "none.csv"))
     (tmp_path / "dots.csv").write_bytes(bytes(range(128, 256)))
-    with pytest.raises(PalpateError, match="no text table"):
+    with refused("file-unreadable", "dots.csv"):
         place_markers(DOME, MarkerSpec(file=tmp_path / "dots.csv"))
 
 
 def test_count_and_file_must_agree(tmp_path: Path) -> None:
     spec = write(tmp_path, "x_mm,y_mm\n1,2\n")
-    with pytest.raises(PalpateError, match="has 1 markers, but count is 7"):
+    with refused("marker-count-differs", "1", "7"):
         place_markers(DOME, MarkerSpec(file=spec.file, count=7))
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import OFFSET_DEPTH, TILT_DEPTH, PoseSpace
 from palpate.fea import BallSpec, CylinderSpec, WallSpec
 from palpate.fea.edge import EdgeSpec
@@ -26,7 +26,7 @@ def test_a_pose_of_another_package_is_read_by_its_names():
 
 @pytest.mark.parametrize("names", [["rx_deg"], ["a", "b", "c"]])
 def test_names_of_no_pose_are_refused(names):
-    with pytest.raises(PalpateError, match="No pose has the components"):
+    with refused("pose-components-unknown"):
         PoseSpace.named(names)
 
 
@@ -72,5 +72,5 @@ def test_a_line_read_beyond_a_quarter_turn_is_as_far_off_as_it_lies():
 
 
 def test_a_wall_has_no_line():
-    with pytest.raises(PalpateError, match="rx_deg, ry_deg, depth_mm are not the pose of a line"):
+    with refused("pose-not-line", "rx_deg", "ry_deg", "depth_mm"):
         TILT_DEPTH.line([0.0, 0.0, 1.0])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, plot_convergence, study_convergence
 from palpate.material import get_material
@@ -31,7 +31,7 @@ def test_study_convergence_goes_from_coarse_to_fine_and_its_errors_fall(results)
 
 
 def test_one_mesh_is_not_a_study() -> None:
-    with pytest.raises(PalpateError, match="needs two meshes, and was given 1"):
+    with refused("convergence-few-meshes", "1"):
         study_convergence(MESH, MATERIAL, WALL, POINTS, (8, 8))
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import DomeSpec, build_skin
 from palpate.fea import BallSpec, Press, WallSpec, read_press, solve_press, write_press
 from palpate.material import get_material, material_from_data
@@ -142,7 +142,7 @@ def test_a_hollow_wall_touches_more_of_the_dome() -> None:
 
 
 def test_half_a_model_cannot_drift_across_its_plane() -> None:
-    with pytest.raises(PalpateError, match=r"across its slope.*is not symmetric"):
+    with refused("mesh-whole-needed"):
         solve_press(mesh_of(), MATERIAL, WALL.model_copy(update={"drift_across": 0.1}))
 
 
@@ -156,16 +156,16 @@ def test_derivatives_survive_the_file(press: Press, tmp_path) -> None:
 
 
 def test_a_derivative_that_was_not_asked_for_is_refused(press: Press) -> None:
-    with pytest.raises(PalpateError, match="not by 'friction'"):
+    with refused("derivative-not-solved", "friction"):
         press.derivative("friction")
-    with pytest.raises(PalpateError, match="has no derivative by 'friction'"):
+    with refused("derivative-unknown", "friction"):
         solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("friction",)))
 
 
 def test_beyond_a_jump_there_is_no_derivative(press: Press) -> None:
     jumped = replace(press, jump_depth=1.2)
     assert jumped.derivative("depth", depth=0.8) is press.derivatives["depth"]
-    with pytest.raises(PalpateError, match=r"1\.2 mm the press jumped"):
+    with refused("derivative-beyond-jump", "1.2"):
         jumped.derivative("depth")
 
 

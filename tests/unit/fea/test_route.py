@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.deck import deck_text
 from palpate.design import DomeSpec, MarkerSpec, place_markers
 from palpate.fea import Branch, Press, WallSpec, obstacle_from_data, read_obstacle, solve_press
@@ -128,41 +127,41 @@ def test_a_route_is_read_from_words_and_from_data() -> None:
 @pytest.mark.parametrize(
     ("waypoints", "says"),
     [
-        ("4 0 0 x", "up to six numbers"),
-        ([[1, 2, 3, 4, 5, 6, 7]], "up to six numbers"),
-        ([[4], [4]], "waypoint 2 is where the one before is"),
-        ([[0, 0, 0, 5]], "waypoint 1 is where the one before is"),
-        ([[-1]], "waypoint 1 has depth_mm = -1"),
-        ([[3, 0, 0, 40]], "rx_deg = 40"),
-        ([[float("nan")]], "depth_mm = nan"),
-        ([], "at least 1"),
+        ("4 0 0 x", ("waypoints-malformed",)),
+        ([[1, 2, 3, 4, 5, 6, 7]], ("waypoints-malformed",)),
+        ([[4], [4]], ("waypoint-twice", "2")),
+        ([[0, 0, 0, 5]], ("waypoint-twice", "1")),
+        ([[-1]], ("waypoint-out-of-bounds", "1", "depth_mm", "-1")),
+        ([[3, 0, 0, 40]], ("waypoint-out-of-bounds", "rx_deg", "40")),
+        ([[float("nan")]], ("waypoint-out-of-bounds", "depth_mm", "nan")),
+        ([], ("waypoints-none", "1")),
     ],
 )
-def test_waypoints_that_are_none_are_refused(waypoints: object, says: str) -> None:
-    with pytest.raises(ValidationError, match=says):
+def test_waypoints_that_are_none_are_refused(waypoints: object, says: tuple[str, ...]) -> None:
+    with refused(*says):
         RouteSpec(waypoints=waypoints)
 
 
 def test_half_a_mesh_a_depth_beyond_the_clamp_and_the_inverted_state_are_refused() -> None:
     half = mesh_skin(SKIN, MeshSpec(cells=8))
-    with pytest.raises(PalpateError, match="not symmetric"):
+    with refused("mesh-whole-needed"):
         solve_press(half, ECOFLEX, RouteSpec())
-    with pytest.raises(PalpateError, match="reaches the clamped rim"):
+    with refused("route-reaches-rim"):
         route("no-slip", (30.0,))
-    with pytest.raises(PalpateError, match="not followed along a route"):
+    with refused("inverted-state-route"):
         solve_press(MESH, ECOFLEX, RouteSpec(), branch=Branch.INVERTED)
 
 
 def test_a_wall_that_tilts_once_it_is_down_is_refused_where_it_cuts_the_rim() -> None:
     """At 14.5 mm a wall that came tilted by 20° is clear of the clamp, one that tilts only there is not."""
     RouteSpec(waypoints=[[14.5, 0, 0, 20]]).path(MESH)
-    with pytest.raises(PalpateError, match=r"At waypoint 2 the wall is 15\.9 mm deep; at its tilt of 20°"):
+    with refused("route-reaches-rim", "2", "15.9", "20"):
         RouteSpec(waypoints=[[14.5], [14.5, 0, 0, 20]]).path(MESH)
     low = mesh_skin(DomeSpec(height=4, thickness=2).build(), MeshSpec(cells=8, whole=True))
-    with pytest.raises(PalpateError, match="tilted by 30° touches the clamped rim"):
+    with refused("rim-touched-first", "30"):
         RouteSpec(waypoints=[[1], [1, 0, 0, 30]]).path(low)
 
 
 def test_a_route_is_refused_by_a_deck() -> None:
-    with pytest.raises(PalpateError, match=r"moves along one way, .* route of 2 waypoints"):
+    with refused("deck-wall-drifts", "2"):
         deck_text(MESH, ECOFLEX, RouteSpec())

@@ -3,8 +3,8 @@ import sys
 
 import pytest
 
+from errors import refused
 from needs import needs
-from palpate.core import MissingExtraError, PalpateError
 from palpate.grid import SpecificationGrid, evaluate_grid, export_grid, html_rows
 from results import make_design
 
@@ -45,19 +45,19 @@ def test_parquet_keeps_kinds_units_and_empty_cells(tmp_path):
 
 def test_missing_pyarrow_is_named_and_nothing_is_written(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(MissingExtraError, match=r"needs pyarrow.*palpate\[parquet\]"):
+    with refused("extra-missing", "pyarrow", "palpate[parquet]"):
         export_grid(tmp_path / "g.parquet", GRID)
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["g.xlsx", "g", "csv"])
 def test_another_ending_is_refused(tmp_path, name):
-    with pytest.raises(PalpateError, match=r"\.csv, \.parquet, \.md"):
+    with refused("file-ending-unknown", ".csv", ".parquet", ".md"):
         export_grid(tmp_path / name, GRID)
 
 
 def test_a_folder_that_is_not_there_is_reported(tmp_path):
-    with pytest.raises(PalpateError, match="cannot be written"):
+    with refused("file-unwritable"):
         export_grid(tmp_path / "nowhere" / "g.csv", GRID)
 
 

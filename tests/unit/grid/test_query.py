@@ -1,5 +1,6 @@
 import pytest
 
+from errors import refused
 from palpate.core import PalpateError
 from palpate.grid import filter_rows, sort_rows
 
@@ -34,7 +35,7 @@ def test_questions_keep_the_rows_they_should(where, kept):
 
 
 def test_an_unknown_column_names_the_nearest():
-    with pytest.raises(PalpateError, match=r"no column 'max_eror_deg'\. Did you mean 'max_error_deg'"):
+    with refused("column-unknown", "max_eror_deg", "max_error_deg"):
         filter_rows(ROWS, "height_mm > 100 and max_eror_deg < 2")
 
 
@@ -63,12 +64,13 @@ def test_an_unknown_column_names_the_nearest():
     ],
 )
 def test_what_is_not_a_question_is_refused(where):
-    with pytest.raises(PalpateError):
+    with pytest.raises(PalpateError) as caught:
         filter_rows(ROWS, where)
+    assert caught.value.code.startswith("question-") or caught.value.code == "column-unknown"
 
 
 def test_a_text_is_not_compared_with_a_number():
-    with pytest.raises(PalpateError, match="cannot be compared"):
+    with refused("question-types-differ"):
         filter_rows(ROWS, "shape < 3")
 
 
@@ -93,12 +95,12 @@ def test_sorting_takes_the_direction_as_a_word(by, order):
 
 @pytest.mark.parametrize("by", ["", "-", "markers down", "-markers desc", "markers desc desc"])
 def test_an_order_that_is_none_is_refused(by):
-    with pytest.raises(PalpateError, match="no column"):
+    with refused("column-unknown"):
         sort_rows(ROWS, by)
 
 
 def test_sorting_by_an_unknown_column_names_the_nearest():
-    with pytest.raises(PalpateError, match="Did you mean 'markers'"):
+    with refused("column-unknown", "markers"):
         sort_rows(ROWS, "-marker")
 
 

@@ -4,8 +4,8 @@ import sys
 import pytest
 from synthetic import make_dataset
 
+from errors import refused
 from needs import needs
-from palpate.core import PalpateError
 from palpate.learn import TrainSpec, device, evaluate, find_device, train
 
 torch = needs("torch")
@@ -20,7 +20,7 @@ def test_auto_takes_cuda_where_there_is_one(monkeypatch, has_cuda, found):
 
 def test_cuda_that_is_not_there_is_refused(monkeypatch):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
-    with pytest.raises(PalpateError, match="Choose the device auto or cpu"):
+    with refused("cuda-missing"):
         find_device("cuda")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import onnx
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.dataset import Dataset, DatasetSpec, sample_poses
 from palpate.design import wall_normal
 from palpate.learn import calibrate, fit_ridge, learn_forces, open_predictor, read_estimator, write_estimator
@@ -96,5 +96,5 @@ def test_the_file_says_what_its_forces_are_worth(dataset: Dataset, files: tuple[
 
 
 def test_images_without_forces_teach_none(dataset: Dataset) -> None:
-    with pytest.raises(PalpateError, match="has no forces"):
+    with refused("dataset-no-forces"):
         train_forces(replace(dataset, forces=None))

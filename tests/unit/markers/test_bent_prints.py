@@ -5,7 +5,8 @@ from itertools import islice
 import pytest
 from bent_prints import bent, controls, design_of, draw, judge
 
-from palpate.core import PalpateError, generator
+from errors import refused
+from palpate.core import generator
 from palpate.markers import name_markers, prepare_detector
 
 
@@ -40,12 +41,12 @@ def test_a_ring_of_six_is_not_bent_to_a_speck(count, number, image):
     if image:
         picture = draw(dots, drawn["shape"], rng, scale=scale)
         dots = prepare_detector(picture).find(picture).positions_px
-    with pytest.raises(PalpateError, match=r"ring 1 is lopsided|one ring may as well be of other dots"):
+    with refused("assignment-doubtful"):
         name_markers(dots, design.pattern)
 
 
 @pytest.mark.parametrize("kind", ["another design", "random dots", "half of the dots", "a grid of dots"])
 def test_what_is_no_print_of_the_design_is_refused_with_numbers(kind):
     for dots, pattern in islice(controls()[kind](generator(8, "controls", kind)), 3):
-        with pytest.raises(PalpateError, match=r"\d+ of \d+ markers were found among \d+ dots"):
+        with refused(("markers-not-assigned", "assignment-doubtful"), len(pattern), len(dots)):
             name_markers(dots, pattern)

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from drawn_dots import bound, draw_dots, lattice, match, with_noise
 
-from palpate.core import PalpateError, generator
+from errors import refused
+from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.markers import Detector, DetectSpec, prepare_detector
 from palpate.markers.choose_field import lie_half_way
@@ -123,7 +124,7 @@ def test_elongated_dots_keep_their_centre():
 
 @pytest.mark.parametrize("image", [np.zeros((260, 346), np.uint8), np.full((50, 60, 3), 255, np.uint8)])
 def test_an_even_image_has_no_field_of_dots(image):
-    with pytest.raises(PalpateError, match="No field of dots"):
+    with refused("markers-not-found"):
         prepare_detector(image)
     assert len(Detector(DetectSpec(), True, 6.0, None).find(image)) == 0
 
@@ -131,22 +132,22 @@ def test_an_even_image_has_no_field_of_dots(image):
 @pytest.mark.parametrize(
     ("image", "words"),
     [
-        (np.zeros((1, 1), np.uint8), "1 × 1 px"),
-        (np.lib.stride_tricks.as_strided(np.zeros(1, np.uint8), (20_000, 20_000), (0, 0)), "more than 40 million"),
-        (np.zeros((10, 10, 7)), "is not an image"),
-        (np.zeros(5), "is not an image"),
-        (np.full((20, 20), np.nan), "not numbers"),
-        (np.array([["a"]]), "is not an image"),
+        (np.zeros((1, 1), np.uint8), ("image-too-small", "1")),
+        (np.lib.stride_tricks.as_strided(np.zeros(1, np.uint8), (20_000, 20_000), (0, 0)), ("image-too-large", "40")),
+        (np.zeros((10, 10, 7)), ("image-shape-wrong",)),
+        (np.zeros(5), ("image-shape-wrong",)),
+        (np.full((20, 20), np.nan), ("image-not-finite",)),
+        (np.array([["a"]]), ("image-shape-wrong",)),
     ],
 )
 def test_what_is_no_usable_image_is_refused(image, words):
-    with pytest.raises(PalpateError, match=words):
+    with refused(*words):
         prepare_detector(image)
 
 
 def test_an_image_of_another_size_than_the_first_is_refused():
     image, _ = drawn(6.0, 1.0, 100.0, 2.0)
-    with pytest.raises(PalpateError, match="the detector was made for"):
+    with refused("image-size-changed"):
         prepare_detector(image).find(image[:100])
 
 
@@ -229,7 +230,7 @@ def test_dots_before_a_cluttered_room_are_recognised_by_their_order(seed):
 
 def test_texture_without_dots_is_no_field():
     rng = generator(2, "texture")
-    with pytest.raises(PalpateError, match="No field of dots"):
+    with refused("markers-not-found"):
         prepare_detector(rng.integers(120, 136, (240, 320), dtype=np.uint8))
 
 

@@ -3,7 +3,8 @@ import pytest
 from drawn_dots import draw_dots
 from posed_dome import pressed, project
 
-from palpate.core import PalpateError, generator
+from errors import refused
+from palpate.core import generator
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
 from palpate.markers import (
     Motion,
@@ -102,7 +103,7 @@ def test_after_a_sudden_release_every_marker_has_its_number_again():
 
 
 def test_nothing_to_follow_is_refused():
-    with pytest.raises(PalpateError, match="no marker"):
+    with refused("tracker-no-marker"):
         Tracker(Motion(np.empty((0, 2))))
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.material import (
     Fit,
     FitSpec,
@@ -263,7 +263,7 @@ def test_a_law_without_stiffness_is_unstable_from_rest() -> None:
     fit = fit_material(treloar("A", "uniaxial"), FitSpec(model="mooney-rivlin"))
     assert fit.law.shear_modulus < 0
     assert [(item.low, item.high) for item in fit.stability] == [(1.0, 1.0)] * 3
-    with pytest.raises(PalpateError, match="must be positive"):
+    with refused("shear-modulus-not-positive"):
         fit.material("unusable")
 
 
@@ -458,14 +458,14 @@ def test_a_fit_becomes_a_material_with_range_and_quality() -> None:
     assert trace_curve(material, Mode.UNIAXIAL, stretch).nominal == pytest.approx(fit.nominal(Mode.UNIAXIAL, stretch))
 
 
-@pytest.mark.parametrize(("spec", "says"), [({"model": "rubber"}, "There is no model 'rubber'")])
-def test_a_model_that_does_not_exist_is_refused(spec: dict[str, str], says: str) -> None:
-    with pytest.raises(PalpateError, match=says):
+@pytest.mark.parametrize(("spec", "says"), [({"model": "rubber"}, ("law-unknown", "rubber"))])
+def test_a_model_that_does_not_exist_is_refused(spec: dict[str, str], says: tuple[str, ...]) -> None:
+    with refused(*says):
         fit_material(curves("neo-hooke:0.014"), FitSpec(**spec))
 
 
 def test_no_samples_are_refused() -> None:
-    with pytest.raises(PalpateError, match="no samples"):
+    with refused("fit-no-samples"):
         fit_material([])
 
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from errors import refused
 from palpate.cli import main
 from palpate.core import PalpateError
 from palpate.material import BenchSpec, Loading, Sample, get_material, read_bench, trace_curve
@@ -132,87 +133,111 @@ def test_whatever_the_bench_writes_is_read_back(
     assert holds(read(path), rel=1e-5)
 
 
-MALFORMED: dict[str, tuple[str | bytes, dict[str, object], str]] = {
-    "empty": ("", {}, "is empty"),
-    "only comments": ("# nothing\n# at all\n", {}, "is empty"),
-    "only a header": ("strain,stress (MPa)\n", {}, "no row holds two numbers"),
-    "one row": ("strain,stress (MPa)\n0.1,0.2\n", {}, "has 1 row of numbers"),
-    "four rows": ("strain,stress (MPa)\n0.1,0.2\n0.2,0.3\n0.3,0.4\n0.4,0.5\n", {}, "has 4 rows of numbers"),
-    "one column": ("stress (MPa)\n0.1\n0.2\n0.3\n0.4\n0.5\n0.6\n", {}, "no row holds two numbers"),
+MALFORMED: dict[str, tuple[str | bytes, dict[str, object], tuple[str, ...]]] = {
+    "empty": ("", {}, ("table-empty",)),
+    "only comments": ("# nothing\n# at all\n", {}, ("table-empty",)),
+    "only a header": ("strain,stress (MPa)\n", {}, ("table-no-numbers",)),
+    "one row": ("strain,stress (MPa)\n0.1,0.2\n", {}, ("table-few-rows", "1")),
+    "four rows": ("strain,stress (MPa)\n0.1,0.2\n0.2,0.3\n0.3,0.4\n0.4,0.5\n", {}, ("table-few-rows", "4")),
+    "one column": ("stress (MPa)\n0.1\n0.2\n0.3\n0.4\n0.5\n0.6\n", {}, ("table-no-numbers",)),
     "text in numbers": (
         table().replace("\n", "\nslipped,0.1\n", 6).replace("slipped,0.1\n", "", 5),
         {},
-        "row 7, column 1 .*'slipped' is no number",
+        ("value-not-number", "row 7", "column 1", "slipped"),
     ),
-    "text in the first row": ("strain,stress (MPa)\nn/a,0.1\n" + table("").lstrip(), {}, "row 2, column 1: 'n/a'"),
+    "text in the first row": (
+        "strain,stress (MPa)\nn/a,0.1\n" + table("").lstrip(),
+        {},
+        ("value-not-number", "row 2", "column 1", "n/a"),
+    ),
     "a unit in a cell": (
         table().replace("\n", "\n0.1,0.2 kPa\n", 3).replace("0.1,0.2 kPa\n", "", 2),
         {},
-        "row 4, column 2 .*Write numbers only",
+        ("value-not-number", "row 4", "column 2", "0.2 kPa"),
     ),
-    "NaN": (table().replace("\n", "\nnan,0.1\n", 4).replace("nan,0.1\n", "", 3), {}, "row 5, column 1 .*'nan'"),
-    "infinity": (table().replace("\n", "\n0.1,inf\n", 4).replace("0.1,inf\n", "", 3), {}, "row 5, column 2 .*'inf'"),
+    "NaN": (
+        table().replace("\n", "\nnan,0.1\n", 4).replace("nan,0.1\n", "", 3),
+        {},
+        ("value-not-number", "row 5", "column 1", "nan"),
+    ),
+    "infinity": (
+        table().replace("\n", "\n0.1,inf\n", 4).replace("0.1,inf\n", "", 3),
+        {},
+        ("value-not-number", "row 5", "column 2", "inf"),
+    ),
     "an empty cell": (
         table().replace("\n", "\n,0.1\n", 4).replace("\n,0.1", "", 3),
         {},
-        "row 5, column 1 .* is empty",
+        ("cell-empty", "row 5", "column 1"),
     ),
     "a decimal comma with a comma as delimiter": (
         "strain,stress (MPa)\n" + rows(STRAIN, STRESS, "{a:.3f},{b:.5f}\n").replace(".", ","),
         {},
-        "names 2 columns, but row 2 has 4 cells",
+        ("header-length-wrong", "2", "row 2", "4"),
     ),
-    "the wrong delimiter asked for": (table(), {"delimiter": "semicolon"}, "no row holds two numbers"),
+    "the wrong delimiter asked for": (table(), {"delimiter": "semicolon"}, ("table-no-numbers",)),
     "two decimal marks": (
         table(delimiter=";", decimal=",", header="strain;stress (MPa)") + "2.5;0.1\n",
         {},
-        "row 27, column 1 .*one mark throughout",
+        ("value-not-number", "row 27", "column 1", "2.5"),
     ),
     "thousands": (
         table(delimiter=";", decimal=",", header="strain;stress (Pa)") + "2,5;1.234,5\n",
         {},
-        "'1.234,5' is no number.*none for thousands",
+        ("value-not-number", "1.234,5"),
     ),
-    "a row too long": (table() + "2.1,0.1,7\n", {}, "row 27 has 3 cells where 2 are usual"),
+    "a row too long": (table() + "2.1,0.1,7\n", {}, ("row-length-wrong", "row 27", "3", "2")),
     "mixed units": (
         "strain;stress (MPa)\n-;kPa\n" + table("", delimiter=";").lstrip(),
         {},
-        "stress .* is in MPa and in kPa.*--stress-unit",
+        ("column-unit-unknown", "stress", "MPa", "kPa", "--stress-unit"),
     ),
-    "no unit of stress": (table("strain,stress"), {}, "without a unit.*--stress-unit"),
-    "millipascal": (table("strain,stress (mPa)"), {}, "--stress-unit"),
-    "per cent without saying so": (table("strain,stress (MPa)", 100 * STRAIN), {}, "up to 200 without a unit.*%"),
+    "no unit of stress": (table("strain,stress"), {}, ("column-unit-unknown", "--stress-unit")),
+    "millipascal": (table("strain,stress (mPa)"), {}, ("column-unit-unknown", "--stress-unit")),
+    "per cent without saying so": (
+        table("strain,stress (MPa)", 100 * STRAIN),
+        {},
+        ("column-unit-unknown", "200", "--strain-unit", "%"),
+    ),
     "duplicate columns": (
         "strain,stress (MPa),stress (MPa)\n" + rows(STRAIN, STRESS, "{a},{b},{b}\n"),
         {},
-        r"columns 2 \(stress \(MPa\)\), 3 .* may all be the stress.*--stress NUMBER",
+        ("column-ambiguous", "2 (stress (MPa))", "3", "--stress"),
     ),
     "two strains": (
         "strain 1,strain 2,stress (MPa)\n" + rows(STRAIN, STRESS, "{a},{a},{b}\n"),
         {},
-        "may all be the strain.*--strain NUMBER",
+        ("column-ambiguous", "--strain"),
     ),
     "no column of stress": (
         "strain,temperature\n" + rows(STRAIN, STRESS, "{a},{b}\n"),
         {},
-        "no column is called stress",
+        ("column-missing", "--stress"),
     ),
-    "a column that is not there": (table(), {"stress": "force"}, "there is no column 'force'; there are 1"),
-    "travel without a gauge length": (table("Extension (mm),Stress (MPa)"), {}, "--gauge-length"),
-    "force without a section": (table("strain,Force (N)"), {}, "--section"),
-    "constant stress": (table(stress=0 * STRESS), {}, "stress stays at 0"),
-    "constant strain": (table(strain=0 * STRAIN + 0.1), {}, "stretch stays at"),
-    "compression called tension": (table(strain=-0.3 * STRAIN, stress=-STRESS), {}, "--compression"),
-    "stress against strain": (table(stress=-STRESS), {}, "sign against the strain"),
-    "stress in Pa called MPa": (table(stress=1e6 * STRESS), {}, "reaches .* MPa"),
-    "binary": (bytes(range(256)) * 40, {}, "binary data"),
-    "a spreadsheet": (b"PK\x03\x04" + bytes(500), {}, "spreadsheet.*CSV"),
-    "an image": (b"\x89PNG\r\n\x1a\n" + bytes(3000), {}, "binary data"),
-    "a page of text": ("It was a dark and stormy night.\n" * 50, {}, "no row holds two numbers"),
+    "a column that is not there": (table(), {"stress": "force"}, ("column-unknown", "force", "--stress")),
+    "travel without a gauge length": (
+        table("Extension (mm),Stress (MPa)"),
+        {},
+        ("gauge-length-missing", "--gauge-length"),
+    ),
+    "force without a section": (table("strain,Force (N)"), {}, ("section-missing", "--section")),
+    "constant stress": (table(stress=0 * STRESS), {}, ("stress-constant", "0")),
+    "constant strain": (table(strain=0 * STRAIN + 0.1), {}, ("stretch-constant", "1.1")),
+    "compression called tension": (
+        table(strain=-0.3 * STRAIN, stress=-STRESS),
+        {},
+        ("tension-strain-negative", "--compression"),
+    ),
+    "stress against strain": (table(stress=-STRESS), {}, ("stress-sign-wrong",)),
+    "stress in Pa called MPa": (table(stress=1e6 * STRESS), {}, ("stress-implausible", "MPa")),
+    "binary": (bytes(range(256)) * 40, {}, ("file-not-text",)),
+    "a spreadsheet": (b"PK\x03\x04" + bytes(500), {}, ("file-is-spreadsheet", "CSV")),
+    "an image": (b"\x89PNG\r\n\x1a\n" + bytes(3000), {}, ("file-not-text",)),
+    "a page of text": ("It was a dark and stormy night.\n" * 50, {}, ("table-no-numbers",)),
     "columns swapped": (
         "stress (MPa),strain (-)\n" + rows(STRAIN, STRESS, "{a},{b}\n"),
         {"strain": "1", "stress": "1"},
-        "both",
+        ("column-taken-twice", "--strain", "--stress"),
     ),
 }
 
@@ -226,11 +251,11 @@ def test_a_malformed_file_is_refused_with_row_column_and_remedy(case: str, tmp_p
     text, spec, says = MALFORMED[case]
     path = write(tmp_path / "tension.csv", text)
     started = time.perf_counter()
-    with pytest.raises(PalpateError, match=f"(?s){says}") as refused:
+    with refused(*says) as caught:
         read_bench(path, BenchSpec(**spec))
     assert time.perf_counter() - started < 5
-    assert str(path) in refused.value.what
-    assert refused.value.remedy
+    assert str(path) in caught.value.what
+    assert caught.value.remedy
 
 
 @pytest.mark.parametrize("case", MALFORMED)
@@ -264,9 +289,9 @@ def test_ten_million_rows_are_read_in_five_seconds_of_a_processor(tmp_path: Path
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="cannot be read"):
+    with refused("file-unreadable"):
         read_bench(tmp_path / "tension.csv")
-    with pytest.raises(PalpateError, match="cannot be read"):
+    with refused("file-unreadable"):
         read_bench(tmp_path)
 
 
@@ -310,7 +335,7 @@ def test_a_word_of_a_sentence_is_no_test(tmp_path: Path) -> None:
 
 def test_a_file_that_does_not_say_its_test_is_refused(tmp_path: Path) -> None:
     for name in ("sample", "tension_and_compression"):
-        with pytest.raises(PalpateError, match="--tension, --compression"):
+        with refused("test-unknown", "--tension", "--compression"):
             read_bench(write(tmp_path / f"{name}.csv", table()))
 
 
@@ -327,7 +352,7 @@ def test_compression_comes_out_negative_whichever_sign_the_bench_gives_it(
 
 
 def test_compression_to_nothing_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="A stretch is positive"):
+    with refused("stretch-not-positive"):
         read_bench(write(tmp_path / "compression.csv", table()))
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.mechanics import ArcLength
 from palpate.verify.caps import Cap
 from palpate.verify.equilibrium import follow_load
@@ -79,5 +79,5 @@ def test_a_step_back_goes_on_along_the_same_path(path: ArcLength) -> None:
 
 
 def test_without_a_load_there_is_no_path() -> None:
-    with pytest.raises(PalpateError, match="No load acts on what is free to move"):
+    with refused("load-missing"):
         CAP.path(np.zeros_like(CAP.grid.nodes), 0.02, 0.1)

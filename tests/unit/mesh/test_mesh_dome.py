@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import Dome, DomeSpec, Rim, build_skin, rotation_vector, wall_normal
 from palpate.mesh import MeshSpec, centre_mesh, locate_inner, locate_nodes, measure_quality, mesh_skin
 
@@ -101,7 +101,7 @@ def test_interpolation_of_a_quadratic_field_is_nearly_exact() -> None:
 @pytest.mark.parametrize("point", [[0, 0, 19], [0, 0, 21], [0, 21, -1]])
 def test_a_point_off_the_inner_surface_is_refused(point: list[float]) -> None:
     mesh = mesh_skin(build_skin(DomeSpec()))
-    with pytest.raises(PalpateError, match="mm"):
+    with refused("point-off-surface", "mm"):
         locate_inner(mesh, np.array([point], float))
 
 

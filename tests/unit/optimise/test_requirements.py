@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -10,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from errors import check_values, refused
 from palpate.built import BuiltFigure
-from palpate.core import MissingExtraError, PalpateError
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.optimise import (
     Front,
@@ -32,27 +33,27 @@ from palpate.optimise.write_front import report, winner_study, write_front
 from palpate.study import read_study
 
 WRONG = {
-    "heights: [20, 10]": "20 to 10 is no range within 2 to 60 mm",
-    "heights: [10, 90]": "no range within 2 to 60 mm",
-    "depth: 12\nheights: [5, 11]": "no height up to 11 mm can be pressed by 12 mm",
-    "least_depth: 8": "least_depth is 8 mm and depth 8 mm",
-    "greatest_dot: 0.8": "greatest_dot is 0.8 mm and dot 1 mm",
-    "dot: 0.2": "less than process.smallest_dot, 0.4 mm",
-    "materials: [cheese]": "cheese",
-    "cameras: []": "the list is empty",
-    "objectives: [error, error]": "error stands there twice",
-    "objectives: [price]": "there is only one camera",
-    "objectives: [beauty]": "Input should be",
-    "cameras:\n- name: eye\n  distances: [60, 40]": "60 to 40 is no range",
-    "cameras:\n- name: eye\n  camera: {width_px: 0}": "width_px",
-    "cameras:\n- name: eye": "of the camera eye nothing is known but its name",
-    "cameras:\n- name: eye\n  distances: [40, 60]": "give its numbers as camera, or name davis346",
-    "makrers: 37": "did you mean markers?",
-    "force_n: -1": "greater than 0",
-    "thicknesses: [2]": "thicknesses",
-    "control: -1": "greater than or equal to 0",
-    "grid:\n  designs:\n    heights: [90]": "90",
-    "grid:\n  designs:\n    markers: [{file: dots.csv}]": "a grid's layouts are rings",
+    "heights: [20, 10]": ("range-malformed", 20, 10, 2, 60),
+    "heights: [10, 90]": ("range-malformed", 90, 2, 60),
+    "depth: 12\nheights: [5, 11]": ("heights-below-depth", 11, 12),
+    "least_depth: 8": ("depths-not-rising", "least_depth", 8),
+    "greatest_dot: 0.8": ("marker-sizes-not-rising", "greatest_dot", 0.8, 1),
+    "dot: 0.2": ("markers-not-printable", "process.smallest_dot", 0.2, 0.4),
+    "materials: [cheese]": ("material-unknown", "cheese"),
+    "cameras: []": ("list-empty", "cameras"),
+    "objectives: [error, error]": ("list-entry-twice", "objectives", "error"),
+    "objectives: [price]": ("price-without-choice", "price"),
+    "objectives: [beauty]": ("literal_error", "objectives", "beauty"),
+    "cameras:\n- name: eye\n  distances: [60, 40]": ("range-malformed", 60, 40),
+    "cameras:\n- name: eye\n  camera: {width_px: 0}": ("greater_than_equal", "width_px"),
+    "cameras:\n- name: eye": ("camera-unknown", "eye"),
+    "cameras:\n- name: eye\n  distances: [40, 60]": ("camera-unknown", "davis346"),
+    "makrers: 37": ("extra_forbidden", "makrers", "markers"),
+    "force_n: -1": ("greater_than", "force_n", -1),
+    "thicknesses: [2]": ("missing", "thicknesses"),
+    "control: -1": ("greater_than_equal", "control", -1),
+    "grid:\n  designs:\n    heights: [90]": ("less_than_equal", "grid.designs.heights", 90),
+    "grid:\n  designs:\n    markers: [{file: dots.csv}]": ("layout-not-rings", "grid.designs"),
 }
 
 
@@ -60,18 +61,22 @@ WRONG = {
 def test_bad_requirements_are_one_sentence_with_the_line(tmp_path: Path, line: str) -> None:
     file = tmp_path / "wanted.yaml"
     file.write_text(f"name: wanted\n{line}\n")
-    with pytest.raises(PalpateError) as caught:
+    with refused(*WRONG[line]) as caught:
         read_requirements(file)
-    assert WRONG[line] in str(caught.value).replace("\n", " ")
     assert f"{file}:" in str(caught.value)
 
 
 def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
-    for name, content in (("none", None), ("bytes", b"\xff\xfe"), ("list", b"- 1\n"), ("empty", b"")):
+    for name, content, code in (
+        ("none", None, "file-unreadable"),
+        ("bytes", b"\xff\xfe", "file-not-text"),
+        ("list", b"- 1\n", "yaml-not-mapping"),
+        ("empty", b"", "yaml-not-mapping"),
+    ):
         file = tmp_path / name
         if content is not None:
             file.write_bytes(content)
-        with pytest.raises(PalpateError, match=str(file)):
+        with refused(code, file):
             read_requirements(file)
 
 
@@ -84,7 +89,7 @@ def test_a_folder_named_as_the_preset_does_not_hide_it(tmp_path: Path, monkeypat
 def test_without_what_reads_images_nothing_is_begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Skins of which no image could be read would all be told as such that cannot be made."""
     monkeypatch.setitem(sys.modules, "cv2", None)
-    with pytest.raises(MissingExtraError, match="OpenCV"):
+    with refused("extra-missing", "OpenCV"):
         optimise_design(SPEC, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -139,17 +144,17 @@ def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once
     assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
     assert Front(SPEC, TRIED).ends == ()
     page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
-    assert "no greater than 0.310°, as is foreseen of the rival" in page
-    assert "* fewest markers: skin 1, H18 T2, 19 dots of 1.5 mm" in page
+    check_values(page, "0.310°")
+    (told,) = (line for line in page.splitlines() if line.startswith("* fewest markers"))
+    check_values(told, 1, "H18 T2", 19, "1.5 mm")
 
 
 def test_what_cannot_be_met_is_told_with_what_stands_in_the_way() -> None:
     hard = SPEC.model_copy(update={"error_deg": 0.1})
-    assert Front(hard, TRIED).shortfall == "The least error found is 0.150°, and 0.1° is wanted."
+    check_values(Front(hard, TRIED).shortfall, "0.150°", "0.1°")
     none = Front(SPEC, (TRIED[2], TRIED[2], TRIED[3]))
     assert none.winner is None
-    assert "of 2 the force on the workpiece is too great" in none.shortfall
-    assert "number 3, over by 12 %" in none.shortfall
+    check_values(none.shortfall, "force", 2, 3, "12 %")
 
 
 def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Path) -> None:
@@ -163,9 +168,7 @@ def test_the_report_says_how_it_was_made_and_the_winner_is_a_study(tmp_path: Pat
     assert (dome.height, study.designs.markers[0].count, study.camera.distance) == (18.0, 37, 44.0)
     assert winner_study(front, front.winner) == (tmp_path / "winner.yaml").read_text()
     page = report(front, find_influences(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
-    assert "The requirements are met." in page
-    assert "Too few skins were tried to say what matters." in page
-    assert "4 skins were tried, 2 meet the limits" in page
+    check_values(page, 4, 2)
 
 
 def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_next(
@@ -189,8 +192,8 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
     assert finished.winner.tried.number == 2
     page = report(finished, find_influences(tried, SkinSpace.of(spec), 169), "")
     for number in (0, 1):
-        assert f"Skin {number} met the limits by coarse presses alone: by fine ones the skin cannot be" in page
-    assert "Skin 2 met" not in page
+        assert re.search(rf"\bSkin {number}\b", page)
+    assert not re.search(r"\bSkin 2\b", page)
 
 
 def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -> None:
@@ -199,17 +202,19 @@ def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -
     front = Front(SPEC, (TRIED[0], finalist), control=Control((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0])))
     write_front(tmp_path, front, "palpate optimise wanted.yaml")
     page = (tmp_path / "report.md").read_text()
-    assert "* search, 2 skins: H18 T2, 37 dots: 0.1500°" in page
-    assert "* chance, 2 skins: H20 T2, 37 dots: 0.2500°" in page
-    assert "* grid, 6 designs: H20 T2, 37 dots: 0.2500°" in page
+    for name, *values_told in (
+        ("search", 2, "H18 T2", 37, "0.1500°"),
+        ("chance", 2, "H20 T2", 37, "0.2500°"),
+        ("grid", 6, "H20 T2", 37, "0.2500°"),
+    ):
+        (told,) = (line for line in page.splitlines() if line.startswith(f"* {name},"))
+        check_values(told, *values_told)
     control = json.loads((tmp_path / "front.json").read_text())["control"]
     assert [control[name]["worst_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
     picture = (tmp_path / "search.svg").read_text()
-    assert "least by chance" in picture
-    assert "best of the grid: H20 T2, 37 dots" in picture
-    assert "by the same coarse presses" in page
+    check_values(picture, "chance", "H20 T2", 37)
     alone = report(Front(SPEC, TRIED), find_influences(TRIED, SkinSpace.of(SPEC), 169), "")
-    assert "by the same coarse presses" not in alone
+    assert not any(line.startswith(("* chance,", "* grid,")) for line in alone.splitlines())
 
 
 def spread_skins(error_deg: Callable[[int, float], float]) -> tuple[SkinSpace, list[TriedSkin]]:
@@ -234,7 +239,7 @@ def test_what_matters_is_found_where_it_is_known() -> None:
     assert found.variables[0].name == "height"
     assert found.variables[0].together == pytest.approx(1.0, abs=0.05)
     assert all(abs(one.together) < 0.05 for one in found.variables[1:])
-    assert found.sentence.startswith("What matters most: height. What hardly matters:")
+    assert "height" in found.sentence
 
 
 def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
@@ -244,7 +249,7 @@ def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
     found = find_influences(tried, space, 169)
     assert found.explained < 0.2
     assert max(one.together for one in found.variables) > 0.15
-    assert found.sentence == "What matters cannot be told: no smooth surface goes through the skins tried."
+    assert not any(one.name in found.sentence for one in found.variables)
 
 
 def test_skins_that_fall_short_of_the_depth_do_not_say_what_matters() -> None:

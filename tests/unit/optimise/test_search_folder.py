@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.design import DomeSpec
 from palpate.optimise import Judged, Proposal, SearchPlan, SkinSpace, is_search, read_search, search_skins
 from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, values, violations
@@ -86,15 +86,15 @@ def test_a_design_has_the_parts_that_were_found(tmp_path: Path) -> None:
         assert (design.skin, design.material) == (entry.tried.known.skin, MATERIAL)
         assert design.markers == entry.option.markers
         assert design.camera == SPEC.cameras[0].camera.model_copy(update={"distance": 44.0})
-    with pytest.raises(PalpateError, match="There is no design 999"):
+    with refused("design-unknown", "999"):
         found.design(999)
 
 
 def test_a_folder_of_something_else_or_a_broken_one_is_told(tmp_path: Path) -> None:
     assert not is_search(tmp_path)
-    with pytest.raises(PalpateError, match="holds no search"):
+    with refused("search-missing"):
         read_search(tmp_path)
     write_search(tmp_path, finished=True)
     (tmp_path / "front.json").write_text("{")
-    with pytest.raises(PalpateError, match="cannot be read"):
+    with refused("search-unreadable"):
         read_search(tmp_path)

@@ -8,7 +8,7 @@ import pytest
 
 from drawn_gel import DrawnGel, place_pins
 from drawn_tactip import DrawnSensor, another_unit, draw_image, draw_motions, place_heads
-from palpate.core import PalpateError
+from errors import refused
 from palpate.markers import prepare_detector
 from palpate.recording import Correspondent, Fault, assign_images, number_dots
 from palpate.recording.sight import Sight
@@ -165,5 +165,5 @@ def test_where_the_skin_is_smooth_nothing_is_learnt_and_none_is_wrong() -> None:
 
 
 def test_too_few_dots_at_rest_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="shows 3 dots"):
+    with refused("rest-markers-few", "3"):
         number_dots(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]]))

@@ -1,7 +1,6 @@
 """Tables as labs write them: columns known by their names, and a sentence where they are wrong or mean two things."""
 
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,8 +10,8 @@ import h5py
 import numpy as np
 import pytest
 
+from errors import check_values, refused
 from needs import needs
-from palpate.core import PalpateError
 from palpate.recording import Choice, Recording, read_recording, read_table
 
 COUNT = 24
@@ -59,7 +58,7 @@ def test_radians_and_metres_become_degrees_and_mm(tmp_path: Path) -> None:
 def test_one_angle_and_a_depth_are_a_pose(tmp_path: Path) -> None:
     found = read(tmp_path, "angle,depth", waves(30, 4))
     assert [(one.axis, one.unit) for one in found.poses] == [("angle", "deg"), ("depth", "mm")]
-    assert any("names no unit" in note for note in found.notes)
+    assert any("angle" in note for note in found.notes)
 
 
 def test_columns_to_learn_are_chosen_and_come_in_that_order(tmp_path: Path) -> None:
@@ -78,9 +77,7 @@ def test_columns_that_stay_or_count_or_are_text_are_left_out_and_told(tmp_path: 
     found = read(tmp_path, "force_N,number,lamp,rx_deg", cells)
     assert [one.axis for one in found.poses] == ["rx"]
     told = " ".join(found.notes)
-    assert "force_N is left out: it is 1.5 throughout" in told
-    assert "number is left out: it counts the rows" in told
-    assert "lamp is left out: it holds text" in told
+    check_values(told, "force_N", 1.5, "number", "lamp")
 
 
 def test_images_of_one_press_are_kept_together_and_rest_is_known_by_its_press(tmp_path: Path) -> None:
@@ -105,24 +102,24 @@ def test_euler_angles_become_the_rotation_vector_of_the_tilt(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("head", "cells", "choice", "sentence"),
     [
-        ("rx,ry_deg", waves(0.4, 9), {}, "rx names no unit, and its values up to 0.4 may be radians or degrees"),
-        ("z,rx_deg", waves(0.005, 9), {}, "z names no unit, and its values up to 0.005 may be metres or mm"),
-        ("rx_deg", waves(9), {"learn": ("ry_deg",)}, "has no column ry_deg; it has image, rx_deg"),
-        ("rx_deg", [[1.0]] * COUNT, {"learn": ("rx_deg",)}, "Column rx_deg cannot be learnt: it is 1 throughout"),
-        ("rx_deg", [["n/a"], *waves(9)[1:]], {"learn": ("rx_deg",)}, "line 2 has 'n/a', which is no number"),
-        ("rx_deg", [[""], *waves(9)[1:]], {"learn": ("rx_deg",)}, "1 of its 24 cells are empty"),
-        ("rx_deg,rx_deg", waves(9, 9), {}, "two columns named rx_deg"),
-        ("lamp", [["on"]] * COUNT, {}, "has no column to learn"),
-        ("press,rx_deg", [[1, *row] for row in waves(9)], {}, "1 press: none could be held out"),
-        ("rx_deg,ry_deg", waves(9, 9), {"euler": "xxy"}, "no order of Euler angles"),
+        ("rx,ry_deg", waves(0.4, 9), {}, ("column-unit-unknown", "rx", "0.4")),
+        ("z,rx_deg", waves(0.005, 9), {}, ("column-unit-unknown", "z", "0.005", "mm")),
+        ("rx_deg", waves(9), {"learn": ("ry_deg",)}, ("column-unknown", "ry_deg", "image, rx_deg")),
+        ("rx_deg", [[1.0]] * COUNT, {"learn": ("rx_deg",)}, ("column-not-trainable", "rx_deg", "1")),
+        ("rx_deg", [["n/a"], *waves(9)[1:]], {"learn": ("rx_deg",)}, ("column-not-trainable", "n/a", "line 2")),
+        ("rx_deg", [[""], *waves(9)[1:]], {"learn": ("rx_deg",)}, ("column-not-trainable", "1", "24")),
+        ("rx_deg,rx_deg", waves(9, 9), {}, ("column-twice", "rx_deg")),
+        ("lamp", [["on"]] * COUNT, {}, ("columns-none",)),
+        ("press,rx_deg", [[1, *row] for row in waves(9)], {}, ("recording-few-presses", "1")),
+        ("rx_deg,ry_deg", waves(9, 9), {"euler": "xxy"}, ("euler-order-unknown",)),
     ],
 )
 def test_what_is_wrong_with_a_table_is_told_in_a_sentence(
-    tmp_path: Path, head: str, cells: list[list[object]], choice: dict[str, object], sentence: str
+    tmp_path: Path, head: str, cells: list[list[object]], choice: dict[str, object], sentence: tuple[str, ...]
 ) -> None:
-    with pytest.raises(PalpateError, match=re.escape(sentence)) as refused:
+    with refused(*sentence) as caught:
         read(tmp_path, head, cells, **choice)
-    assert refused.value.remedy
+    assert caught.value.remedy
 
 
 def test_images_that_are_nowhere_are_told_and_those_in_a_folder_below_are_found(tmp_path: Path) -> None:
@@ -130,16 +127,16 @@ def test_images_that_are_nowhere_are_told_and_those_in_a_folder_below_are_found(
     path = write_csv(tmp_path, "image,rx_deg", [f"{name},{n * n % 17}" for n, name in enumerate(names)])
     assert len(read_recording(path)) == COUNT
     write_csv(tmp_path, "image,rx_deg", [f"x{name},{n * n % 17}" for n, name in enumerate(names)])
-    with pytest.raises(PalpateError, match=r"None of the 24 images of the table is there, the first is x000\.png"):
+    with refused("images-missing", "24", "x000.png"):
         read_recording(path)
 
 
 def test_a_folder_without_a_table_or_with_two_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PalpateError, match="holds no table"):
+    with refused("recording-no-table"):
         read_recording(tmp_path)
     (tmp_path / "a.csv").write_text("image\n")
     (tmp_path / "b.csv").write_text("image\n")
-    with pytest.raises(PalpateError, match=r"2 tables: a\.csv, b\.csv"):
+    with refused("recording-several-tables", "2", "a.csv, b.csv"):
         read_recording(tmp_path)
 
 
@@ -234,7 +231,7 @@ def write_long_table(folder: Path, rows: int) -> Path:
 def test_a_long_table_is_thinned_by_whole_presses_and_that_is_told(tmp_path: Path) -> None:
     found = read_recording(write_long_table(tmp_path, 50_000), most=2000)
     assert (len(found), found.presses) == (2000, 20)
-    assert any("50000 images, of which 2000 are used" in note for note in found.notes)
+    assert any("50000" in note and "2000" in note for note in found.notes)
 
 
 @pytest.mark.slow
@@ -254,12 +251,12 @@ def test_a_table_of_a_million_rows_is_read_in_bounded_memory(tmp_path: Path) -> 
 
 def test_a_table_that_is_none_is_refused_in_a_sentence(tmp_path: Path) -> None:
     for name, content, sentence in (
-        ("a.csv", b"\xff\xfe\x00garbage\x80\x81" * 20, "cannot be read"),
-        ("b.csv", b"image,rx\n", "no row"),
-        ("c.csv", b"1.0,2.0,3.0\n1,2,3\n", "numbers in its first line"),
-        ("d.csv", b"image,rx\n1.png,2,3,4\n", "more cells than columns"),
-        ("e.jsonl", b"[1, 2]\n", "no object"),
+        ("a.csv", b"\xff\xfe\x00garbage\x80\x81" * 20, ("table-unreadable",)),
+        ("b.csv", b"image,rx\n", ("table-empty",)),
+        ("c.csv", b"1.0,2.0,3.0\n1,2,3\n", ("header-missing",)),
+        ("d.csv", b"image,rx\n1.png,2,3,4\n", ("row-length-wrong",)),
+        ("e.jsonl", b"[1, 2]\n", ("table-line-not-object",)),
     ):
         (tmp_path / name).write_bytes(content)
-        with pytest.raises(PalpateError, match=sentence):
+        with refused(*sentence):
             read_table(tmp_path / name)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.material import read_relaxation
 from palpate.relaxation import Moduli, RelaxationTest, draw_relaxation, fit_relaxation
 
@@ -168,17 +168,17 @@ def test_a_measured_relaxation_is_met_within_a_per_cent():
 
 def test_a_stress_that_levels_off_at_nothing_is_refused():
     time = np.geomspace(0.01, 100, 60)
-    with pytest.raises(PalpateError, match="as if nothing would stay"):
+    with refused("relaxation-not-levelled"):
         fit_relaxation([RelaxationTest("fluid", time, np.exp(-time / 20) + 1e-6)])
 
 
 def test_fewer_rows_than_constants_are_refused():
     time = np.geomspace(0.01, 100, 8)
-    with pytest.raises(PalpateError, match="9 constants, and there are 8 rows"):
+    with refused("fit-few-rows", "9", "8"):
         fit_relaxation([RelaxationTest("few", time, stretched(time))], terms=4)
-    with pytest.raises(PalpateError, match="no relaxation tests"):
+    with refused("fit-no-samples"):
         fit_relaxation([])
-    with pytest.raises(PalpateError, match="series of 0 terms"):
+    with refused("relaxation-term-count", "0"):
         fit_relaxation([RelaxationTest("few", time, stretched(time))], terms=0)
-    with pytest.raises(PalpateError, match="the held stress rises"):
+    with refused("held-stress-rises"):
         fit_relaxation([RelaxationTest("rising", time, stretched(time)[::-1])])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.relaxation import Moduli, Relaxation, StressHistory, relax_history
 
 SERIES = Relaxation((0.1, 0.05, 0.2), (0.02, 1.0, 30.0), Moduli.INSTANTANEOUS)
@@ -27,22 +27,21 @@ def test_moduli_say_at_which_time_the_constants_hold():
 @pytest.mark.parametrize(
     ("shares", "times", "says"),
     [
-        ((-0.1,), (1.0,), "Share 1 of the relaxation is -0.1"),
-        ((0.6, 0.4), (1.0, 2.0), "sum to 1"),
-        ((0.1,), (0.0,), "Time 1 of the relaxation is 0 s"),
-        ((0.1,), (np.inf,), "Time 1"),
-        ((np.nan,), (1.0,), "Share 1"),
-        ((0.1, 0.1), (2.0, 1.0), "are 2, 1 s"),
-        ((0.1, 0.1), (1.0, 1.0), "are 1, 1 s"),
-        ((), (), "0 shares"),
-        ((0.1,), (1.0, 2.0), "1 shares and 2 times"),
+        ((-0.1,), (1.0,), ("relaxation-share-negative", "1", "-0.1")),
+        ((0.6, 0.4), (1.0, 2.0), ("relaxation-shares-sum", "1")),
+        ((0.1,), (0.0,), ("relaxation-time-not-positive", "1", "0")),
+        ((0.1,), (np.inf,), ("relaxation-time-not-positive", "1", "inf")),
+        ((np.nan,), (1.0,), ("relaxation-share-negative", "1", "nan")),
+        ((0.1, 0.1), (2.0, 1.0), ("relaxation-times-not-rising", "2, 1")),
+        ((0.1, 0.1), (1.0, 1.0), ("relaxation-times-not-rising", "1, 1")),
+        ((), (), ("relaxation-lengths-differ", "0")),
+        ((0.1,), (1.0, 2.0), ("relaxation-lengths-differ", "1", "2")),
     ],
 )
 def test_a_series_that_is_none_is_refused_with_its_numbers(shares, times, says):
-    with pytest.raises(PalpateError) as refused:
+    with refused(*says) as caught:
         Relaxation(shares, times)
-    assert says in refused.value.what
-    assert refused.value.remedy
+    assert caught.value.remedy
 
 
 def test_a_history_of_straight_pieces_is_its_convolution():
@@ -85,5 +84,5 @@ def test_the_value_foreseen_is_the_one_that_comes():
 def test_time_that_goes_back_is_refused():
     history = StressHistory(SERIES)
     history.follow(2.0, 1.0)
-    with pytest.raises(PalpateError, match="goes back from 2 s to 1 s"):
+    with refused("time-goes-back", "2", "1"):
         history.follow(1.0, 1.0)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import palpate.camera
+from errors import check_values
 from palpate.bench import set_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source
@@ -93,7 +94,7 @@ class Paced(Source):
     def images(self):
         for number in range(5):
             self.go.acquire()
-            yield PalpateError("torn", "Again.") if number == 2 else coloured(number)
+            yield PalpateError("torn", "Again.", code="image-damaged") if number == 2 else coloured(number)
 
     def close(self):
         self.closed = True
@@ -140,11 +141,12 @@ def test_images_come_in_the_order_of_colours_that_was_asked_for(plugin, paced):
 def test_an_image_is_handed_out_once_and_the_latest_again_and_again(plugin, paced):
     camera = opened(plugin, paced)
     first = camera.async_read()
-    with pytest.raises(TimeoutError, match="within 50 ms"):
+    with pytest.raises(TimeoutError) as late:
         camera.async_read(50)
+    check_values(str(late.value), 50)
     assert camera.read_latest(10_000) is first
     time.sleep(0.05)
-    with pytest.raises(TimeoutError, match="ms old"):
+    with pytest.raises(TimeoutError):
         camera.read_latest(10)
     threading.Timer(0.1, paced.go.release).start()
     assert camera.read()[0, 0, 2] == 1
@@ -157,16 +159,17 @@ def test_what_cannot_be_read_and_the_end_are_said(plugin, paced):
     camera.async_read(2000)
     paced.go.release()
     time.sleep(0.05)
-    with pytest.raises(TimeoutError, match="torn"):
+    with pytest.raises(TimeoutError) as late:
         camera.async_read(50)
+    check_values(str(late.value), "torn")
     for _ in range(3):
         paced.go.release()
     camera._thread.join(2)
     assert camera.async_read()[0, 0, 2] == 4, "the last image is still there"
-    with pytest.raises(ConnectionError, match="no more images"):
+    with pytest.raises(ConnectionError):
         camera.async_read()
     camera.disconnect()
-    with pytest.raises(ConnectionError, match="not connected"):
+    with pytest.raises(ConnectionError):
         camera.read()
 
 
@@ -174,21 +177,24 @@ def test_another_size_a_second_connect_and_a_source_that_is_not_there_are_refuse
     plugin, paced, monkeypatch, tmp_path
 ):
     camera = opened(plugin, paced)
-    with pytest.raises(ConnectionError, match="already"):
+    with pytest.raises(ConnectionError):
         camera.connect()
     other = Paced()
     for _ in range(3):
         other.go.release()
     monkeypatch.setattr(sys.modules["lerobot_camera_palpate.camera"], "open_source", lambda text: other)
     wide = plugin.PalpateCamera(plugin.PalpateCameraConfig(source="any", width=640, height=480))
-    with pytest.raises(ConnectionError, match="6 x 4 pixels, not 640 x 480"):
+    with pytest.raises(ConnectionError) as left:
         wide.connect()
+    check_values(str(left.value), 6, 4, 640, 480)
     monkeypatch.setattr(sys.modules["lerobot_camera_palpate.camera"], "open_source", palpate.camera.open_source)
     gone = plugin.PalpateCamera(plugin.PalpateCameraConfig(source=str(tmp_path / "nowhere")))
-    with pytest.raises(ConnectionError, match="nowhere"):
+    with pytest.raises(ConnectionError) as left:
         gone.connect()
-    with pytest.raises(ValueError, match="warmup_s"):
+    check_values(str(left.value), "nowhere")
+    with pytest.raises(ValueError) as bad:  # noqa: PT011
         plugin.PalpateCameraConfig(warmup_s=0)
+    check_values(str(bad.value), "warmup_s")
 
 
 def test_with_a_twin_every_image_has_a_reading(plugin, tmp_path):
@@ -212,8 +218,9 @@ def test_with_a_twin_every_image_has_a_reading(plugin, tmp_path):
     assert camera.reading["depth_mm"] == pytest.approx(3.0, abs=0.1)
     camera.disconnect()
     wrong = plugin.PalpateCamera(plugin.PalpateCameraConfig(**config | {"markers": 8}))
-    with pytest.raises(ConnectionError, match="markers"):
+    with pytest.raises(ConnectionError) as left:
         wrong.connect()
+    check_values(str(left.value), "markers", 8)
 
 
 def test_lerobot_itself_makes_the_camera_of_its_type(plugin):

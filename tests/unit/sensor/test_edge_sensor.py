@@ -6,10 +6,10 @@ from itertools import islice
 import numpy as np
 import pytest
 
+from errors import refused
 from needs import needs
 from palpate.bench import SimulatedSource
 from palpate.camera import build_camera
-from palpate.core import PalpateError
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
 from palpate.fea import solve_press
@@ -114,5 +114,5 @@ def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator
 
 
 def test_no_limit_is_told_of_an_edge(dataset, presses):
-    with pytest.raises(PalpateError, match="lies level is not known"):
+    with refused("limit-obstacle-level"):
         find_limits(build_field(presses, LAYOUT), build_camera(), dataset.spec)

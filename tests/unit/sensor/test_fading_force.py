@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from errors import refused
 from palpate.built import Force
-from palpate.core import PalpateError
 from palpate.material import get_material
 from palpate.relaxation import Moduli, Relaxation
 from palpate.sensor import Reading, Sensor
@@ -89,7 +89,7 @@ def test_the_twin_tells_how_its_material_relaxes():
     assert twin_relaxation(SimpleNamespace(material="")) is None
     assert twin_relaxation(told["plain"]) is None
     assert twin_relaxation(told["fading"]) == SERIES
-    with pytest.raises(PalpateError, match="relaxes otherwise"):
+    with refused("gel-relaxes-otherwise"):
         twin_relaxation(told["torn"])
 
 

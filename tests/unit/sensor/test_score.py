@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from palpate.core import PalpateError, generator
+from errors import refused
+from palpate.core import generator
 from palpate.learn import measure_errors
 from palpate.sensor import find_zero, score_readings
 
@@ -51,7 +52,7 @@ def test_images_without_a_pose_are_left_out_and_counted_by_the_caller():
     estimates[:8] = np.nan
     score = score_readings(truth, estimates, press)[0]
     assert (score.images, score.presses) == (88, 11)
-    with pytest.raises(PalpateError, match="no image"):
+    with refused("evaluation-no-image"):
         score_readings(truth, np.full_like(estimates, np.nan), press)
 
 
@@ -63,5 +64,5 @@ def test_the_zero_is_found_whatever_the_robot_believes():
     zero = find_zero(estimated, depth + 1.0)
     assert zero.offset == pytest.approx(1.0, abs=0.02)
     assert zero.spread < 0.03
-    with pytest.raises(PalpateError, match="do not give the depth's zero"):
+    with refused("depth-zero-unknown"):
         find_zero(estimated[:4], depth[:4])

@@ -53,7 +53,7 @@ class Sum(Task):
 
     def _fail(self, store: ArtefactStore) -> None:
         if self.fault == "foreseen":
-            raise PalpateError("The wall is too thin.", "Take 2 mm.")
+            raise PalpateError("The wall is too thin.", "Take 2 mm.", code="wall-too-thin")
         if self.fault == "unforeseen":
             raise KeyError("tilt")
         if self.fault == "killed" or (self.fault == "killed once" and starts(store, self.label) == 1):

@@ -3,9 +3,8 @@
 from pathlib import Path
 
 import pytest
-from pydantic import ValidationError
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.task import PressTask
@@ -55,42 +54,44 @@ def test_units_of_other_friction_are_pressed_at_the_side_as_well() -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"side_wall": None, "tilts_deg": [0, 2]}, "open at both ends: nothing touches it"),
-        ({"designs": {}}, "comes to the side of a barrel, and H20 T2 is none"),
-        ({"tilts_deg": [70, 92]}, "A wall tilted by 70° touches a clamped end of barrel 50 .* first"),
-        ({"forces": True}, "has no apex: as yet a barrel is pressed, seen, learnt and made"),
-        ({"built": {}}, "has no apex: as yet a barrel is pressed, seen, learnt and made"),
-        ({"material": {"gel": "neo-hooke:0.03"}}, "what fills it is not meshed"),
+        ({"side_wall": None, "tilts_deg": [0, 2]}, ("obstacle-needs-apex",)),
+        ({"designs": {}}, ("side-wall-needs-barrel", "H20 T2 is none")),
+        ({"tilts_deg": [70, 92]}, ("side-wall-touches-end", "70", "50")),
+        ({"forces": True}, ("skin-no-apex",)),
+        ({"built": {}}, ("skin-no-apex",)),
+        ({"material": {"gel": "neo-hooke:0.03"}}, ("filling-needs-apex",)),
     ],
 )
-def test_what_does_not_fit_is_refused_before_anything_is_pressed(change: dict[str, object], says: str) -> None:
-    with pytest.raises(PalpateError, match=says):
+def test_what_does_not_fit_is_refused_before_anything_is_pressed(
+    change: dict[str, object], says: tuple[str, ...]
+) -> None:
+    with refused(*says):
         plan_study(Study.model_validate({**BARREL, **change}))
 
 
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"tilts_deg": [0, 2]}, "greater than or equal to 60"),
-        ({"side_wall": None}, "less than or equal to 30"),
-        ({"wall": {"depth": 2}}, "side_wall takes the place of wall"),
-        ({"side_wall": {"depth": 100}}, "obstacle's depth: Input should be less than or equal to 60"),
-        ({"side_wall": {"dept": 1}}, "obstacle's dept: Extra inputs"),
-        ({"side_wall": {"tilt_deg": 91}}, "tilt_deg is not chosen here"),
+        ({"tilts_deg": [0, 2]}, ("greater_than_equal", "60")),
+        ({"side_wall": None}, ("less_than_equal", "30")),
+        ({"wall": {"depth": 2}}, ("side-wall-not-alone", "side_wall")),
+        ({"side_wall": {"depth": 100}}, ("less_than_equal", "60")),
+        ({"side_wall": {"dept": 1}}, ("extra_forbidden",)),
+        ({"side_wall": {"tilt_deg": 91}}, ("wall-tilt-given", "tilt_deg")),
     ],
 )
-def test_a_wall_at_the_side_that_is_none_is_refused(change: dict[str, object], says: str) -> None:
-    with pytest.raises(ValidationError, match=says):
+def test_a_wall_at_the_side_that_is_none_is_refused(change: dict[str, object], says: tuple[str, ...]) -> None:
+    with refused(*says):
         Study.model_validate({**BARREL, **change})
 
 
 def test_a_wrong_number_of_a_wall_at_the_side_is_the_only_error() -> None:
-    with pytest.raises(ValidationError) as caught:
+    with refused("extra_forbidden", "dept") as caught:
         Study.model_validate({**BARREL, "side_wall": {"dept": 1}})
     assert [error["loc"][0] for error in caught.value.errors()] == ["side_wall"]
 
 
 def test_a_wall_at_the_side_needs_tilts_of_its_own() -> None:
     without = {name: value for name, value in BARREL.items() if name != "tilts_deg"}
-    with pytest.raises(ValidationError, match="give it tilts_deg from 60 to 120"):
+    with refused("side-wall-not-alone", "tilts_deg", "60", "120"):
         Study.model_validate(without)

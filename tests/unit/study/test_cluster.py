@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from small_task import Sum, do, read, starts
 
+from errors import refused
 from needs import needs
-from palpate.core import ArtefactStore, MissingExtraError, PalpateError
+from palpate.core import ArtefactStore
 from palpate.study import Silence, check_place
 from palpate.study.cluster import ClusterWorkers
 from palpate.study.schedule import do_tasks
@@ -32,7 +33,7 @@ def tree(lasts: float) -> list[Sum]:
     "where", ["moon", "local:0", "local:9999", "local:-1", "tcp://", "http://a:1", "tcp://a;b:1"]
 )
 def test_check_place_refuses_what_is_no_cluster(where: str) -> None:
-    with pytest.raises(PalpateError, match="local:N"):
+    with refused("cluster-malformed", "local:N"):
         check_place(where)
 
 
@@ -45,7 +46,7 @@ def test_without_the_library_it_is_said_what_to_install(
     store: ArtefactStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(MissingExtraError, match=r"palpate\[cluster\]"):
+    with refused("extra-missing", "palpate[cluster]"):
         ClusterWorkers(store, "local:1")
 
 
@@ -95,5 +96,5 @@ def test_a_scheduler_that_does_not_answer_is_an_error_with_a_remedy(
 ) -> None:
     needs("distributed")
     monkeypatch.setattr("palpate.study.cluster.CONNECT_S", 1.0)
-    with pytest.raises(PalpateError, match="dask scheduler"):
+    with refused("scheduler-silent", "dask scheduler"):
         ClusterWorkers(store, "tcp://127.0.0.1:9")

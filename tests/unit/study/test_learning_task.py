@@ -3,9 +3,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from palpate.core import ArtefactStore, PalpateError
+from errors import refused
+from palpate.core import ArtefactStore
 from palpate.dataset import Dataset, DatasetSpec, sample_poses, write_dataset
 from palpate.learn import DepthLimit, calibrate, fit_ridge, write_estimator
 from palpate.study import Study
@@ -72,7 +72,7 @@ def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
 def test_an_estimator_better_than_any_can_be_is_refused_as_leakage(tmp_path: Path) -> None:
     store = ArtefactStore(tmp_path)
     task = prepare(store, floor_deg=3.0)
-    with pytest.raises(PalpateError, match=r"Leakage: the jittered RMSE at 4 mm is .* below 3°"):
+    with refused("evaluation-leaks", "4", "3"):
         task.make(store)
     assert store.find(task.recipe, task.suffix) is None
 

@@ -1,9 +1,8 @@
 from pathlib import Path
 
 import pytest
-from pydantic import ValidationError
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
@@ -93,7 +92,7 @@ def test_networks_tell_forces_where_a_study_asks_and_nothing_else_changes() -> N
 
 
 def test_a_design_that_cannot_be_built_is_named() -> None:
-    with pytest.raises(PalpateError, match=r"Design H20 T2: 12 markers are up to 25 mm"):
+    with refused("ring-outside-dome", "H20 T2", "12", "25"):
         plan_of(designs={"markers": [{"ring_diameters": [10, 50]}]})
 
 
@@ -129,7 +128,7 @@ def test_a_filled_skin_is_pressed_filled_and_in_one_state() -> None:
     assert all(press.mesh.filled and press.material.gel is not None for press in presses)
     hollow = plan_study(gel.model_copy(update={"material": MaterialSpec()}))
     assert len([task for task in hollow.tasks() if isinstance(task, PressTask)]) == len(presses) + 1
-    with pytest.raises(ValidationError, match="no material"):
+    with refused("material-unknown"):
         Study(name="gel", material={"gel": "honey"})
 
 
@@ -148,14 +147,14 @@ def test_a_pad_is_pressed_at_every_azimuth_of_a_tilt_whole_where_half_would_not_
     assert presses[2].name.endswith("tilt 2° azimuth 30°")
     coarse = study.model_copy(update={"azimuths_deg": (0.0, 90.0)})
     assert len(plan_study(coarse).designs[0].dataset.presses) == 3
-    with pytest.raises(PalpateError, match="forces are not interpolated"):
+    with refused("forces-need-revolution"):
         plan_study(study.model_copy(update={"forces": True}))
-    with pytest.raises(PalpateError, match="a twin has one press a tilt for all azimuths"):
+    with refused("twin-needs-revolution"):
         plan_study(study.model_copy(update={"built": BuiltSpec()}))
 
 
 def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None:
     assert "azimuths_deg" not in Study(name="a").model_dump(mode="json")
     assert Study(name="a", azimuths_deg=(0, 45, 90)).model_dump()["azimuths_deg"] == (0, 45, 90)
-    with pytest.raises(ValidationError, match="equal steps"):
+    with refused("azimuths-uneven"):
         Study(name="a", azimuths_deg=(0, 30, 90))

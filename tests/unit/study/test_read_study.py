@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+from errors import refused
 from palpate.core import PalpateError
 from palpate.study import Study, list_presets, read_study
 from palpate.study.plan import plan_study
@@ -90,37 +91,32 @@ def test_files_are_taken_relative_to_the_study(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (
-            "name: a\ndesigns:\n  hights: [20]\n",
-            "mine.yaml:3: designs.hights: there is no such key; did you mean heights?",
-        ),
-        ("name: a\nwal: 3\n", "mine.yaml:2: wal: there is no such key; did you mean wall?"),
-        ("name: a\nxyzzy: 3\n", "mine.yaml:2: xyzzy: there is no such key; valid keys: name, seed,"),
-        ("name: a\nwall: {depth: 4 cm}\n", "mine.yaml:2: wall.depth: depth is given in cm, but its unit is mm"),
-        ("name: a\n\nwall:\n  depth: 100\n", "mine.yaml:4: wall.depth: Input should be less than or equal to 60 mm"),
-        (
-            "name: a\ndesigns:\n  heights:\n    - 70\n",
-            "mine.yaml:3: designs.heights: 70: Input should be less than or",
-        ),
-        ("name: a\ndesigns:\n  markers: [7, 8]\n", "mine.yaml:3: designs.markers.1: count 8 is not 1 + 3 n (n + 1)"),
-        ("name: a\ntilts_deg: [0, 40]\n", "mine.yaml:2: tilts_deg: 40: Input should be less than or equal to 30"),
-        ("name: a\ntilts_deg: [4, 2]\n", "mine.yaml:2: tilts_deg: tilts must grow"),
-        ("name: a\ntilts_deg: []\n", "mine.yaml:2: tilts_deg: the list is empty"),
-        ("name: a\nwall: {tilt_deg: 3}\n", "mine.yaml:2: wall: tilt_deg is not chosen here"),
-        ("name: a\nmaterial: {name: ecoflex}\n", "mine.yaml:2: material.name: There is no material 'ecoflex'"),
-        ("seed: 1\n", "name is missing"),
-        ("name: a\nseed: [1\n", "this is not YAML"),
-        ("name: a\nname: b\n", "this is not YAML"),
-        ("- a\n", "mine.yaml:1: a study is a mapping"),
-        ("a: " + "[" * 2000, "mine.yaml is nested too deeply"),
-        ('name: a\ndesigns: {markers: [{file: "a\\0b"}]}\n', "its name holds a zero byte"),
-        ('name: a\nmaterial: {name: "a\\0.yaml"}\n', "its name holds a zero byte"),
-        ("", "mine.yaml:1: a study is a mapping"),
-        ("name: ../up\n", "mine.yaml:1: name: String should match"),
+        ("name: a\ndesigns:\n  hights: [20]\n", ("extra_forbidden", "mine.yaml:3", "designs.hights", "heights")),
+        ("name: a\nwal: 3\n", ("extra_forbidden", "mine.yaml:2: wal", "wall?")),
+        ("name: a\nxyzzy: 3\n", ("extra_forbidden", "mine.yaml:2: xyzzy", "name, seed,")),
+        ("name: a\nwall: {depth: 4 cm}\n", ("quantity-unit-wrong", "mine.yaml:2: wall.depth", "cm", "mm")),
+        ("name: a\n\nwall:\n  depth: 100\n", ("less_than_equal", "mine.yaml:4: wall.depth", "60 mm", 100)),
+        ("name: a\ndesigns:\n  heights:\n    - 70\n", ("less_than_equal", "mine.yaml:3: designs.heights", 70)),
+        ("name: a\ndesigns:\n  markers: [7, 8]\n", ("marker-count-not-rings", "mine.yaml:3: designs.markers.1", 8)),
+        ("name: a\ntilts_deg: [0, 40]\n", ("less_than_equal", "mine.yaml:2: tilts_deg", 40, 30)),
+        ("name: a\ntilts_deg: [4, 2]\n", ("tilts-not-growing", "mine.yaml:2: tilts_deg")),
+        ("name: a\ntilts_deg: []\n", ("list-empty", "mine.yaml:2: tilts_deg")),
+        ("name: a\nwall: {tilt_deg: 3}\n", ("wall-tilt-given", "mine.yaml:2: wall", "tilt_deg")),
+        ("name: a\nmaterial: {name: ecoflex}\n", ("material-unknown", "mine.yaml:2: material.name", "ecoflex")),
+        ("seed: 1\n", ("missing", "mine.yaml:1", "name")),
+        ("name: a\nseed: [1\n", ("yaml-malformed", "mine.yaml:3")),
+        ("name: a\nname: b\n", ("yaml-malformed", "mine.yaml:2")),
+        ("- a\n", ("yaml-not-mapping", "mine.yaml:1")),
+        ("a: " + "[" * 2000, ("yaml-too-deep", "mine.yaml")),
+        ('name: a\ndesigns: {markers: [{file: "a\\0b"}]}\n', ("file-name-malformed",)),
+        ('name: a\nmaterial: {name: "a\\0.yaml"}\n', ("file-name-malformed",)),
+        ("", ("yaml-not-mapping", "mine.yaml:1")),
+        ("name: ../up\n", ("string_pattern_mismatch", "mine.yaml:1: name", "../up")),
     ],
 )
-def test_a_bad_study_is_an_error_with_its_place(tmp_path: Path, text: str, says: str) -> None:
-    assert says in refusal(tmp_path, text)
+def test_a_bad_study_is_an_error_with_its_place(tmp_path: Path, text: str, says: tuple[str, ...]) -> None:
+    with refused(*says):
+        read_study(write(tmp_path, text))
 
 
 def test_several_errors_come_together_in_the_order_of_the_file(tmp_path: Path) -> None:
@@ -130,17 +126,17 @@ def test_several_errors_come_together_in_the_order_of_the_file(tmp_path: Path) -
 
 def test_more_errors_than_a_screen_holds_are_counted(tmp_path: Path) -> None:
     keys = "".join(f"key{i}: 1\n" for i in range(12))
-    assert refusal(tmp_path, "name: a\n" + keys).endswith("… and 4 more")
+    assert refusal(tmp_path, "name: a\n" + keys).splitlines()[-1].count("4") == 1
 
 
 def test_an_unknown_name_lists_the_presets() -> None:
-    with pytest.raises(PalpateError, match="first, flat_pad"):
+    with refused("file-unreadable", "second", "first, flat_pad"):
         read_study("second")
 
 
 def test_a_file_that_is_no_text_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_bytes(b"\xff\xfe\x00\x80")
-    with pytest.raises(PalpateError, match="not a text file"):
+    with refused("file-not-text"):
         read_study(tmp_path / "mine.yaml")
 
 

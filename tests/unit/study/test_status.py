@@ -3,7 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from palpate.core import ArtefactStore, PalpateError
+from errors import refused
+from palpate.core import ArtefactStore
 from palpate.study import Study, TaskFailure, find_status, needed_keys
 from palpate.study.plan import plan_study
 
@@ -48,7 +49,7 @@ def test_find_status_tells_the_failures_of_the_last_run(out: Path) -> None:
 @pytest.mark.parametrize("text", ["", "[1]", '[{"task": 1}]', "{", "3"])
 def test_failures_that_cannot_be_read_are_an_error_with_a_remedy(out: Path, text: str) -> None:
     (out / "failures.json").write_text(text)
-    with pytest.raises(PalpateError, match="Remove it"):
+    with refused("file-unreadable"):
         find_status(STUDY, out)
 
 

@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from errors import refused
 from needs import needs
 from palpate.built import ToleranceSpec, learn_rest, model_unit
 from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera
 from palpate.camera.lens import Lens
-from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
 from palpate.mechanics import SolverSpec
@@ -148,7 +148,7 @@ class Mirror(Lens):
 
 
 def test_a_lens_that_the_batch_does_not_know_is_refused(dots: PrintedTwin) -> None:
-    with pytest.raises(PalpateError, match="mirror"):
+    with refused("lens-not-in-batch", "mirror"):
         BatchTwin(dots, replace(build_camera(), lens=Mirror()))
 
 

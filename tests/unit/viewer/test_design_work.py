@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from errors import refused
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec
@@ -26,7 +27,7 @@ def work_for_ever(report):
 
 
 def refuse(report):
-    raise PalpateError("It is too thin.", "Make it thicker.")
+    raise PalpateError("It is too thin.", "Make it thicker.", code="wall-too-thin")
 
 
 def stumble(report):
@@ -85,7 +86,7 @@ def test_a_camera_that_is_too_near_is_found():
 
 
 def test_rings_beyond_the_dome_are_refused():
-    with pytest.raises(PalpateError, match="outside"):
+    with refused("markers-outside-skin"):
         draw_sketch(Sketch(markers=MarkerSpec(ring_diameters=(90.0,))))
 
 
@@ -99,5 +100,5 @@ def test_the_shelf_keeps_the_last_designs():
     drawn = draw_sketch(Sketch())
     names = [shelf.put(drawn.design, drawn.specimen) for _ in range(KEPT + 1)]
     assert shelf.find(names[-1])[0] is drawn.design
-    with pytest.raises(PalpateError, match="any more"):
+    with refused("design-expired"):
         shelf.find(names[0])

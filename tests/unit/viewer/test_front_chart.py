@@ -2,7 +2,7 @@
 
 import pytest
 
-from palpate.core import PalpateError
+from errors import refused
 from palpate.optimise import read_search
 from palpate.viewer import ServeSpec, serve
 from palpate.viewer.charts import FIRST, LIGHT
@@ -43,5 +43,5 @@ def test_a_design_is_named_by_what_it_is(tmp_path):
 
 
 def test_a_folder_with_neither_a_grid_nor_a_search_is_refused_in_a_sentence(tmp_path):
-    with pytest.raises(PalpateError, match="holds no grid, no search and no model"):
+    with refused("results-missing"):
         serve(tmp_path, ServeSpec(), pytest.fail)

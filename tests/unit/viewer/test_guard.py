@@ -4,13 +4,14 @@ import socket
 
 import pytest
 
+from errors import refused
+
 pytest.importorskip("fastapi", reason="the extra web is not there: pip install -e '.[web]'")
 
 from fastapi import FastAPI, Request, WebSocket
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from palpate.core import PalpateError
 from palpate.viewer.guard import LARGEST_BODY, Door, Guard
 from palpate.viewer.server import ServeSpec, is_loopback, link_of, open_door, serve
 
@@ -135,20 +136,20 @@ def test_this_machines_address_needs_none():
 
 @pytest.mark.parametrize("token", ["short", "with spaces in it ok", "x" * 15])
 def test_a_token_that_is_none_is_refused(token):
-    with pytest.raises(PalpateError, match="token"):
+    with refused("token-malformed"):
         open_door(ServeSpec(port=0, token=token))
 
 
 def test_a_second_viewer_at_the_same_port_is_refused():
     door, listener = open_door(ServeSpec(port=0))
-    with pytest.raises(PalpateError, match="Another viewer"):
+    with refused("port-unavailable"):
         open_door(ServeSpec(port=door.port))
     listener.close()
 
 
 @pytest.mark.parametrize("port", [-1, 70000])
 def test_a_port_that_is_none_is_refused(port):
-    with pytest.raises(PalpateError, match="cannot listen"):
+    with refused("port-unavailable"):
         open_door(ServeSpec(port=port))
 
 
@@ -161,5 +162,5 @@ def test_only_loopback_is_this_machine_alone(host, own):
 
 
 def test_a_folder_that_is_not_there_is_reported_before_a_port_is_taken(tmp_path):
-    with pytest.raises(PalpateError, match="nowhere is no folder"):
+    with refused("folder-missing", "nowhere"):
         serve(tmp_path / "nowhere", ServeSpec(), pytest.fail)

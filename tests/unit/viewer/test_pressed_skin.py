@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from made_up_presses import MESH, made_up_press, moved
 
+from errors import refused
 from palpate.camera import build_camera
-from palpate.core import PalpateError
 from palpate.design import MarkerSpec, place_markers, rotation_vector, turn_about_axis, wall_normal
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import BallSpec
@@ -107,12 +107,12 @@ def test_branches_are_not_mixed():
 
 @pytest.mark.parametrize("tilt", [-1.0, 6.1, float("nan"), float("inf")])
 def test_a_tilt_that_was_not_pressed_is_refused(pressed, tilt):
-    with pytest.raises(PalpateError, match="not pressed"):
+    with refused("tilt-not-pressed"):
         pressed.at(tilt)
 
 
 def test_presses_that_do_not_belong_together_are_refused():
-    with pytest.raises(PalpateError, match="no press"):
+    with refused("presses-none"):
         gather_presses([])
 
 
@@ -189,5 +189,5 @@ def test_the_shell_of_a_whole_filled_pad_is_its_wall_alone_and_closed():
 
 def test_presses_by_a_ball_are_not_drawn_as_those_of_a_wall() -> None:
     press = SimpleNamespace(mesh=MESH, wall=BallSpec())
-    with pytest.raises(PalpateError, match=r"by other than walls are not drawn: ball 5 mm, 0 mm off the axis"):
+    with refused("obstacle-not-drawn", "ball", "5", "0"):
         gather_presses([press])

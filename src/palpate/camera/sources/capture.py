@@ -25,11 +25,14 @@ def open_capture(what: str | int) -> Any:
             "Is it plugged in, and free? `--source synthetic` plays a simulated sensor."
             if isinstance(what, int)
             else "The file is damaged, or of a kind that this OpenCV does not read.",
+            code="source-not-opened",
         )
     width, height = capture.get(cv2.CAP_PROP_FRAME_WIDTH), capture.get(cv2.CAP_PROP_FRAME_HEIGHT)
     if width * height > LARGEST_MPX * 1e6:
         capture.release()
         raise PalpateError(
-            f"{what} has {width:.0f} × {height:.0f} px, more than {LARGEST_MPX:g} million.", "Shrink it."
+            f"{what} has {width:.0f} × {height:.0f} px, more than {LARGEST_MPX:g} million.",
+            "Shrink it.",
+            code="image-too-large",
         )
     return capture

@@ -21,17 +21,21 @@ class EventCameraSource(Source):
     def __init__(self, text: str) -> None:
         path = Path(text)
         if not path.is_file():
-            raise PalpateError(f"{path} is not there.", "Give a recording.")
+            raise PalpateError(f"{path} is not there.", "Give a recording.", code="file-missing")
         dv = load_extra("dv_processing", "davis", "dv-processing")
         self._path = path
         try:
             self._recording = dv.io.MonoCameraRecording(str(path))
             has_images = self._recording.isFrameStreamAvailable()
         except (RuntimeError, ValueError, OSError) as error:
-            raise PalpateError(f"{path.name} cannot be read: {_short(error)}.", "Record it again.") from error
+            raise PalpateError(
+                f"{path.name} cannot be read: {_short(error)}.", "Record it again.", code="recording-unreadable"
+            ) from error
         if not has_images:
             raise PalpateError(
-                f"{path.name} holds events, but no images.", "Record the images of the camera as well."
+                f"{path.name} holds events, but no images.",
+                "Record the images of the camera as well.",
+                code="recording-no-images",
             )
 
     @property
@@ -43,7 +47,11 @@ class EventCameraSource(Source):
             try:
                 found = self._recording.getNextFrame()
             except (RuntimeError, ValueError, OSError) as error:
-                yield PalpateError(f"{self._path.name} is cut off or damaged: {_short(error)}.", "Record it again.")
+                yield PalpateError(
+                    f"{self._path.name} is cut off or damaged: {_short(error)}.",
+                    "Record it again.",
+                    code="recording-damaged",
+                )
                 return
             if found is None:
                 return

@@ -44,7 +44,7 @@ class CameraSource(Source):
                 yield np.asarray(image)
             else:
                 time.sleep(_PATIENCE_S)
-        yield PalpateError(f"Camera {self._number} gives no images any more.", "Is it unplugged?")
+        yield PalpateError(f"Camera {self._number} gives no images any more.", "Is it unplugged?", code="camera-gone")
 
     def close(self) -> None:
         self._capture.release()

@@ -22,7 +22,9 @@ class VideoSource(Source):
     def __init__(self, text: str) -> None:
         path = Path(text)
         if not path.is_file():
-            raise PalpateError(f"{path} is not there.", "Give a video, a folder or the number of a camera.")
+            raise PalpateError(
+                f"{path} is not there.", "Give a video, a folder or the number of a camera.", code="file-missing"
+            )
         self._path = path
         self._capture = open_capture(text)
 
@@ -43,6 +45,7 @@ class VideoSource(Source):
             yield PalpateError(
                 f"{self._path.name} ends after {given} of {max(promised, 0)} images: it is cut off or damaged.",
                 "Record it again.",
+                code="video-cut-off",
             )
 
     def close(self) -> None:

@@ -43,7 +43,9 @@ class ArrudaBoyce(Law):
     def __post_init__(self) -> None:
         if not 0 < self.lm < np.inf:
             raise PalpateError(
-                f"Arruda–Boyce's lm is {self.lm:g}.", "It is the stretch of a straight chain: give a positive number."
+                f"Arruda–Boyce's lm is {self.lm:g}.",
+                "It is the stretch of a straight chain: give a positive number.",
+                code="law-constant-not-positive",
             )
 
     @property

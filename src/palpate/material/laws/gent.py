@@ -37,7 +37,11 @@ class Gent(Law):
 
     def __post_init__(self) -> None:
         if not 0 < self.Jm < np.inf:
-            raise PalpateError(f"Gent's Jm is {self.Jm:g}.", "It is the greatest I1 - 3: give a positive number.")
+            raise PalpateError(
+                f"Gent's Jm is {self.Jm:g}.",
+                "It is the greatest I1 - 3: give a positive number.",
+                code="law-constant-not-positive",
+            )
 
     @property
     def shear_modulus(self) -> float:

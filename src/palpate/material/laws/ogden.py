@@ -56,10 +56,16 @@ class Ogden(Law):
         pairs = (self.mu1, self.alpha1), (self.mu2, self.alpha2), (self.mu3, self.alpha3)
         if any((mu is None) != (alpha is None) for mu, alpha in pairs) or (self.mu2 is None and self.mu3 is not None):
             raise PalpateError(
-                "A term of Ogden's law has a modulus or an exponent only.", "Give both, mu2 and alpha2."
+                "A term of Ogden's law has a modulus or an exponent only.",
+                "Give both, mu2 and alpha2.",
+                code="law-term-incomplete",
             )
         if any(alpha == 0 for _, alpha in pairs):
-            raise PalpateError("An exponent alpha of Ogden's law is 0.", "Leave the term out: it has no stress.")
+            raise PalpateError(
+                "An exponent alpha of Ogden's law is 0.",
+                "Leave the term out: it has no stress.",
+                code="law-exponent-zero",
+            )
 
     @property
     def terms(self) -> tuple[tuple[float, float], ...]:

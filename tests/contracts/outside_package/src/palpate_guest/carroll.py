@@ -62,7 +62,9 @@ class Carroll(Law):
 
     def scaled(self, modulus: float, stiffening: float = 1.0) -> Carroll:
         if stiffening != 1.0:
-            raise PalpateError("Carroll's law stiffens by no single constant.", "Set the tolerance to 0.")
+            raise PalpateError(
+                "Carroll's law stiffens by no single constant.", "Set the tolerance to 0.", code="law-not-stiffening"
+            )
         return replace(self, a=self.a * modulus, b=self.b * modulus, c=self.c * modulus)
 
     def deck(self) -> None:

@@ -38,7 +38,9 @@ class Division(Lens):
     def undistort(self, points: Array) -> Array:
         square = np.sum(np.asarray(points) ** 2, axis=-1, keepdims=True)
         if np.any(1 + self.k * square <= 0) or np.any(self.k * square > 1):
-            raise PalpateError("The lens shows nothing there.", "Use points nearer the middle of the image.")
+            raise PalpateError(
+                "The lens shows nothing there.", "Use points nearer the middle of the image.", code="lens-folds"
+            )
         return np.asarray(points / (1 + self.k * square))
 
     def mirrored(self) -> Division:

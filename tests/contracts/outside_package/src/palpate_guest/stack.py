@@ -22,7 +22,9 @@ class StackSource(Source):
         try:
             self._stack = np.load(self._path, mmap_mode="r")
         except (OSError, ValueError) as error:
-            raise PalpateError(f"{self._path.name} is no stack of images: {error}.", "Give a file .npy.") from None
+            raise PalpateError(
+                f"{self._path.name} is no stack of images: {error}.", "Give a file .npy.", code="file-unreadable"
+            ) from None
 
     @property
     def name(self) -> str:
