@@ -9,4 +9,4 @@ for variable in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "
 def pytest_configure() -> None:
     from source_stamp import source_stamp
 
-    source_stamp()  # before workers start: they inherit it
+    source_stamp("")  # before workers start: they inherit it

@@ -15,11 +15,12 @@ import numpy as np
 
 from palpate.core import FloatArray
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, SolverSpec, WallSpec, solve_press
+from palpate.fea import Press, SolverSpec, WallSpec
 from palpate.fea.solve_press import start_press
 from palpate.material import Law, get_material
 from palpate.mesh import MeshSpec, centre_mesh, mesh_skin
 from palpate.relaxation import Relaxation
+from presses import solve_press
 
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 ONE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])

@@ -20,11 +20,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from palpate.fea import Branch, ObstacleSpec, Press, WallSpec, solve_press
+from palpate import fea
+from palpate import twin as twins
+from palpate.fea import Branch, ObstacleSpec, Press, WallSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh
-from palpate.twin import Twin, build_twin
+from palpate.twin import Twin
 from source_stamp import SOURCE, source_stamp
 
 OLD_S = 14 * 86400.0
@@ -46,27 +48,27 @@ learning: {preset: quick}
 """A study of minutes cut down to seconds: coarse mesh, three tilts, shallow presses, tiny training."""
 
 
-def press(
+def solve_press(
     mesh: Mesh,
     material: Material,
     obstacle: ObstacleSpec | None = None,
     solver: SolverSpec | None = None,
     branch: Branch = Branch.FLAT,
 ) -> Press:
-    """Press of a skin as `solve_press` returns it, from the store if it was solved before."""
+    """Press of a skin as `palpate.fea.solve_press` returns it, from the store if it was solved before."""
     obstacle, solver = obstacle or WallSpec(), solver or SolverSpec()
     inputs = (*_mesh_parts(mesh), _data(material.key_data()), *_spec_parts(obstacle), *_spec_parts(solver), branch)
-    return stored("press", inputs, lambda: solve_press(mesh, material, obstacle, solver, branch))
+    return stored("press", inputs, lambda: fea.solve_press(mesh, material, obstacle, solver, branch))
 
 
-def twin(presses: Iterable[Press]) -> Twin:
-    """Twin of presses, as `build_twin` returns it."""
+def build_twin(presses: Iterable[Press]) -> Twin:
+    """Twin of presses, as `palpate.twin.build_twin` returns it, from the store if it was built before."""
     given = list(presses)
     inputs = [part for one in given for part in (*_mesh_parts(one.mesh), *_spec_parts(one.wall), one.displacement)]
-    return stored("twin", inputs, lambda: build_twin(given))
+    return stored("twin", inputs, lambda: twins.build_twin(given))
 
 
-def tiny_study(folder: Path) -> Path:
+def run_tiny_study(folder: Path) -> Path:
     """Copy the results of `TINY_STUDY`, run by the command line with two workers, to a folder; return the folder."""
 
     def run(made: Path) -> None:
@@ -112,7 +114,7 @@ def _path(kind: str, inputs: Iterable[Any]) -> Path:
     digest = hashlib.sha256(kind.encode())
     for part in inputs:
         digest.update(b"\0" + (part.tobytes() if hasattr(part, "tobytes") else str(part).encode()))
-    return _folder() / f"{kind}-{digest.hexdigest()[:32]}"
+    return _folder(kind) / f"{kind}-{digest.hexdigest()[:32]}"
 
 
 @contextmanager
@@ -123,10 +125,10 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 @cache
-def _folder() -> Path:
+def _folder(kind: str) -> Path:
     chosen = os.environ.get("PALPATE_TEST_STORE")
     cached = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "palpate-tests"
-    folder = (Path(chosen) if chosen else cached) / source_stamp()
+    folder = (Path(chosen) if chosen else cached) / source_stamp(kind)
     folder.mkdir(parents=True, exist_ok=True)
     os.utime(folder)
     for other in folder.parent.iterdir():

@@ -13,7 +13,7 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import TWIN_DERIVATIVES, write_twin
-from presses import press, twin
+from presses import build_twin, solve_press
 
 DOME = DomeSpec()
 MARKERS = MarkerSpec(count=37)
@@ -24,7 +24,7 @@ TILTS = (0.0, 4.0, 8.0)
 
 def solve(tilt_deg, **wall):
     mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
-    return press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, image_step=1.0, **wall))
+    return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, image_step=1.0, **wall))
 
 
 def small_dataset(**spec):
@@ -46,7 +46,7 @@ def write_small_twin(path):
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]
     mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
-    write_twin(path, twin([press(mesh, MATERIAL, wall, solver) for wall in walls]))
+    write_twin(path, build_twin([solve_press(mesh, MATERIAL, wall, solver) for wall in walls]))
     return path
 
 

@@ -2,6 +2,7 @@
 
 import ast
 import hashlib
+import json
 import os
 import sys
 from importlib import metadata
@@ -10,18 +11,28 @@ from pathlib import Path
 
 SOURCE = Path(next(iter(find_spec("palpate").submodule_search_locations)))  # type: ignore[union-attr, arg-type]
 LIBRARIES = ("numpy", "scipy", "numba", "py-mkl-pardiso", "rslab")
-STAMP = "PALPATE_TEST_STAMP"
-"""Variable of the environment by which workers take the hash from the process that starts them."""
+PRESS = ("core", "cad", "design", "mesh", "material", "relaxation", "mechanics", "fea")
+PARTS = {"press": PRESS, "twin": (*PRESS, "twin")}
+"""Kind of a result → subpackages that decide it; the whole source if the kind is not named."""
+STAMPS = "PALPATE_TEST_STAMPS"
+"""Variable of the environment by which workers take the hashes from the process that starts them."""
 
 
-def source_stamp() -> str:
-    """Hash of the source and of the versions of the numeric libraries; once per run of pytest."""
-    if STAMP not in os.environ:
-        digest = hashlib.sha256(f"{sys.version}{[_version(name) for name in LIBRARIES]}".encode())
-        for path in sorted(SOURCE.rglob("*.py")):
-            digest.update(path.relative_to(SOURCE).as_posix().encode() + _syntax(path).encode())
-        os.environ[STAMP] = digest.hexdigest()[:16]
-    return os.environ[STAMP]
+def source_stamp(kind: str) -> str:
+    """Hash of the source that decides a kind of result, and of the versions of the numeric libraries."""
+    if STAMPS not in os.environ:
+        files = {path.relative_to(SOURCE): _syntax(path) for path in sorted(SOURCE.rglob("*.py"))}
+        os.environ[STAMPS] = json.dumps({kind: _hash(files, kind) for kind in (*PARTS, "")})
+    stamps: dict[str, str] = json.loads(os.environ[STAMPS])
+    return stamps.get(kind, stamps[""])
+
+
+def _hash(files: dict[Path, str], kind: str) -> str:
+    digest = hashlib.sha256(f"{sys.version}{[_version(name) for name in LIBRARIES]}".encode())
+    for path, syntax in files.items():
+        if path.parts[0] in PARTS.get(kind, path.parts):
+            digest.update(f"{path.as_posix()} {syntax}".encode())
+    return digest.hexdigest()[:16]
 
 
 def _syntax(path: Path) -> str:

@@ -5,10 +5,7 @@ import statistics
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
-SOURCE = Path(__file__).parents[2] / "src" / "palpate"
-FILES = sorted(SOURCE.rglob("*.py"))
+from source_files import FILES, SOURCE, name, nodes, tree
 
 FILE_LINES, FILE_LINES_P90 = 400, 300
 FUNCTION_LINES, FUNCTION_LINES_P90 = 60, 30
@@ -18,16 +15,8 @@ FORBIDDEN_NAMES = {"utils", "helpers", "common", "misc", "base", "manager"}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
-def tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text())
-
-
-def name(path: Path) -> str:
-    return str(path.relative_to(SOURCE))
-
-
 def functions(path: Path) -> Iterator[Function]:
-    return (node for node in ast.walk(tree(path)) if isinstance(node, Function))
+    return (node for node in nodes(path) if isinstance(node, Function))
 
 
 def body_lines(function: Function) -> int:
@@ -60,52 +49,48 @@ def public_nodes(module: ast.Module) -> Iterator[tuple[ast.AST, ast.ClassDef | N
                 yield from ((item, node) for item in methods if not item.name.startswith("_"))
 
 
-@pytest.mark.parametrize("path", FILES, ids=name)
-def test_a_file_fits_its_budget(path: Path) -> None:
-    assert len(path.read_text().splitlines()) <= FILE_LINES
-    assert path.stem not in FORBIDDEN_NAMES
+def test_a_file_fits_its_budget() -> None:
+    lines = {name(path): len(path.read_text().splitlines()) for path in FILES}
+    assert {path: count for path, count in lines.items() if count > FILE_LINES} == {}
+    assert statistics.quantiles(lines.values(), n=10)[-1] <= FILE_LINES_P90
 
 
-def test_nine_files_of_ten_are_short() -> None:
-    lines = [len(path.read_text().splitlines()) for path in FILES]
-    assert statistics.quantiles(lines, n=10)[-1] <= FILE_LINES_P90
+def test_a_file_is_named_by_its_concept() -> None:
+    assert [name(path) for path in FILES if path.stem in FORBIDDEN_NAMES] == []
 
 
-@pytest.mark.parametrize("path", FILES, ids=name)
-def test_functions_fit_their_budget(path: Path) -> None:
-    long = {function.name: body_lines(function) for function in functions(path)}
-    assert {key: lines for key, lines in long.items() if lines > FUNCTION_LINES} == {}
+def test_functions_fit_their_budget() -> None:
+    lines = {f"{name(path)} {one.name}": body_lines(one) for path in FILES for one in functions(path)}
+    assert {one: count for one, count in lines.items() if count > FUNCTION_LINES} == {}
+    assert statistics.quantiles(lines.values(), n=10)[-1] <= FUNCTION_LINES_P90
 
 
-def test_nine_functions_of_ten_are_short() -> None:
-    lines = [body_lines(function) for path in FILES for function in functions(path)]
-    assert statistics.quantiles(lines, n=10)[-1] <= FUNCTION_LINES_P90
-
-
-@pytest.mark.parametrize("path", FILES, ids=name)
-def test_functions_take_few_arguments(path: Path) -> None:
+def test_functions_take_few_arguments() -> None:
     """More than six arguments are a spec; compiled kernels take arrays, which no spec can carry."""
-    many = {}
-    for function in functions(path):
-        arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
-        count = len([item for item in arguments if item.arg not in ("self", "cls")])
-        if count > ARGUMENTS and not is_kernel(function) and function.name != "parameter":
-            many[function.name] = count
-    assert many == {}
+    counts = {
+        f"{name(path)} {one.name}": len(arguments_of(one))
+        for path in FILES
+        for one in functions(path)
+        if not is_kernel(one) and one.name != "parameter"
+    }
+    assert {one: count for one, count in counts.items() if count > ARGUMENTS} == {}
+
+
+def arguments_of(function: Function) -> list[ast.arg]:
+    arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
+    return [item for item in arguments if item.arg not in ("self", "cls")]
 
 
 def is_kernel(function: Function) -> bool:
     return any(isinstance(mark, ast.Name) and mark.id == "kernel" for mark in function.decorator_list)
 
 
-@pytest.mark.parametrize("path", FILES, ids=name)
-def test_everything_public_says_what_it_is(path: Path) -> None:
-    module = tree(path)
-    assert ast.get_docstring(module), "the module has no docstring"
+def test_everything_public_has_a_docstring() -> None:
     silent = [
-        getattr(node, "name", "")
-        for node, owner in public_nodes(module)
-        if isinstance(node, Function | ast.ClassDef)
+        f"{name(path)} {getattr(node, 'name', '')}"
+        for path in FILES
+        for node, owner in [(tree(path), None), *public_nodes(tree(path))]
+        if isinstance(node, Function | ast.ClassDef | ast.Module)
         and not ast.get_docstring(node)
         and not (isinstance(node, Function) and is_abstract_implementation(node, owner))
         and not (isinstance(node, Function) and is_contract_test(node, path))
@@ -113,32 +98,34 @@ def test_everything_public_says_what_it_is(path: Path) -> None:
     assert silent == []
 
 
-@pytest.mark.parametrize("path", FILES, ids=name)
-def test_functions_are_fully_typed(path: Path) -> None:
-    untyped = []
-    for function in functions(path):
-        arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
-        bare = [item.arg for item in arguments if item.annotation is None and item.arg not in ("self", "cls")]
-        if bare or function.returns is None:
-            untyped.append(function.name)
+def test_functions_are_fully_typed() -> None:
+    untyped = [
+        f"{name(path)} {one.name}"
+        for path in FILES
+        for one in functions(path)
+        if one.returns is None or any(item.annotation is None for item in arguments_of(one))
+    ]
     assert untyped == []
 
 
-@pytest.mark.parametrize("path", FILES, ids=name)
-def test_forbidden_constructs_are_absent(path: Path) -> None:
-    found = []
-    in_cli = path.is_relative_to(SOURCE / "cli")
-    for node in ast.walk(tree(path)):
-        if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
-            found.append(f"star import in line {node.lineno}")
-        if isinstance(node, ast.ExceptHandler) and node.type is None:
-            found.append(f"bare except in line {node.lineno}")
-        if isinstance(node, ast.Global):
-            found.append(f"global in line {node.lineno}")
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print" and not in_cli:
-            found.append(f"print in line {node.lineno}")
-        if isinstance(node, Function):
-            defaults = [*node.args.defaults, *node.args.kw_defaults]
-            if any(isinstance(default, ast.List | ast.Dict | ast.Set) for default in defaults):
-                found.append(f"mutable default of {node.name}")
+def test_forbidden_constructs_are_absent() -> None:
+    found = [f"{name(path)}: {fault}" for path in FILES for node in nodes(path) for fault in faults_of(node, path)]
     assert found == []
+
+
+def faults_of(node: ast.AST, path: Path) -> Iterator[str]:
+    in_cli = path.is_relative_to(SOURCE / "cli")
+    if isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names):
+        yield f"star import in line {node.lineno}"
+    if isinstance(node, ast.ExceptHandler) and node.type is None:
+        yield f"bare except in line {node.lineno}"
+    if isinstance(node, ast.Global):
+        yield f"global in line {node.lineno}"
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print" and not in_cli:
+        yield f"print in line {node.lineno}"
+    if isinstance(node, ast.Call) and ast.unparse(node.func) in ("torch.manual_seed", "np.random.seed"):
+        yield f"global random state in line {node.lineno}"
+    if isinstance(node, Function):
+        defaults = [*node.args.defaults, *node.args.kw_defaults]
+        if any(isinstance(default, ast.List | ast.Dict | ast.Set) for default in defaults):
+            yield f"mutable default of {node.name}"

@@ -2,12 +2,9 @@
 
 import ast
 import re
-from pathlib import Path
 
-import pytest
+from source_files import FILES, name, nodes
 
-SOURCE = Path(__file__).parents[2] / "src" / "palpate"
-FILES = sorted(SOURCE.rglob("*.py"))
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -35,8 +32,7 @@ def methods(owner: ast.ClassDef) -> dict[str, Function]:
     return {item.name: item for item in owner.body if isinstance(item, Function)}
 
 
-NODES = {path: list(ast.walk(ast.parse(path.read_text()))) for path in FILES}
-CLASSES = {node.name: node for nodes in NODES.values() for node in nodes if isinstance(node, ast.ClassDef)}
+CLASSES = {node.name: node for path in FILES for node in nodes(path) if isinstance(node, ast.ClassDef)}
 
 
 def inherited(owner: ast.ClassDef) -> set[str]:
@@ -67,7 +63,12 @@ def faults_of(node: Function | ast.ClassDef) -> list[str]:
     return faults
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
-def test_docstrings_name_what_the_code_has(path: Path) -> None:
-    nodes = [node for node in NODES[path] if isinstance(node, Function | ast.ClassDef)]
-    assert [fault for node in nodes for fault in faults_of(node)] == []
+def test_docstrings_name_what_the_code_has() -> None:
+    found = [
+        f"{name(path)}: {fault}"
+        for path in FILES
+        for node in nodes(path)
+        if isinstance(node, Function | ast.ClassDef)
+        for fault in faults_of(node)
+    ]
+    assert found == []

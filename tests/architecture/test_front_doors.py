@@ -69,7 +69,6 @@ FRONT_DOORS = {
         "prepare_detector",
     },
     "fea": {
-        "FEA_VERSION",
         "Press",
         "SolverSpec",
         "WallSpec",
@@ -94,10 +93,9 @@ FRONT_DOORS = {
         "learn_rest",
         "model_unit",
     },
-    "dataset": {"DATASET_VERSION", "Dataset", "DatasetSpec", "generate_dataset", "read_dataset", "write_dataset"},
+    "dataset": {"Dataset", "DatasetSpec", "generate_dataset", "read_dataset", "write_dataset"},
     "learn": {
         "Coverage",
-        "LEARN_VERSION",
         "Metrics",
         "Prediction",
         "SearchSpec",
@@ -149,7 +147,7 @@ FRONT_DOORS = {
 SOURCE = Path(__file__).parents[2] / "src" / "palpate"
 STAGES = sorted(door.parent.name for door in SOURCE.glob("*/__init__.py"))
 MOST_NAMES = 35
-WIDER = {"built": 37, "design": 37, "fea": 37, "mechanics": 37, "study": 37}
+WIDER = {"core": 36, "built": 37, "design": 37, "fea": 38, "mechanics": 37, "study": 37}
 """Rooms that are still to be trimmed."""
 
 

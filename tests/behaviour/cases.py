@@ -45,7 +45,7 @@ from palpate.optimise.propose import propose
 from palpate.recording import RecordingSpec, learn_recording, read_recording
 from palpate.recording.arrays import read_arrays
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_field
-from presses import press, stored_folder, tiny_study, twin
+from presses import build_twin, run_tiny_study, solve_press, stored_folder
 from small_chain import small_bench, write_small_twin
 
 Results = dict[str, dict[str, Any]]
@@ -79,7 +79,7 @@ def solve(name: str, obstacle: Any, cells: int | None = 6, **options: Any) -> Pr
     material, solver = get_material(SILICONE), SolverSpec(derivatives=options.pop("derivatives", ()))
     if options.get("filled"):
         material = replace(material, gel=get_material("neo-hooke:0.005"))
-    return press(mesh_skin(skin_of(name), MeshSpec(cells=cells, **options)), material, obstacle, solver, branch)
+    return solve_press(mesh_skin(skin_of(name), MeshSpec(cells=cells, **options)), material, obstacle, solver, branch)
 
 
 def summarise(found: Press) -> dict[str, Any]:
@@ -173,7 +173,7 @@ def error_bounds() -> Results:
 
 @cache
 def study_results() -> Path:
-    return tiny_study(Path(tempfile.mkdtemp(prefix="palpate-behaviour-")))
+    return run_tiny_study(Path(tempfile.mkdtemp(prefix="palpate-behaviour-")))
 
 
 def estimators() -> Results:
@@ -211,7 +211,7 @@ def small_twin() -> Twin:
         for contact in ("no-slip", 1.4, 0.8, 0.4)
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]
-    return twin([solve("dome", wall, derivatives=TWIN_DERIVATIVES) for wall in walls])
+    return build_twin([solve("dome", wall, derivatives=TWIN_DERIVATIVES) for wall in walls])
 
 
 def twins() -> Results:
@@ -272,7 +272,7 @@ def baselines() -> Results:
     folder = stored_folder("benchmark", [spec.model_dump_json()], lambda made: make_benchmark(spec, made, workers=1))
     found = read_set(folder / "set")
     predicted = learn_design("ridge", found, spec.designs[0], TINY_BASELINES)
-    return {"ridge": {"poses": predicted.poses, "half_width": predicted.half_width}}
+    return {"ridge": dict(predicted.values)}
 
 
 @cache

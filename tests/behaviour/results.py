@@ -49,9 +49,16 @@ def _round(value: float) -> float | None:
 def renew(stages: list[str]) -> None:
     """Write new results of stages, all if none is named, which gives them new stamps."""
     stored = json.loads(BEHAVIOUR_FILE.read_text()) if BEHAVIOUR_FILE.exists() else {}
+    _write({stage: stored.get(stage, {}) for stage in CASES})  # stages ask for the stamps of all
     for stage in stages or CASES:
         stored[stage] = compute(stage)
-    BEHAVIOUR_FILE.write_text(json.dumps({stage: stored[stage] for stage in CASES}, indent=0) + "\n")
+    _write({stage: stored[stage] for stage in CASES})
+
+
+def _write(results: dict[str, Any]) -> None:
+    """Write the file with a line for each result."""
+    text = json.dumps(results, separators=(",", ":"))
+    BEHAVIOUR_FILE.write_text(text.replace('],"', '],\n"').replace('},"', '},\n"') + "\n")
 
 
 if __name__ == "__main__":

@@ -1,39 +1,24 @@
 """A tiny study, the viewer on its results as a process of its own, and a browser that looks at it."""
 
 import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
 import cv2
 import pytest
-from viewer_process import ROOT, viewer
+from viewer_process import viewer
 
 from needs import find_program, needs, needs_program
 from palpate.bench import SimulatedSource, draw_touches
 from palpate.sensor import Unit
 from palpate.viewer.library import Library
 from palpate.viewer.results import read_results
+from presses import run_tiny_study
 
 CHROMIUM = find_program("chromium")
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 PATIENCE_MS = 60_000
-
-STUDY = """
-name: tiny
-seed: 3
-designs:
-  heights: [20 mm]
-  thicknesses: [2 mm]
-  markers: [7, 19]
-mesh: {cells: 8}
-tilts_deg: [0, 3, 6]
-wall: {depth: 4 mm}
-dataset: {n_presses: 60, max_tilt_deg: 6}
-learning: {preset: quick}
-"""
 
 
 def pytest_collection_modifyitems(items):
@@ -51,12 +36,7 @@ def _what_the_browser_needs():
 @pytest.fixture(scope="session")
 def results(tmp_path_factory) -> Path:
     """Results of a real study, and a recording of virtual touches of its second design inside them."""
-    place = tmp_path_factory.mktemp("viewer")
-    study, out = place / "tiny.yaml", place / "results"
-    study.write_text(STUDY)
-    words = [sys.executable, "-m", "palpate", "run", str(study), "--out", str(out), "--workers", "2"]
-    done = subprocess.run(words, cwd=ROOT / "src", capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
+    out = run_tiny_study(tmp_path_factory.mktemp("viewer") / "results")
     library = Library(read_results(out))
     design = library.design(1)
     recording = out / "recording"

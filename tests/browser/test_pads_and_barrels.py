@@ -8,10 +8,11 @@ from viewer_process import viewer
 from walk import dots, open_page, slide, wait_for_motion
 
 from palpate.design import SkinSpec, skin_from_data
-from palpate.fea import ObstacleSpec, SolverSpec, WallSpec, solve_press, write_press
+from palpate.fea import ObstacleSpec, SolverSpec, WallSpec, write_press
 from palpate.fea.side_wall import SideWallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 PAD = {"kind": "pad", "height": 3.5, "base_radius": 10.4, "thickness": 0.5, "flat_radius": 7.5, "edge_radius": 2.0}
 BARREL = {"kind": "barrel", "height": 120.0, "base_radius": 25.0, "middle_radius": 32.0, "thickness": 3.0}

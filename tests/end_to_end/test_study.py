@@ -14,6 +14,7 @@ from command_line import finish, start
 
 from needs import needs
 from palpate.learn import open_predictor
+from presses import run_tiny_study
 
 COLUMNS = {
     "height_mm",
@@ -36,11 +37,8 @@ COLUMNS = {
 
 
 @pytest.fixture(scope="module")
-def finished(tiny_study: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("finished")
-    done = finish(["run", tiny_study, "--out", out, "--workers", "2"])
-    assert done.returncode == 0, done.stderr
-    return out
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run_tiny_study(tmp_path_factory.mktemp("finished"))
 
 
 def artefacts(out: Path) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """What every stage stands on: parameters, errors, seeds, the artefact store, provenance. No physics."""
 
 from palpate.core.arrays import BoolArray, FloatArray, IntArray, TextArray
-from palpate.core.behaviour import behaviour_stamp, stage_version
+from palpate.core.behaviour import stage_version
 from palpate.core.errors import MissingExtraError, PalpateError
 from palpate.core.extra import load_extra, load_opencv
 from palpate.core.files import new_folder, writing, written_into, written_whole
@@ -33,7 +33,6 @@ __all__ = [
     "Stored",
     "TextArray",
     "__version__",
-    "behaviour_stamp",
     "check_store",
     "child_seed",
     "clean_store",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import FloatArray, PalpateError, behaviour_stamp
+from palpate.core import FloatArray, PalpateError, stage_version
 from palpate.dataset import Normalisation
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.learn.interval import Interval, Prediction
@@ -63,7 +63,7 @@ class Estimator:
     history: tuple[tuple[float, ...], ...] = ()
     repeat_rmse_deg: tuple[float, ...] = ()
     interval: Interval | None = None
-    version: str = field(default_factory=lambda: behaviour_stamp("estimator"))
+    version: str = field(default_factory=lambda: stage_version("estimator"))
     space: PoseSpace = TILT_DEPTH
 
     @property

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import ArtefactStore, behaviour_stamp, provenance
+from palpate.core import ArtefactStore, provenance, stage_version
 from palpate.design import Symmetry, build_skin
 from palpate.fea import Branch, read_press
 from palpate.learn import Coverage, Metrics
@@ -112,7 +112,7 @@ def _collect_design(
 
 def _versions() -> dict[str, str]:
     stages = {"fea": "press", "dataset": "dataset", "limit": "error_bound", "learn": "estimator"}
-    return {**provenance(), **{name: behaviour_stamp(stage) for name, stage in stages.items()}}
+    return {**provenance(), **{name: stage_version(stage) for name, stage in stages.items()}}
 
 
 _SIZES = {"height", "base_radius", "thickness"}

@@ -40,12 +40,13 @@ from palpate.built.twin_error import TwinError, measure_twin_error, see_press
 from palpate.camera import CameraSpec, WindowSpec, build_camera, render, trace_dots, wrap_dots
 from palpate.core import generator
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers, wall_normal
-from palpate.fea import Branch, Press, WallSpec, solve_press
+from palpate.fea import Branch, Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import RigSpec
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, write_twin
+from presses import build_twin, solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)

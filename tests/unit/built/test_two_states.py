@@ -9,13 +9,14 @@ from palpate.bench.photograph import set_scene
 from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
 from palpate.camera import CameraSpec, RenderSpec, build_camera, trace_dots, wrap_dots
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Branch, Press, WallSpec, solve_press
+from palpate.fea import Branch, Press, WallSpec
 from palpate.markers import Motion, Tracker
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, read_twin, write_twin
+from presses import build_twin, solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=1))

@@ -14,12 +14,13 @@ from palpate.camera import CameraSpec, RenderSpec, build_camera, dot_edges, rend
 from palpate.cli import main
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers, place_orientation_mark
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec
 from palpate.learn import Estimator, read_estimator, write_estimator
 from palpate.learn.force import ForceHead
 from palpate.learn.force_graph import add_forces
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))

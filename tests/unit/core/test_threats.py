@@ -58,9 +58,9 @@ def _dangers_of_call(node: ast.Call) -> Iterator[str]:
             yield f"{name}(typ={value})"
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(SOURCE)))
-def test_no_file_of_the_package_could_run_what_stands_in_a_file(path: Path) -> None:
-    assert list(dangers(path.read_text())) == []
+def test_no_file_of_the_package_could_run_what_stands_in_a_file() -> None:
+    found = {str(path.relative_to(SOURCE)): list(dangers(path.read_text())) for path in FILES}
+    assert {path: names for path, names in found.items() if names} == {}
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,13 @@ from palpate.deck import CalculixSpec, solve_press_calculix
 from palpate.deck.calculix import stored_energy
 from palpate.deck.read_results import read_blocks, read_increments
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec, solve_press
+from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec
 from palpate.fea.edge import EdgeSpec
 from palpate.material import get_material
 from palpate.mechanics import Ended
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
 from palpate.mesh import MeshSpec, measure_quality, mesh_skin
+from presses import solve_press
 
 needs_ccx = needs_program("calculix-ccx")
 SILICONE = get_material("zaid_2024_ecoflex_00_30")

@@ -7,10 +7,11 @@ import pytest
 
 from errors import refused
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import BallSpec, Press, WallSpec, read_press, solve_press, write_press
+from palpate.fea import BallSpec, Press, WallSpec, read_press, write_press
 from palpate.material import get_material, material_from_data
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, centre_mesh, locate_inner, mesh_skin, reshape_mesh
+from presses import solve_press
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)

@@ -7,12 +7,13 @@ import pytest
 
 from errors import check_values
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import BallSpec, Branch, WallSpec, solve_press
+from palpate.fea import BallSpec, Branch, WallSpec
 from palpate.fea.inverted import RING_POINTS, doubt, find_ring, mirror
 from palpate.fea.solve_press import start_press
 from palpate.material import get_material
 from palpate.mechanics import Ended, SolverSpec, State
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 DEPTH = 4.0

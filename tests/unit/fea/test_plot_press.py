@@ -9,10 +9,11 @@ import pytest
 from errors import refused
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Press, WallSpec, picture_press, plot_press, solve_press, tabulate_press
+from palpate.fea import Press, WallSpec, picture_press, plot_press, tabulate_press
 from palpate.fea.plot_press import check_graphics
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 
 @pytest.fixture(scope="module")

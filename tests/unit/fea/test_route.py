@@ -6,12 +6,13 @@ import pytest
 from errors import refused
 from palpate.deck import deck_text
 from palpate.design import DomeSpec, MarkerSpec, place_markers
-from palpate.fea import Branch, Press, WallSpec, obstacle_from_data, read_obstacle, solve_press
+from palpate.fea import Branch, Press, WallSpec, obstacle_from_data, read_obstacle
 from palpate.fea.route import RouteSpec, Waypoint
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 SKIN = DomeSpec(height=20, thickness=2).build()
 MESH = mesh_skin(SKIN, MeshSpec(cells=9, whole=True, centred=False))

@@ -17,7 +17,6 @@ from palpate.fea import (
     WallSpec,
     read_obstacle,
     read_press,
-    solve_press,
     write_press,
 )
 from palpate.fea.loaded_skin import clamp_skin
@@ -25,6 +24,7 @@ from palpate.fea.side_wall import SideWallSpec
 from palpate.material import get_material
 from palpate.mechanics import DeadLoad, Problem, make_linear_solver
 from palpate.mesh import Mesh, MeshSpec, gauss_points, mesh_skin, shape_quadrilateral
+from presses import solve_press
 
 SKIN = BarrelSpec().build()
 SILICONE = get_material("neo-hooke:0.02176").with_bulk_ratio(9.667)

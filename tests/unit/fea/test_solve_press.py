@@ -7,10 +7,11 @@ import pytest
 
 from errors import refused
 from palpate.design import DomeSpec, Rim, build_skin, turn_about_axis, wall_normal
-from palpate.fea import Branch, Press, WallSpec, read_press, solve_press, write_press
+from palpate.fea import Branch, Press, WallSpec, read_press, write_press
 from palpate.material import get_material
 from palpate.mechanics import Ended, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Branch, Ended, WallSpec, find_stability, solve_press
+from palpate.fea import Branch, Ended, WallSpec, find_stability
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from presses import solve_press
 
 MATERIAL = get_material("zaid_2024_ecoflex_00_30")
 

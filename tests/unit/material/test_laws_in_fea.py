@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import WallSpec, read_press, solve_press, write_press
+from palpate.fea import WallSpec, read_press, write_press
 from palpate.material import Material, Mode, fit_material, get_material, list_models, trace_curve
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import FitSpec
@@ -12,6 +12,7 @@ from palpate.mechanics import Ended, State, System, cauchy_stress
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.verify.equilibrium import find_equilibrium, make_solid
 from palpate.verify.properties import distorted_cube
+from presses import solve_press
 
 LAWS = {
     "neo-hooke": "neo-hooke:0.0141",

@@ -13,11 +13,12 @@ from palpate.deck import DeckSpec, Dialect, write_deck
 from palpate.deck.spec import DeckElement
 from palpate.design import ConeSpec, DomeSpec, SkinSpec, SplineSpec, rotation_vector, wall_normal
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fea import Branch, WallSpec, read_press, solve_press, write_press
+from palpate.fea import Branch, WallSpec, read_press, write_press
 from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.material import get_material
 from palpate.mechanics import Solid, State, System
 from palpate.mesh import Mesh, MeshSpec, centre_mesh, measure_quality, mesh_skin
+from presses import solve_press
 
 SKINS = [
     DomeSpec(),

@@ -9,12 +9,13 @@ from scipy.spatial.transform import Rotation
 from errors import refused
 from palpate.design import DomeSpec, MarkerSpec, place_markers, skin_from_data
 from palpate.design.pinned import PinnedDome, PinnedSpec
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.fea.variations import names_of
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import Mesh, MeshSpec, follow_marked, follow_rate, locate_inner, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, build_field, build_twin
+from palpate.twin import TWIN_DERIVATIVES, build_field
+from presses import build_twin, solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SPEC = PinnedSpec(height=20, thickness=2, pin=3)

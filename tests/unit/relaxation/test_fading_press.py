@@ -5,10 +5,11 @@ import pytest
 
 from fading_press import press_fading
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.relaxation import ForceCurve, Moduli, Relaxation, hold_wall
+from presses import solve_press
 
 SERIES = Relaxation((0.15, 0.15), (0.5, 5.0), Moduli.INSTANTANEOUS)
 HOLDS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)

@@ -19,10 +19,11 @@ from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source
 from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, build_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, write_twin
+from presses import build_twin, solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
 PLUGIN = Path(__file__).parents[3] / "plugins" / "lerobot_camera_palpate"

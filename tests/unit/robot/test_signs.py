@@ -10,10 +10,11 @@ from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.core import FloatArray
 from palpate.design import build_skin, place_markers, wall_normal
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.robot import Placement, tilt_of
 from palpate.robot.placement import turn_between, turn_by
+from presses import solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
 SKIN = build_skin(DOME)

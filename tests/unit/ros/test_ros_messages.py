@@ -10,12 +10,13 @@ from palpate.bench import set_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.design import build_skin, place_markers, wall_normal
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.robot import TOPICS, RosSensor, RosSpec, read_open_spec
 from palpate.ros import Message, build_message, header_of, pose_message, pose_with_covariance
-from palpate.twin import TWIN_DERIVATIVES, build_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, write_twin
+from presses import build_twin, solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
 SKIN = build_skin(DOME)

@@ -12,12 +12,13 @@ from palpate.bench import SimulatedSource, draw_touches
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import OFFSET_DEPTH, TILT_DEPTH, DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import BallSpec, WallSpec, solve_press
+from palpate.fea import BallSpec, WallSpec
 from palpate.learn import TrainSpec, calibrate, evaluate, find_limits, open_predictor, train, write_estimator
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, check_model, open_sensor, run_sensor, write_readings
 from palpate.twin import build_field
+from presses import solve_press
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))

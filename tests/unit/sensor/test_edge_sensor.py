@@ -12,13 +12,13 @@ from palpate.bench import SimulatedSource
 from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
-from palpate.fea import solve_press
 from palpate.fea.edge import EdgeSpec
 from palpate.learn import TrainSpec, calibrate, find_limits, open_predictor, train, write_estimator
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor, run_sensor, write_readings
 from palpate.twin import build_field
+from presses import solve_press
 
 LINES = PoseSpace.of_lines()
 DOME = build_skin(DomeSpec())

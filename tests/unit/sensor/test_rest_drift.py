@@ -7,14 +7,15 @@ import pytest
 
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.markers import Naming, Sighting
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Flag, RigSpec, Unit
 from palpate.sensor.reader import Estimate, TwinReader
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin
+from presses import build_twin, solve_press
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
 LAYOUT = place_markers(DOME, MarkerSpec(count=169))

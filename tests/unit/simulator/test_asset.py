@@ -11,7 +11,7 @@ from errors import refused
 from needs import needs
 from palpate.camera import Camera, CameraSpec, build_camera
 from palpate.design import DomeSpec, EllipsoidSpec, build_skin
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.simulator import (
@@ -24,6 +24,7 @@ from palpate.simulator import (
     skin_surface,
     weigh,
 )
+from presses import solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 INNER, OUTER, DENSITY = 0.020, 0.022, 1070.0

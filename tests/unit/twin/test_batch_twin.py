@@ -14,10 +14,11 @@ from palpate.built import ToleranceSpec, learn_rest, model_unit
 from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera
 from palpate.camera.lens import Lens
 from palpate.design import build_skin, place_markers
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, BatchTwin, PrintedTwin, Twin, build_twin
+from palpate.twin import TWIN_DERIVATIVES, BatchTwin, PrintedTwin, Twin
+from presses import build_twin, solve_press
 from small_chain import DOME, MARKERS, MATERIAL
 
 torch = needs("torch")

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import build_field
+from presses import solve_press
 
 DEPTH = 3.2
 DOME = build_skin(DomeSpec(height=20, thickness=3))

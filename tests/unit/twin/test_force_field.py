@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from palpate.design import DomeSpec, build_skin
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.twin import ForceField, build_force_field
+from presses import solve_press
 
 DOME = build_skin(DomeSpec(height=20, thickness=3))
 

@@ -11,7 +11,7 @@ from palpate.camera import Camera, build_camera
 from palpate.dataset import DatasetSpec, generate_dataset
 from palpate.design import MarkerSpec, place_markers, rotation_vector
 from palpate.design.barrel import BarrelSpec
-from palpate.fea import Press, SolverSpec, solve_press
+from palpate.fea import Press, SolverSpec
 from palpate.fea.side_wall import SideWallSpec
 from palpate.learn import find_limits
 from palpate.material import get_material
@@ -19,6 +19,7 @@ from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.study import read_study
 from palpate.twin import MarkerField, build_field, build_force_field, build_twin
 from palpate.viewer.gather_presses import gather_presses
+from presses import solve_press
 
 SKIN = BarrelSpec().build()
 LAYOUT = place_markers(SKIN, MarkerSpec(rows=8, around=12, pitch=28))

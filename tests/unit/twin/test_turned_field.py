@@ -18,12 +18,13 @@ from palpate.design import (
     wall_normal,
 )
 from palpate.design.flat_pad import FlatPadSpec
-from palpate.fea import WallSpec, solve_press
+from palpate.fea import WallSpec
 from palpate.mechanics import Ended
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study.study import MaterialSpec
-from palpate.twin import MarkerField, build_field, build_force_field, build_twin
+from palpate.twin import MarkerField, build_field, build_force_field
 from palpate.twin.turned_series import between_azimuths
+from presses import build_twin, solve_press
 
 SIZES = {"height": 3.5, "base_radius": 10.4, "thickness": 0.5, "flat_radius": 7.5, "edge_radius": 2.0}
 PAD = FlatPadSpec(**SIZES, stretch=1.2, squareness=6.0).build()

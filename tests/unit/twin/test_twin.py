@@ -10,12 +10,13 @@ import pytest
 from errors import refused
 from palpate.camera import build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, solve_press
+from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin, measure_off, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, measure_off, read_twin, write_twin
 from palpate.twin.tensor_spline import fit_spline
+from presses import build_twin, solve_press
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SKIN = DomeSpec(height=20, thickness=2)
