@@ -1,9 +1,8 @@
 """Make the files of `examples/data`: python examples/make_data.py [FOLDER].
 
 One sensor (dome H20 T2, 61 markers, the default camera) is built with random manufacturing deviations, photographed
-at rest and pressed by a flat wall. A rubber is tested in three modes and held in tension. A chessboard is photographed
-by a camera with known focal length and distortion. The files are examples of the formats that palpate reads; tutorials
-and the inventory of tests use them.
+at rest and pressed by a flat wall. A rubber is tested in three modes and held in tension. A chessboard is
+photographed by a camera with known focal length and distortion. Tutorials and the inventory of tests use the files.
 """
 
 import csv
@@ -121,7 +120,7 @@ def make_board(folder: Path) -> None:
         shift = np.array([*rng.uniform(-45, 45, 2), rng.uniform(330, 430)]) - rotation @ middle
         picture = np.full((size[1] * fine, size[0] * fine), 225, np.uint8)
         for i, j in squares:
-            corners = np.c_[(border + [i, j]) * SQUARE_MM, np.zeros(len(border))]
+            corners = np.c_[(border + np.array([i, j])) * SQUARE_MM, np.zeros(len(border))]
             seen = cv2.projectPoints(corners, turn, shift, matrix, np.array([LENS["k1"], LENS["k2"], 0, 0]))[0]
             points = np.round(((seen.reshape(-1, 2) + 0.5) * fine - 0.5) * 16).astype(np.int32)
             cv2.fillPoly(picture, [points], 30, cv2.LINE_8, 4)

@@ -1,7 +1,7 @@
 """Names of everything that users see, printed as JSON by the Python that has the package: python collect.py ROOT.
 
-ROOT is the checkout, for studies, examples and extras. Only the standard library and the package are imported, so that
-the program runs with an old wheel and with the new source.
+ROOT is the checkout, for studies, examples and extras. Only the standard library and the package are imported, so
+that the program runs with an old wheel and with the new source.
 """
 
 import importlib

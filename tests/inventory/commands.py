@@ -19,7 +19,8 @@ COMMANDS = {
     "grid model": "grid model small --out model.onnx",
     "twin": "twin {data}/small.yaml --out small --workers 1 --json",
     "press": "press --height 20 --thickness 2 --tilt 5 --depth 4 --contact 0.8 --json",
-    "press, skin": "press --skin ellipsoid --height 18 --thickness 2 --obstacle ball:radius=6,offset=3 --depth 3 --json",
+    "press, skin": "press --skin ellipsoid --height 18 --thickness 2 --obstacle ball:radius=6,offset=3 "
+    "--depth 3 --json",
     "press, inverted": "press --height 20 --thickness 1 --branch inverted --depth 8 --step 2 --cells 8 --json",
     "press, gel": "press --height 10 --thickness 1 --base-radius 10 --material neo-hooke:0.5 --gel neo-hooke:0.05 "
     "--depth 1 --step 0.5 --cells 8 --json",
@@ -49,7 +50,8 @@ COMMANDS = {
     "align": f"align {TWIN} {DESIGN} --walls 1 --known 0 --out align --json",
     "claims": "claims small --out claims.md --json",
     "benchmark make": "benchmark make --spec tiny --out set --workers 1 --json",
-    "benchmark baselines": "benchmark baselines --set set/set --spec tiny --only ridge --out baselines --workers 1 --json",
+    "benchmark baselines": "benchmark baselines --set set/set --spec tiny --only ridge --out baselines "
+    "--workers 1 --json",
     "verify": "verify --only cook --json",
     "doctor": "doctor --json",
 }

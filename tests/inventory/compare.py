@@ -109,9 +109,7 @@ def new_words(name: str) -> str:
     verb = name.partition(",")[0]
     words = COMMANDS[name].removeprefix(verb).split()
     flags = renames("flag")
-    moved = [
-        flags.get(f"{verb} {word}", "x " + word).split()[-1] if word.startswith("--") else word for word in words
-    ]
+    moved = [flags.get(f"{verb} {word}", word).split()[-1] if word.startswith("--") else word for word in words]
     return " ".join([renames("verb").get(verb, verb), *moved])
 
 
