@@ -76,7 +76,9 @@ def test_a_search_finds_the_same_however_it_was_done(
     whole = optimise_design(spec, tmp_path / "whole", workers=2)
     assert again == whole
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is pressed twice"
-    monkeypatch.setattr(importlib.import_module("palpate.optimise.optimise_design"), "PROPOSE_VERSION", "another")
+    monkeypatch.setattr(
+        importlib.import_module("palpate.optimise.optimise_design"), "stage_version", lambda stage: "another"
+    )
     assert optimise_design(spec, tmp_path / "cut", workers=2) == whole, "what was judged before is judged again"
     assert len(again.tried) == 5
     assert again.winner is not None

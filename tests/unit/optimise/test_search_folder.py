@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from errors import refused
+from palpate.core import stage_version
 from palpate.design import DomeSpec
 from palpate.optimise import Judged, Proposal, SearchPlan, SkinSpace, is_search, read_search, search_skins
 from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, values, violations
-from palpate.optimise.propose import PROPOSE_VERSION
 from palpate.optimise.space import Place
 from small_search import MATERIAL, SPEC, propose, write_search
 
@@ -39,7 +39,11 @@ def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Pa
         drawn.extend(places)
         found = [(0.477, -3.0, jumps) if place is drawn[2] else (-1.0, -0.5, propose(place)) for place in places]
         return [
-            Judged((error, force), violations(SPEC, one), {"proposal": one.to_data(), "version": PROPOSE_VERSION})
+            Judged(
+                (error, force),
+                violations(SPEC, one),
+                {"proposal": one.to_data(), "version": stage_version("skin_evaluation")},
+            )
             for error, force, one in found
         ]
 
