@@ -32,7 +32,7 @@ from palpate.recording import (
     write_model,
 )
 from palpate.recording.course import CourseSpec
-from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.lesson import Lesson, Turning, fit_ridge_part
 from palpate.recording.make_parts import PartJob, make_parts
 from palpate.recording.train_part import train_picture_network
 
@@ -345,6 +345,25 @@ def test_turned_pictures_are_passed_over_longer_but_not_for_hours(taught: int, p
     lesson = Lesson(np.zeros((taught, 1, 1)), np.zeros((taught, 3)), np.ones(taught, bool), np.zeros(taught, bool))
     assert PartJob("picture-network-turned", lesson, 3, 60, 0).passes == passes
     assert PartJob("picture-network", lesson, 3, 60, 0).passes == 60
+
+
+def _turned_job(sense: int = 1, aside_px: float = 0.0, asked: int = 3) -> PartJob:
+    rng, teach = np.random.default_rng(0), np.arange(60) < 45
+    turning = Turning(rng.normal(size=(9, 2)) + aside_px, np.zeros((9, 2)), sense)
+    lesson = Lesson(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 4)), teach, ~teach, 0, turning)
+    return PartJob("picture-network-turned", lesson, asked, 2, 0)
+
+
+def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn() -> None:
+    jobs = _turned_job(), _turned_job(sense=-1), _turned_job(aside_px=1.0), _turned_job(asked=2)
+    assert len({job.recipe.key for job in jobs}) == len(jobs)
+    assert _turned_job().recipe.key == _turned_job().recipe.key
+
+
+def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
+    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], asked=asked) for asked in (2, 3)]
+    made = [next(iter(make_parts([job], 1, store, quiet))).part for job in jobs]
+    assert [part.predict(jobs[0].lesson.inputs).shape[1] for part in made] == [2, 3]
 
 
 def _small_jobs(kind: type[PartJob] = PartJob) -> list[PartJob]:
