@@ -43,7 +43,7 @@ class RecordedSensor:
                 self._count, none, anything, False, 0, (Flag.UNREADABLE,), latency, error.what, space=space
             )
         flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.BY_PICTURE]
-        if np.isfinite(found.pose).all() and self.model.is_outside(found.pose):
+        if np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width):
             flags.append(Flag.OUTSIDE)
         seen = found.correspondence
         moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))
