@@ -112,7 +112,7 @@ class ModelFlags:
         if self.model is not None:
             return self.model
         skin = build_skin(design.skin_spec())
-        found = find_twin(RESULTS, skin, self.material.material())
+        found = find_twin(RESULTS, skin, self.material.material(), _pass_over)
         if found is None:
             material = "" if self.material == MaterialSpec() else f" of {self.material.name}"
             raise PalpateError(
@@ -125,6 +125,10 @@ class ModelFlags:
     def words(self, design: DesignFlags) -> str:
         """Design and material as they are typed."""
         return (design.words() + _words(self.material)).strip()
+
+
+def _pass_over(error: PalpateError) -> None:
+    print(f"Passed over: {error.what}", file=sys.stderr)
 
 
 def _words(spec: Spec, always: str = "") -> str:
