@@ -375,6 +375,19 @@ def _small_jobs(kind: type[PartJob] = PartJob) -> list[PartJob]:
     return [kind(name, lesson, 3, 2, 0) for name, lesson in lessons.items()]
 
 
+def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: Path) -> None:
+    """Whatever a program has drawn from torch before, and goes on to draw, is its own."""
+    torch, found = pytest.importorskip("torch"), []
+    for seed in (1, 2):
+        torch.manual_seed(seed)
+        before = torch.get_rng_state()
+        jobs = [job for job in _small_jobs() if job.is_network]
+        found.append([job.train(1, tmp_path / f"{seed} {job.name}", quiet) for job in jobs])
+        assert torch.equal(torch.get_rng_state(), before)
+    for one, other in zip(*found, strict=True):
+        assert all(np.array_equal(one[key], other[key]) for key in one)
+
+
 def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_path: Path) -> None:
     needs("torch")
     said: list[str] = []
