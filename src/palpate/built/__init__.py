@@ -5,7 +5,7 @@ from palpate.built.fit_pose import PoseFitter
 from palpate.built.force import Force, ForceScale, expect_force, expect_scale, learn_scale
 from palpate.built.foresee import FORESEE_VERSION, BuiltFigure, ForeseeSpec, foresee
 from palpate.built.foresee_budget import foresee_budget
-from palpate.built.identify import Identified, identify
+from palpate.built.identify import ContradictionError, Identified, identify
 from palpate.built.next_press import rank_presses
 from palpate.built.noise import NOISE_PX
 from palpate.built.pose_fit import FitState, PoseFit
@@ -24,6 +24,7 @@ __all__ = [
     "NOISE_PX",
     "UNKNOWN",
     "BuiltFigure",
+    "ContradictionError",
     "Deviation",
     "FitState",
     "Force",

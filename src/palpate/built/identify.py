@@ -299,23 +299,27 @@ class UnitFit:
         return UnitNormal(normal, gradient, noise, common, squares / max(count, 1))
 
 
+class ContradictionError(PalpateError):
+    """Presses that no unit of the design, read by its twin, can have made."""
+
+
 def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
     """Never a confident wrong unit: its numbers (11,) and the robot's errors (p, 3) are in standard deviations."""
     if misfit > _WRONG:
-        raise PalpateError(
+        raise ContradictionError(
             f"The presses do not fit a unit of this design: dots are {np.sqrt(misfit):.1f} times as far off as "
             "their noise.",
             "Check that design, recording and poses belong together, and the order of the poses.",
         )
     worst = np.unravel_index(np.abs(off).argmax(), off.shape)
     if abs(off[worst]) > _FAR:
-        raise PalpateError(
+        raise ContradictionError(
             f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
             "Check the poses and their order, or say how well the robot knows them.",
         )
     far = np.abs(unit)
     if far.max() > _FAR:
-        raise PalpateError(
+        raise ContradictionError(
             f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
             "Check that the presses are of this unit, or widen the tolerance.",
         )

@@ -9,7 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from palpate.bench import DEGRADED, set_scene
-from palpate.built import FORESEE_VERSION, BuiltFigure, ForeseeSpec, TwinChecks, draw_deviation, foresee
+from palpate.built import (
+    FORESEE_VERSION,
+    BuiltFigure,
+    ContradictionError,
+    ForeseeSpec,
+    TwinChecks,
+    draw_deviation,
+    foresee,
+)
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe
 from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers, ring_diameters
@@ -277,5 +285,5 @@ def _foresee(
     layout = place_markers(twin.skin, markers)
     try:
         return foresee(twin, layout, camera, spec.tolerance, foresee_spec(spec), checks)
-    except PalpateError as error:
+    except ContradictionError as error:
         return error
