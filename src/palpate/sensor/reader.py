@@ -103,11 +103,12 @@ class Reader(ABC):
 
     @abstractmethod
     def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None
+        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
     ) -> tuple[Estimate, ReaderState]:
         """Estimate the pose from where markers are in the image after a state; the estimate, and the next state.
 
-        `near` is an estimate of the same image by other markers, from which this one may begin.
+        `near` is an estimate of the same image by other markers, from which this one may begin, and `time_s` when the
+        image was taken, where a clock says so.
         """
 
     def foresee(self, estimate: Estimate) -> FloatArray | None:
@@ -127,7 +128,7 @@ class NetworkReader(Reader):
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
     def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None
+        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
     ) -> tuple[Estimate, ReaderState]:
         sight = self._camera.sight(sighting.positions_px)
         moved = self._carry(sight) - self._rest
@@ -195,10 +196,10 @@ class TwinReader(Reader):
         return ReaderState(self.watch.begin())
 
     def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None
+        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
     ) -> tuple[Estimate, ReaderState]:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
-        rest = self.watch.watch(state.rest or self.watch.begin(), seen)
+        rest = self.watch.watch(state.rest or self.watch.begin(), seen, time_s)
         seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
         twin = self.fitter.model.dots.twin
         flags = [Flag.MOVED] if rest.displaced else []

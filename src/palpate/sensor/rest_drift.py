@@ -22,7 +22,7 @@ import numpy as np
 
 from palpate.built import UNKNOWN, UnitModel
 from palpate.core import BoolArray, FloatArray
-from palpate.sensor.creep_filter import Creep, CreepFilter
+from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, Creep, CreepFilter
 
 _CAMERA = UNKNOWN[:-1]
 _MOVES = {
@@ -103,12 +103,21 @@ class RestState:
         Whether the last untouched image was elsewhere.
     motion
         What is followed so far.
+    time_s
+        When the last image was taken that was followed; `None` where no clock told it, or none was followed.
     """
 
     creep: Creep
     quiet: float = np.inf
     displaced: bool = False
     motion: RestMotion = _STILL
+    time_s: float | None = None
+
+    def step_s(self, time_s: float | None) -> float:
+        """Time from the last image that was followed to another, s; without a clock that of the nominal rate."""
+        if time_s is None or self.time_s is None or time_s < self.time_s:
+            return FRAME_S
+        return min(time_s - self.time_s, LONGEST_S)
 
 
 @dataclass(eq=False)
@@ -185,22 +194,26 @@ class RestWatch:
         points = self.model.dots.move(touch[:3], float(touch[3]), thicker).positions
         return np.asarray(seen_px - self.model.shifted.slopes(points) @ (self._mix @ followed))
 
-    def watch(self, state: RestState, seen_px: FloatArray) -> RestState:
-        """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`."""
+    def watch(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:
+        """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`.
+
+        `time_s` is when the image was taken; without it, images follow each other at the nominal rate.
+        """
         there = self._known & np.isfinite(seen_px).all(axis=1)
         moved, quiet = self._untouched(there, (seen_px - self.rest_px)[there], state.quiet)
         state = replace(state, quiet=quiet)
         if moved is None:
             return state
-        if self._filter.knocked(state.creep, moved, _KNOCK_PX, _SURE):
+        step_s = state.step_s(time_s)
+        if self._filter.knocked(state.creep, moved, step_s, _KNOCK_PX, _SURE):
             return replace(state, displaced=True)
         if self.most_px <= 0:
             return replace(state, displaced=False)
-        creep = self._filter.follow(state.creep, moved)
+        creep = self._filter.follow(state.creep, moved, step_s)
         followed = self._filter.moved(creep)
         if self._rms(followed) > self.most_px:
             return replace(state, displaced=True)
-        return RestState(creep, quiet, False, self._describe(followed))
+        return RestState(creep, quiet, False, self._describe(followed), time_s)
 
     def _untouched(self, there: BoolArray, moved: FloatArray, quiet: float) -> tuple[FloatArray | None, float]:
         """Motion of the camera (k,) of an image whose dots have moved so (n, 2), `None` where the dome is touched.

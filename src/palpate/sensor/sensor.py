@@ -66,7 +66,8 @@ class Sensor:
         What the rest image gave.
     clock
         Asked once an image, before it is read: when it was taken, in s. With it, forces are those of that time where
-        the material relaxes; `None`: they are those of the law's constants.
+        the material relaxes, and a drift of the camera is followed in time; `None`: forces are those of the law's
+        constants, and images follow each other at the nominal rate.
     """
 
     unit: Unit
@@ -98,12 +99,11 @@ class Sensor:
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
         """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading."""
-        if self._fading is None or self.clock is None:
-            return self._read_elastic(image)
-        taken_s = self.clock()
-        return self._fading.follow(self._read_elastic(image), taken_s)
+        taken_s = None if self.clock is None else self.clock()
+        elastic = self._read_elastic(image, taken_s)
+        return elastic if self._fading is None or taken_s is None else self._fading.follow(elastic, taken_s)
 
-    def _read_elastic(self, image: NDArray[Any] | PalpateError) -> Reading:
+    def _read_elastic(self, image: NDArray[Any] | PalpateError, taken_s: float | None) -> Reading:
         """The reading with the force that the law alone gives."""
         start = time.perf_counter()
         self._count += 1
@@ -118,7 +118,7 @@ class Sensor:
         if found < self.spec.least_found * len(self.unit.layout):
             self._state = replace(self._state, tracks=self._tracker.begin())  # the next is looked for from rest
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
-        sighting, estimate, self._state = self._estimate(blobs.positions_px, sighting, tracks)
+        sighting, estimate, self._state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
         touching = estimate.moved_px > self.spec.touch_px
         flags = [Flag.JUMPED] if sighting.jumped else []
         flags += [flag for flag in estimate.flags if touching or flag is Flag.MOVED]  # at rest no pose is outside
@@ -138,14 +138,14 @@ class Sensor:
         )
 
     def _estimate(
-        self, blobs_px: FloatArray, sighting: Sighting, tracks: TrackState
+        self, blobs_px: FloatArray, sighting: Sighting, tracks: TrackState, taken_s: float | None
     ) -> tuple[Sighting, Estimate, _State]:
         """Where markers are, the estimate, and the state after this image.
 
         Where markers jumped or the estimate does not explain them, they are named anew by it, if that explains more;
         both readings begin from the state after the image before.
         """
-        estimate, reader = self.reader.read(sighting, self._state.reader)
+        estimate, reader = self.reader.read(sighting, self._state.reader, time_s=taken_s)
         first = sighting, estimate, _State(tracks, reader)
         if not sighting.jumped and Flag.MISFIT not in estimate.flags:
             return first
@@ -155,7 +155,7 @@ class Sensor:
         named, tracks = self._tracker.look(blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px))
         if np.array_equal(named.blob, sighting.blob):  # the fit foresees what was seen: no marker jumped
             return named, estimate, _State(tracks, reader)
-        again, reader = self.reader.read(named, self._state.reader, estimate)
+        again, reader = self.reader.read(named, self._state.reader, estimate, taken_s)
         if again.fit is not None and again.fit.misfit <= estimate.fit.misfit:
             return named, again, _State(tracks, reader)
         return first

@@ -13,6 +13,7 @@ from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import RigSpec, Sensor, Unit
+from palpate.sensor.creep_filter import FRAME_S
 from palpate.sensor.reader import Estimate, ReaderState, TwinReader
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
@@ -73,8 +74,8 @@ def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pyte
         tried.append(foreseen)
         return foreseen
 
-    def worse(*given: object) -> tuple[Estimate, ReaderState]:
-        estimate, state = read(*given)
+    def worse(*given: object, **words: object) -> tuple[Estimate, ReaderState]:
+        estimate, state = read(*given, **words)
         if len(given) > 3:
             estimate = estimate._replace(fit=replace(estimate.fit, misfit=np.inf))
         return estimate, state
@@ -89,6 +90,20 @@ def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pyte
         assert np.array_equal(first.sighting.positions_px, second.sighting.positions_px)
     assert len(tried) == len(images(twin))
     assert second.rest.rms_px > 0.03
+
+
+def test_a_clock_tells_how_fast_the_camera_drifts(twin: Twin) -> None:
+    """Images at the nominal rate are followed as without a clock; slower ones, of the same drift, at a lower pace."""
+    paces = []
+    for step_s in (None, FRAME_S, 4 * FRAME_S):
+        sensor, time = opened(twin, 5.0), [0.0]
+        for seen in images(twin)[:40]:
+            time[0] += step_s or 0.0
+            sensor.clock = None if step_s is None else lambda time=time: time[0]
+            sensor.read(seen)
+        paces.append(sensor._state.reader.rest.creep.mean[:, 1])
+    assert paces[1] == pytest.approx(paces[0], rel=1e-6)
+    assert np.linalg.norm(paces[2]) < 0.6 * np.linalg.norm(paces[1])
 
 
 def test_a_second_fit_of_one_image_keeps_the_motion_of_the_touch(twin: Twin) -> None:
