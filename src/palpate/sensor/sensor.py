@@ -32,7 +32,7 @@ from palpate.recording import RecordedModel
 from palpate.sensor.fading_force import FadingForce
 from palpate.sensor.known_press import KnownPress, ask_press
 from palpate.sensor.reader import Estimate, Model, Reader, ReaderState, TwinReader, check_model, open_reader
-from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.reading import Flag, Reading, tell_error
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.rest_drift import RestMotion
@@ -98,31 +98,37 @@ class Sensor:
         self._state = replace(self._state, reader=replace(self._state.reader, fit=FitState()))
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
-        """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading."""
-        taken_s = None if self.clock is None else self.clock()
-        elastic = self._read_elastic(image, taken_s)
-        return elastic if self._fading is None or taken_s is None else self._fading.follow(elastic, taken_s)
+        """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading.
 
-    def _read_elastic(self, image: NDArray[Any] | PalpateError, taken_s: float | None) -> Reading:
-        """The reading with the force that the law alone gives."""
+        So does any error that reading an image meets: the next one is read from where the last good one was.
+        """
         start = time.perf_counter()
         self._count += 1
         try:
-            if isinstance(image, PalpateError):
-                raise image
-            blobs = self.detector.find(image)
-        except PalpateError as error:
-            return self._without_pose(start, 0, (Flag.UNREADABLE,), error.what)
+            return self._read(image, start)
+        except Exception as error:  # a sensor at work outlives whatever one image does to a library
+            return self._without_pose(start, 0, (Flag.UNREADABLE,), tell_error(error))
+
+    def _read(self, image: NDArray[Any] | PalpateError, start: float) -> Reading:
+        taken_s = None if self.clock is None else self.clock()
+        elastic = self._read_elastic(image, start, taken_s)
+        return elastic if self._fading is None or taken_s is None else self._fading.follow(elastic, taken_s)
+
+    def _read_elastic(self, image: NDArray[Any] | PalpateError, start: float, taken_s: float | None) -> Reading:
+        """The reading with the force that the law alone gives."""
+        if isinstance(image, PalpateError):
+            raise image
+        blobs = self.detector.find(image)
         sighting, tracks = self._tracker.follow(blobs.positions_px, self._state.tracks)
         found = int(sighting.found.sum())
         if found < self.spec.least_found * len(self.unit.layout):
             self._state = replace(self._state, tracks=self._tracker.begin())  # the next is looked for from rest
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
-        sighting, estimate, self._state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
+        sighting, estimate, state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
         touching = estimate.moved_px > self.spec.touch_px
         flags = [Flag.JUMPED] if sighting.jumped else []
         flags += [flag for flag in estimate.flags if touching or flag is Flag.MOVED]  # at rest no pose is outside
-        return Reading(
+        reading = Reading(
             image=self._count,
             pose=tuple(estimate.pose.tolist()),
             half_width=tuple(estimate.half_width.tolist()),
@@ -136,6 +142,8 @@ class Sensor:
             fit=estimate.fit,
             rest=estimate.rest,
         )
+        self._state = state
+        return reading
 
     def _estimate(
         self, blobs_px: FloatArray, sighting: Sighting, tracks: TrackState, taken_s: float | None

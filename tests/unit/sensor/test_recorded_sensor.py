@@ -1,5 +1,6 @@
 """When a sensor that was learnt from a recording says that a pose is beyond what it learnt from."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -19,6 +20,15 @@ def model(reads_dots: bool) -> RecordedModel:
     about = {"range": [[-1.0, -1.0], [1.0, 1.0]]}
     dots = Choosing(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_dots else None
     return RecordedModel(None, None, (), {}, dots, by, np.full(2, np.inf), outputs, about)
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError("singular"), cv2.error("size"), KeyError("x")])
+def test_an_image_that_breaks_a_library_is_flagged(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(RecordedModel, "read", fail)
+    assert RecordedSensor(model(False)).read(np.zeros((4, 4))).flags == (Flag.UNREADABLE,)
 
 
 @pytest.mark.parametrize("reads_dots", [False, True])

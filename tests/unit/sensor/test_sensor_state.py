@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
+from palpate.built import PoseFitter
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
@@ -12,7 +14,7 @@ from palpate.markers import Naming, Sighting
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import RigSpec, Sensor, Unit
+from palpate.sensor import Flag, RigSpec, Sensor, Unit
 from palpate.sensor.creep_filter import FRAME_S
 from palpate.sensor.reader import Estimate, ReaderState, TwinReader
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
@@ -90,6 +92,32 @@ def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pyte
         assert np.array_equal(first.sighting.positions_px, second.sighting.positions_px)
     assert len(tried) == len(images(twin))
     assert second.rest.rms_px > 0.03
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError("singular"), cv2.error("size"), ZeroDivisionError("0")])
+@pytest.mark.parametrize("place", ["follow", "find"])
+def test_an_image_that_breaks_a_library_costs_its_own_reading_only(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch, error: Exception, place: str
+) -> None:
+    """Readings after it are those of a sensor that was not given it."""
+
+    def fail(*_: object) -> None:
+        raise error
+
+    broken, control = opened(twin, 5.0), opened(twin, 5.0)
+    for number, seen in enumerate(images(twin)[36:44]):
+        if number == 5:
+            with monkeypatch.context() as patch:
+                patch.setattr(*((PoseFitter, "follow") if place == "follow" else (Dots, "find")), fail)
+                reading = broken.read(seen)
+            assert reading.flags == (Flag.UNREADABLE,)
+            assert np.isnan(reading.pose).all()
+            assert np.isinf(reading.half_width).all()
+            assert type(error).__name__ in reading.reason
+        else:
+            first, second = broken.read(seen), control.read(seen)
+            assert first.pose == second.pose
+            assert first.rest == second.rest
 
 
 def test_a_clock_tells_how_fast_the_camera_drifts(twin: Twin) -> None:
