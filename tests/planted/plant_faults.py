@@ -3,9 +3,9 @@
     python tests/planted/plant_faults.py FOLDER [--seed 1] [--each 10] [--area NAME] [--only NUMBER]
 
 Places are drawn by a seed in five areas of the source; each gets one fault that a programmer could make: a sign, a
-factor, swapped arguments, an index off by one, a dropped term, a mask of the wrong half, a missing check. A copy of the
-checkout with that fault runs the reference cases first, then the tests of the subpackage, then all fast tests, until one
-fails. Results are kept in FOLDER/faults.json, one entry per fault, so that an interrupted run resumes.
+factor, swapped arguments, an index off by one, a dropped term, a mask of the wrong half, a missing check. A copy of
+the checkout with that fault runs the reference cases first, then the tests of the subpackage, then all fast tests,
+until one fails. FOLDER/faults.json has an entry for each fault, so that an interrupted run resumes.
 """
 
 from __future__ import annotations
@@ -73,11 +73,7 @@ def factor(node: ast.AST) -> Iterator[ast.AST]:
 
 def swapped(node: ast.AST) -> Iterator[ast.AST]:
     """f(a, b) → f(b, a)."""
-    if (
-        isinstance(node, ast.Call)
-        and len(node.args) >= 2
-        and ast.unparse(node.func) not in ("max", "min", "isinstance")
-    ):
+    if isinstance(node, ast.Call) and len(node.args) >= 2 and ast.unparse(node.func) not in UNORDERED:
         first, second, *others = node.args
         if ast.unparse(first) != ast.unparse(second) and not isinstance(first, ast.Starred | ast.Constant):
             yield ast.Call(node.func, [second, first, *others], node.keywords)
@@ -93,6 +89,7 @@ def off_by_one(node: ast.AST) -> Iterator[ast.AST]:
         yield ast.Compare(node.left, [TURNED[type(node.ops[0])]()], node.comparators)
 
 
+UNORDERED = ("max", "min", "np.maximum", "np.minimum", "isinstance")
 TURNED: dict[type[ast.cmpop], type[ast.cmpop]] = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
 
 

@@ -1,13 +1,14 @@
 """Built: a unit as it was built: tolerances, what its images tell of it, poses by fit, and how good it will be."""
 
 from palpate.built.deviation import IMPERFECTIONS, Deviation, Imperfection, draw_deviation, single_deviation
-from palpate.built.fit_pose import PoseFit, PoseFitter
+from palpate.built.fit_pose import PoseFitter
 from palpate.built.force import Force, ForceScale, expect_force, expect_scale, learn_scale
 from palpate.built.foresee import BuiltFigure, ForeseeSpec, foresee
 from palpate.built.foresee_budget import foresee_budget
-from palpate.built.identify import Identified, identify
+from palpate.built.identify import ContradictionError, Identified, identify
 from palpate.built.next_press import rank_presses
 from palpate.built.noise import NOISE_PX
+from palpate.built.pose_fit import FitState, PoseFit
 from palpate.built.ring_information import RingInformation, measure_rings
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
 from palpate.built.tolerance import ToleranceSpec
@@ -22,7 +23,9 @@ __all__ = [
     "NOISE_PX",
     "UNKNOWN",
     "BuiltFigure",
+    "ContradictionError",
     "Deviation",
+    "FitState",
     "Force",
     "ForceScale",
     "ForeseeSpec",

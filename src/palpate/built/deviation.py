@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from palpate.built.tolerance import ToleranceSpec
-from palpate.camera import CameraSpec
+from palpate.camera import LENSES, CameraSpec
 from palpate.core import child_seed, generator
 from palpate.design import SkinSpec
 from palpate.material import Material
@@ -87,12 +87,17 @@ class Deviation:
         return replace(nominal, law=nominal.law.scaled(1.0 + self.modulus, 1.0 + self.stiffening))
 
     def camera(self, nominal: CameraSpec) -> CameraSpec:
-        """The camera as mounted, with the lens that the calibration did not quite find."""
+        """The camera as mounted, with the lens that the calibration did not quite find.
+
+        The distortion that is left over goes to the lens's `leading` coefficient; a lens without one has none left.
+        """
         pose = ("offset_x", "offset_y", "distance", "tilt_x_deg", "tilt_y_deg", "roll_deg")
         values: dict[str, Any] = {name: getattr(nominal, name) + getattr(self, name) for name in pose}
         values |= {name: getattr(nominal, name) * (1.0 + self.focal) for name in ("fx_px", "fy_px")}
         values |= {"cx_px": nominal.cx_px + self.centre_x_px, "cy_px": nominal.cy_px + self.centre_y_px}
-        values["distortion"] = (nominal.distortion[0] + self.k1, *nominal.distortion[1:])
+        lens = LENSES.get(nominal.lens)
+        named = zip(lens.parameters(), nominal.distortion, strict=True)
+        values["distortion"] = tuple(value + self.k1 * (name == lens.leading) for name, value in named)
         return nominal.model_copy(update=values)
 
     def as_dict(self) -> dict[str, float]:

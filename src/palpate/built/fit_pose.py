@@ -14,9 +14,10 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.built.force import LEVEL_90, Force, ForceScale, expect_scale, scale_force
+from palpate.built.force import Force, ForceScale, expect_scale, scale_force
 from palpate.built.mounting import Mounting
 from palpate.built.noise import MODEL_PX, weigh_dots
+from palpate.built.pose_fit import TOUCH, Branch, FitState, Linear, PoseFit
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
@@ -34,8 +35,6 @@ _TAMED = 0.5
 """Share of its length that a step has from where the last one went too far."""
 _STEPS, _BENT_STEPS = 12, 25
 """Most steps of a fit, and where the wall may be bent, which is nearly a change of depth under a straight wall."""
-TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
-"""What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
 _BEND, _DRIFT = 4, 5
 """Numbers of the curvature and of the first drift in it."""
 _SMALL = np.array([1e-3, 1e-3, 5e-4, 5e-3, 0.02, 5e-3, 5e-3, 0.02])
@@ -60,61 +59,6 @@ _DOUBTED = 1.5
 """Misfit above which a fit is begun anew, from nothing, and the better of the two is kept."""
 
 
-@dataclass(frozen=True, eq=False)
-class PoseFit:
-    """What one image says.
-
-    Attributes
-    ----------
-    pose
-        (3,) rx, ry (degrees) and depth (mm) in the dome's frame, or on the robot's scale where the mounting is known.
-    slip
-        1/µ.
-    covariance
-        (4, 4) of pose and slip, what is unknown of the unit included.
-    bend, bend_sd
-        Curvature of the wall, 1/m, and its standard deviation; 0 where it was not asked.
-    drift
-        (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
-    force
-        On the wall.
-    residual_px
-        Root mean square distance of a coordinate from the fit, px.
-    misfit
-        Mean weighted square of what is left, about 1 where the model is that of what is seen.
-    steps
-        Gauss–Newton steps taken.
-    theta
-        (8,) `TOUCH`, in the dome's frame.
-    cost
-        Half the weighted squares of what is left, and of what was fitted against its prior.
-    unit
-        (11,) correction of the unit's numbers with which the image fits best.
-    inverted
-        Whether the skin stands in its other state.
-    """
-
-    pose: FloatArray
-    slip: float
-    covariance: FloatArray
-    bend: float
-    bend_sd: float
-    drift: FloatArray
-    force: Force
-    residual_px: float
-    misfit: float
-    steps: int
-    theta: FloatArray
-    cost: float
-    unit: FloatArray
-    inverted: bool = False
-
-    @property
-    def half_width(self) -> FloatArray:
-        """Half-widths (4,) of the intervals of nine tenths of pose and 1/µ."""
-        return LEVEL_90 * np.sqrt(np.diag(self.covariance))
-
-
 @dataclass(eq=False)
 class PoseFitter:
     """Fits images of one unit, each from where the last one was.
@@ -129,6 +73,8 @@ class PoseFitter:
         How the unit sits on its robot; with it, poses are on the robot's scale.
     scale
         Its stiffness over the design's; `None`: as designed, within the tolerance.
+    state
+        After the last image that `fit` was given; `follow` leaves it alone.
     """
 
     model: UnitModel
@@ -148,10 +94,7 @@ class PoseFitter:
         self._drifts = bool((self._sd[_DRIFT:] > 0).any())
         self.scale = self.scale or expect_scale(self.model.tolerance)
         self._tables()
-        self._last: FloatArray | None = None
-        self._moved = self._motion = np.zeros(len(TOUCH))
-        self._near: tuple[FloatArray, Look, FloatArray] | None = None
-        self._was_other = False
+        self.state = FitState()
 
     @cached_property
     def _other(self) -> PoseFitter | None:
@@ -181,20 +124,50 @@ class PoseFitter:
         self._unit_spread = np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
 
     def fit(self, seen_px: FloatArray) -> PoseFit:
-        """Fit one image; one that the flat state does not explain, by the skin's other state, where it has one.
+        """Fit one image, and go on from there.
 
         Parameters
         ----------
         seen_px
             (m, 2) dots in the order of the layout; NaN where none was seen.
         """
-        here = (self._other if self._was_other else None) or self
-        found = here._fit_near(seen_px)
+        found, self.state = self.follow(seen_px, self.state)
+        return found
+
+    def follow(self, seen_px: FloatArray, state: FitState, near: PoseFit | None = None) -> tuple[PoseFit, FitState]:
+        """Fit the image after a state; one that the flat branch does not explain, by the other, where there is one.
+
+        Parameters
+        ----------
+        seen_px
+            (m, 2) dots in the order of the layout; NaN where none was seen.
+        state
+            After the image before.
+        near
+            A fit of almost the same dots, from which this one begins.
+
+        Returns
+        -------
+        tuple
+            The fit, and the state after this image.
+        """
+        inverted = self._other is not None and (state.inverted if near is None else near.inverted)
+        found, state = self._fit_branch(seen_px, state, inverted, None if near is None else near.theta)
         if found.misfit > _DOUBTED and self._other is not None:
-            again = (self if self._was_other else self._other)._fit_near(seen_px)
+            again, state = self._fit_branch(seen_px, state, not inverted)
             if again.cost < found.cost:
-                found, self._was_other = again, not self._was_other
-        return self._of_other(found) if self._was_other else found
+                found, inverted = again, not inverted
+        return self._of_other(found) if inverted else found, replace(state, inverted=inverted)
+
+    def _fit_branch(
+        self, seen_px: FloatArray, state: FitState, inverted: bool, begin: FloatArray | None = None
+    ) -> tuple[PoseFit, FitState]:
+        """Fit one image by one branch of the skin; the fit, and the state with that of the branch renewed."""
+        if inverted and self._other is not None:
+            found, branch = self._other._fit_near(seen_px, state.other, begin)
+            return found, replace(state, other=branch)
+        found, branch = self._fit_near(seen_px, state.flat, begin)
+        return found, replace(state, flat=branch)
 
     def places(self, found: PoseFit) -> FloatArray:
         """Dots (m, 3) mm as a fit has them, in the dome's frame; NaN for one that was not seen at rest."""
@@ -222,44 +195,35 @@ class PoseFitter:
         covariance[3, 3] = self._sd[3] ** 2
         return replace(found, inverted=True, slip=float(self._mean[3]), covariance=covariance)
 
-    def _fit_near(self, seen_px: FloatArray) -> PoseFit:
-        """Fit one image from where the last one was."""
-        found = self._fit(seen_px, self._begin(seen_px) if self._last is None else self._go_on(seen_px))
-        if self._last is not None and self._doubted(found):
-            found = self._better(found, seen_px, self._begin(seen_px))
+    def _fit_near(
+        self, seen_px: FloatArray, state: Branch, begin: FloatArray | None = None
+    ) -> tuple[PoseFit, Branch]:
+        """Fit one image from where the last one was, or from elsewhere; the fit, and the next state."""
+        if begin is None:
+            begin = self._begin(seen_px) if state.last is None else self._go_on(seen_px, state.last, state.motion)
+        found, near = self._fit(seen_px, begin, state.near)
+        if state.last is not None and self._doubted(found, state.last):
+            again, near = self._fit(seen_px, self._begin(seen_px), near)
+            found = again if again.cost < found.cost else found
         if self._at_limit(found.theta[3]):
             usual = found.theta.copy()
             usual[3] = self._mean[3]
-            found = self._better(found, seen_px, usual)
-        self._follow(found)
-        return found
+            again, near = self._fit(seen_px, usual, near)
+            found = again if again.cost < found.cost else found
+        return found, state.after(found.theta, near, _NEAR)
 
-    def _better(self, found: PoseFit, seen_px: FloatArray, begin: FloatArray) -> PoseFit:
-        """A fit, or a better one that begins elsewhere."""
-        again = self._fit(seen_px, begin)
-        return again if again.cost < found.cost else found
-
-    def _go_on(self, seen_px: FloatArray) -> FloatArray:
+    def _go_on(self, seen_px: FloatArray, last: FloatArray, motion: FloatArray) -> FloatArray:
         """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
-        assert self._last is not None
-        onward = self._inside(self._last + self._motion)
-        if self._last[2] > _SHALLOW_MM:
+        onward = self._inside(last + motion)
+        if last[2] > _SHALLOW_MM:
             return onward
         shown = self.model.look(onward[:3], float(onward[3]), None, float(onward[_BEND]), unit=False).pixels
         away = np.nansum((np.append(self._shown, shown[None], axis=0) - seen_px) ** 2, axis=(1, 2))
         return onward if int(away.argmin()) == len(self._starts) else self._begin(seen_px)
 
-    def _follow(self, found: PoseFit) -> None:
-        """The next image is looked for where the wall goes on as before, if it just did."""
-        moved = np.zeros(len(TOUCH)) if self._last is None else found.theta - self._last
-        turned, far = (float(np.linalg.norm((each / _NEAR)[:3])) for each in (moved - self._moved, moved))
-        self._moved, self._motion = moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH))
-        self._last = found.theta
-
-    def _doubted(self, found: PoseFit) -> bool:
-        """Whether a fit that began from the last may have gone astray."""
-        assert self._last is not None
-        return found.misfit > _DOUBTED or abs(found.bend - self._last[_BEND]) > _OTHER_WALL
+    def _doubted(self, found: PoseFit, last: FloatArray) -> bool:
+        """Whether a fit that began from the last touch may have gone astray."""
+        return found.misfit > _DOUBTED or abs(found.bend - last[_BEND]) > _OTHER_WALL
 
     def _at_limit(self, slip: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
@@ -273,9 +237,8 @@ class PoseFitter:
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
         return np.array([*self._starts[int(away.argmin())], *self._mean[3:]])
 
-    def _look(self, theta: FloatArray) -> tuple[Look, FloatArray]:
-        """What is seen at a pose and 1/µ, and how it depends on the unit, which nearby is as it was."""
-        known = self._near
+    def _look(self, theta: FloatArray, known: Linear | None) -> tuple[Look, Linear]:
+        """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
         if known is not None and (np.abs(theta - known[0]) > _NEAR).any():
             known = None
         drift = theta[_DRIFT:] if self._drifts else None
@@ -283,10 +246,11 @@ class PoseFitter:
         looked = self.model.look(theta[:3], float(theta[3]), drift, float(theta[_BEND]), near=near)
         if known is None:
             assert looked.by_unit is not None
-            known = self._near = theta.copy(), looked, looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
-        return looked, known[2]
+            known = theta.copy(), looked, looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
+        return looked, known
 
-    def _fit(self, seen_px: FloatArray, begin: FloatArray) -> PoseFit:
+    def _fit(self, seen_px: FloatArray, begin: FloatArray, near: Linear | None) -> tuple[PoseFit, Linear]:
+        """Fit one image from a touch; the fit, and where it was last linearised."""
         free, known = self._free, len(self._free)
         theta = self._inside(begin.copy())
         variance = 2.0 * self.noise_px**2 + MODEL_PX**2
@@ -296,8 +260,8 @@ class PoseFitter:
         bent, most, moved = _BEND in free, 1.0, np.zeros(len(free) + len(z))
         least = 0.0 if bent else _GAINED
         for step in range(1, (_BENT_STEPS if bent else _STEPS) + 1):
-            looked, every = self._look(theta)
-            by_unit = every[there].reshape(-1, len(z))
+            looked, near = self._look(theta, near)
+            by_unit = near[2][there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
             weight = weigh_dots(left, variance)
             jacobian = np.hstack([looked.by_pose[there][..., free].reshape(-1, known), by_unit])
@@ -321,7 +285,8 @@ class PoseFitter:
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
         pose, covariance = self._on_robot(theta, z, whole)
-        return PoseFit(
+        assert near is not None
+        found = PoseFit(
             pose=pose,
             slip=float(theta[3]),
             covariance=covariance,
@@ -336,6 +301,7 @@ class PoseFitter:
             cost=float(0.5 * (np.minimum(left**2 / variance, _OUTLIER).sum() + z @ z)),
             unit=(self._unit_spread @ z)[: len(UNKNOWN)],
         )
+        return found, near
 
     def _solve(self, normal: FloatArray, gradient: FloatArray, theta: FloatArray) -> FloatArray:
         """The Gauss-Newton step that leaves 1/µ within what was pressed."""

@@ -45,6 +45,13 @@ _FAR = 5.0
 """Standard deviations of the prior beyond which a pose, or a number of the unit, is not believed."""
 
 
+class ToldUnit(NamedTuple):
+    """Mean (15,) and covariance (15, 15) of the numbers of `UNKNOWN` and `MOUNTING`."""
+
+    mean: FloatArray
+    covariance: FloatArray
+
+
 @dataclass(frozen=True, eq=False)
 class Identified:
     """What presses told about a unit.
@@ -63,6 +70,9 @@ class Identified:
         (p, 3) fitted error of the robot's poses, over its standard deviation.
     scale
         Its stiffness over the design's.
+    told
+        The numbers of `UNKNOWN` and `MOUNTING` themselves. `belief` and `mounting` have those with which the twin
+        explains the images best, and reads others, whatever of them is the twin's own error.
     """
 
     belief: UnitBelief
@@ -72,14 +82,13 @@ class Identified:
     misfit: float
     robot_off: FloatArray
     scale: ForceScale
+    told: ToldUnit
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
         before = [*prior_sd(tolerance), *mounting_sd(tolerance), expect_scale(tolerance).sd]
-        means = [*self.belief.mean, *self.mounting.mean, self.scale.mean]
-        names = (*UNKNOWN, *MOUNTING, "stiffness")
-        lens = [_LENS_SD.get(name, 0.0) for name in names]
-        spread = np.hypot([*np.sqrt(np.diag(self.mounting.covariance)), self.scale.sd], lens)
+        means, names = [*self.told.mean, self.scale.mean], (*UNKNOWN, *MOUNTING, "stiffness")
+        spread = [*np.sqrt(np.diag(self.told.covariance)), self.scale.sd]
         found: list[dict[str, Any]] = [
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
             for name, mean, sd, first in zip(names, means, spread, before, strict=True)
@@ -212,6 +221,7 @@ class UnitFit:
             misfit=found.misfit,
             robot_off=off,
             scale=expect_scale(model.tolerance),
+            told=self._tell(belief, found, information, values - before),
         )
 
     def _begin(self, model: UnitModel, before: FloatArray) -> FloatArray:
@@ -258,6 +268,37 @@ class UnitFit:
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
 
+    def _tell(self, belief: UnitBelief, found: UnitNormal, information: FloatArray, moved: FloatArray) -> ToldUnit:
+        """The unit's own numbers, by Bayes' rule from those (n,) that the fit found beyond what was known before.
+
+        With the curvature N of all dots, the information Λ before the presses and the numbers q, the fit finds
+
+            (N + Λ) d = N q + e,   W = cov(e)
+
+        where e has the noise of images, what is off about the dots at rest and about the twin in every image alike,
+        and what the twin is off in the scale of an image, which shows as other numbers of the lens. So
+
+            C = (Λ + N W⁻¹ N)⁻¹,   mean = C N W⁻¹ (N + Λ) d,
+
+        which no error of the twin makes wider than what was known before.
+        """
+        normal, whole = found.normal, found.normal + information
+        off = np.concatenate([twin_off_sd(), np.zeros(self.own * len(self.presses))])
+        off[self.slips] = _TWIN_SD["slip"]
+        lens = np.zeros(self.size)
+        lens[: len(UNKNOWN)] = [_LENS_SD.get(name, 0.0) for name in UNKNOWN]
+        common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
+        error = found.noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
+        # in standard deviations before the presses; what is not told at all has no error
+        scale = np.sqrt(np.diag(np.linalg.inv(information)))
+        normal, error = normal * np.outer(scale, scale), error * np.outer(scale, scale)
+        told = normal @ np.linalg.inv(error + 1e-9 * np.eye(self.size))
+        covariance = np.linalg.inv(information * np.outer(scale, scale) + told @ normal)
+        mean = scale * (covariance @ (told @ (scale * (whole @ moved))))
+        shared = slice(self.shared)
+        before = np.concatenate([belief.mean, np.zeros(len(MOUNTING))])
+        return ToldUnit(before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared])
+
     def look(
         self, model: UnitModel, mounting: Mounting, pose: FloatArray, own: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -303,10 +344,14 @@ class UnitFit:
         return UnitNormal(normal, gradient, noise, common, squares / max(count, 1))
 
 
+class ContradictionError(PalpateError):
+    """Presses that no unit of the design, read by its twin, can have made."""
+
+
 def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
     """Never a confident wrong unit: its numbers (11,) and the robot's errors (p, 3) are in standard deviations."""
     if misfit > _WRONG:
-        raise PalpateError(
+        raise ContradictionError(
             f"The presses do not fit a unit of this design: dots are {np.sqrt(misfit):.1f} times as far off as "
             "their noise.",
             "Check that design, recording and poses belong together, and the order of the poses.",
@@ -314,14 +359,14 @@ def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
         )
     worst = np.unravel_index(np.abs(off).argmax(), off.shape)
     if abs(off[worst]) > _FAR:
-        raise PalpateError(
+        raise ContradictionError(
             f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
             "Check the poses and their order, or say how well the robot knows them.",
             code="press-pose-far-off",
         )
     far = np.abs(unit)
     if far.max() > _FAR:
-        raise PalpateError(
+        raise ContradictionError(
             f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
             "Check that the presses are of this unit, or widen the tolerance.",
             code="unit-far-off-design",

@@ -30,11 +30,15 @@ class Lens(ABC):
     refinable
         Coefficients that one image of the dome at rest may refine with the camera's pose, with the standard deviation
         of another copy of the lens, to which they are held.
+    leading
+        Coefficient of the square of the distance from the middle, or of the angle to the axis, by which the image is
+        stretched over that of the ideal lens of its kind: what a calibration leaves over first; empty: there is none.
     """
 
     name: ClassVar[str]
     model: ClassVar[str] = ""
     refinable: ClassVar[Mapping[str, float]] = {}
+    leading: ClassVar[str] = ""
 
     @property
     @abstractmethod

@@ -12,7 +12,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
-from palpate.core import PalpateError, written_whole
+from palpate.core import written_whole
 
 app = App(name="benchmark", help="An open set of images of built units, the judge of predictions, and baselines.")
 
@@ -45,7 +45,7 @@ def make(
     from palpate.benchmark import BenchmarkSpec, make_benchmark, read_benchmark_spec
 
     check_folder(out)
-    _check(hands)
+    hands.check()
     chosen = read_benchmark_spec(spec)
     given = {name: value for name, value in (("seed", seed), ("hidden_seed", hidden_seed)) if value is not None}
     chosen = BenchmarkSpec.model_validate({**chosen.model_dump(), **given})
@@ -110,23 +110,13 @@ def baselines(
     from palpate.benchmark import read_baseline_spec, read_set, run_baselines
 
     check_folder(out)
-    _check(hands)
+    hands.check()
     chosen = read_baseline_spec(spec)
     scores = run_baselines(read_set(folder), chosen, out, only, hands.workers, _say)
     if json:
         print_json({name: [each.as_dict() for each in own] for name, own in scores.items()})
         return
     print((out / "baselines.md").read_text(encoding="utf-8").strip())
-
-
-def _check(hands: WorkerFlags) -> None:
-    hands.check()
-    if hands.cluster is not None or hands.timeout is not None:
-        raise PalpateError(
-            "The benchmark is made on this machine, without a time limit.",
-            "Give --workers alone.",
-            code="option-not-for-command",
-        )
 
 
 def _say(text: str) -> None:

@@ -5,27 +5,36 @@ from __future__ import annotations
 import csv
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from palpate.cli.compiling import announce_compilation
-from palpate.cli.flag import JsonFlag
+from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_folder, print_json, print_table
 from palpate.cli.press import PressFlags
 from palpate.design import MarkerSpec, place_markers
 from palpate.fea import CELLS, MeshResult, Press, plot_convergence, study_convergence
+from palpate.mesh import MeshSpec
 
 _CELLS = "Cells from pole to rim of each mesh."
 _MARKERS = "Markers that are followed on every mesh."
 _OUT = "Folder for convergence.csv, .png and .svg; without it, only the table is printed."
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class RefinedFlags(PressFlags):
+    """A press whose meshes `--meshes` tells."""
+
+    mesh: Annotated[MeshSpec, flags_of(MeshSpec, without="cells", group="Mesh")] = MeshSpec()
+
+
 def convergence(
     *,
-    flags: PressFlags = PressFlags(),
+    flags: RefinedFlags = RefinedFlags(),
     meshes: Annotated[tuple[int, ...], Parameter(help=_CELLS, consume_multiple=True)] = CELLS,
     markers: Annotated[int, Parameter(help=_MARKERS)] = 169,
     out: Annotated[Path | None, Parameter(help=_OUT)] = None,

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from palpate.camera import list_images, read_image
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import check_file, print_json, print_table
-from palpate.cli.unit import UnitFlags
+from palpate.cli.unit import PrintFlags
 from palpate.core import writing
 from palpate.sensor import Inspection, InspectSpec, draw_inspection, inspect_unit
 
@@ -29,7 +29,7 @@ _PICTURE = "File for a picture of the errors, .png, .svg or .pdf."
 def inspect(
     image: Annotated[Path, Parameter(help=_IMAGE)],
     *,
-    built: UnitFlags = UnitFlags(),
+    built: PrintFlags = PrintFlags(),
     wanted: Annotated[InspectSpec, flags_of(InspectSpec)] = InspectSpec(),
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
     picture: Annotated[Path | None, Parameter(help=_PICTURE)] = None,

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
-from palpate.cli.run import WorkerFlags
+from palpate.cli.run import ClusterFlags
 from palpate.core import PalpateError, load_extra
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def optimise(
         Path | None, Parameter(name=("--out", "-o"), help="Result folder; without it, results/NAME.")
     ] = None,
     search: SearchFlags = SearchFlags(),
-    hands: WorkerFlags = WorkerFlags(),
+    hands: ClusterFlags = ClusterFlags(),
     json: JsonFlag = False,
 ) -> int:
     """Search for the sensor that reads best when built, under the limits of a YAML file.
@@ -85,10 +85,6 @@ def optimise(
     )
 
     hands.check()
-    if hands.timeout is not None:
-        raise PalpateError(
-            "A search sets the time of its presses itself.", "Leave --timeout out.", code="option-not-for-command"
-        )
     spec = search.change(read_requirements(requirements))
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours

@@ -47,15 +47,14 @@ SolverFlags = Annotated[SolverSpec, flags_of(SolverSpec, group="Advanced")]
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class PressFlags:
-    """What is pressed, and by which wall: the specs of a press, each field a flag."""
+class WallPressFlags:
+    """What is pressed by a flat wall: the specs of a press, each field a flag."""
 
     dome: DomeFlags = DomeSpec()
     wall: WallFlags = WallSpec()
     material: MaterialFlags = MaterialSpec()
     mesh: MeshFlags = MeshSpec()
     skin: SkinFlag = "dome"
-    obstacle: Annotated[str, Parameter(help=_OBSTACLE, group="Wall")] = "wall"
 
     def build(self) -> Skin:
         """The skin that is pressed."""
@@ -63,11 +62,23 @@ class PressFlags:
 
     def pressed_by(self) -> ObstacleSpec:
         """The obstacle of these flags."""
-        return read_obstacle(self.obstacle, self.wall)
+        return self.wall
 
     def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
         """What is pressed: mesh, material and obstacle of these flags."""
         return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.pressed_by()
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class PressFlags(WallPressFlags):
+    """What is pressed, and by which obstacle."""
+
+    obstacle: Annotated[str, Parameter(help=_OBSTACLE, group="Wall")] = "wall"
+
+    def pressed_by(self) -> ObstacleSpec:
+        """The obstacle of these flags."""
+        return read_obstacle(self.obstacle, self.wall)
 
 
 @Parameter(name="*")

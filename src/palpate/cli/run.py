@@ -26,17 +26,9 @@ MOST_WORKERS = 1024
 @Parameter(name="*")
 @dataclass(frozen=True)
 class WorkerFlags:
-    """Who does the tasks of a study, and how long each may take."""
+    """How many processes of this machine do the tasks."""
 
     workers: Annotated[int | None, Parameter(help="Worker processes; without it, one a core.")] = None
-    cluster: Annotated[
-        str | None,
-        Parameter(help="A Dask cluster instead of workers: local:N, or a scheduler's address, tcp://HOST:PORT."),
-    ] = None
-    timeout: Annotated[
-        float | None,
-        Parameter(help="Seconds a task may take; without it, an hour and 200 times what is expected."),
-    ] = None
 
     def check(self) -> None:
         """Refuse what cannot be meant."""
@@ -46,8 +38,21 @@ class WorkerFlags:
                 f"Give 1 to {MOST_WORKERS}; this machine has {available_cores()} cores.",
                 code="option-out-of-bounds",
             )
-        if self.timeout is not None and not 1.0 <= self.timeout < math.inf:
-            raise PalpateError(f"--timeout is {self.timeout:g} s.", "Give 1 s or more.", code="option-out-of-bounds")
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class ClusterFlags(WorkerFlags):
+    """Who does the tasks: processes of this machine, or a cluster."""
+
+    cluster: Annotated[
+        str | None,
+        Parameter(help="A Dask cluster instead of workers: local:N, or a scheduler's address, tcp://HOST:PORT."),
+    ] = None
+
+    def check(self) -> None:
+        """Refuse what cannot be meant."""
+        super().check()
         if self.cluster is not None:
             check_place(self.cluster)
             if self.workers is not None:
@@ -56,11 +61,28 @@ class WorkerFlags:
                 )
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class TaskFlags(ClusterFlags):
+    """Who does the tasks of a study, and how long each may take."""
+
+    timeout: Annotated[
+        float | None,
+        Parameter(help="Seconds a task may take; without it, an hour and 200 times what is expected."),
+    ] = None
+
+    def check(self) -> None:
+        """Refuse what cannot be meant."""
+        super().check()
+        if self.timeout is not None and not 1.0 <= self.timeout < math.inf:
+            raise PalpateError(f"--timeout is {self.timeout:g} s.", "Give 1 s or more.", code="option-out-of-bounds")
+
+
 def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
-    hands: WorkerFlags = WorkerFlags(),
+    hands: TaskFlags = TaskFlags(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
     ] = None,
@@ -92,7 +114,7 @@ def run(
     return 1 if result.failures else 0
 
 
-def _run_watched(study: Study, folder: Path, hands: WorkerFlags, *, quiet: bool) -> StudyResult:
+def _run_watched(study: Study, folder: Path, hands: TaskFlags, *, quiet: bool) -> StudyResult:
     announce_compilation()
     if quiet or not sys.stderr.isatty():
         return run_study(study, folder, hands.workers, Lines(), hands.timeout, hands.cluster)

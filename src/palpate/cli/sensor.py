@@ -118,8 +118,8 @@ def live(
         written = write_readings(out, readings, sensor.reader.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
         _print_json(rows) if json else _print_lines(rows, sensor.reader.space)
-        if sensor.reader.rest is not None:
-            print(sensor.reader.rest.sentence(), file=sys.stderr)
+        if sensor.rest is not None:
+            print(sensor.rest.sentence(), file=sys.stderr)
     return 0
 
 

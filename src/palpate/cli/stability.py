@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag
 from palpate.cli.output import print_json, print_table
-from palpate.cli.press import PressFlags
+from palpate.cli.press import WallPressFlags
 from palpate.fea import Stability, find_stability
 
 _TILTS = "Tilts in deg that are followed; without it, the one of --tilt."
@@ -18,7 +18,7 @@ _TILTS = "Tilts in deg that are followed; without it, the one of --tilt."
 
 def stability(
     *,
-    flags: PressFlags = PressFlags(),
+    flags: WallPressFlags = WallPressFlags(),
     tilts: Annotated[tuple[float, ...], Parameter(help=_TILTS, consume_multiple=True)] = (),
     json: JsonFlag = False,
 ) -> None:

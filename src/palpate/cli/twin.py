@@ -90,10 +90,6 @@ def twin(
     if flags.known is not None and not 1 <= flags.known <= 100:
         raise PalpateError(f"--known is {flags.known}.", "Give 1 to 100 known presses.", code="option-out-of-bounds")
     hands.check()
-    if hands.cluster is not None:
-        raise PalpateError(
-            "Twins are made on this machine.", "Give --workers instead of --cluster.", code="option-not-for-command"
-        )
     study = flags.study(source)
     folder = out or RESULTS / study.name
     found = run_twins(study, folder, hands.workers, Lines())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,17 +56,15 @@ class DesignFlags:
 
 @Parameter(name="*")
 @dataclass(frozen=True)
-class UnitFlags(DesignFlags):
-    """A built sensor: its design, its lens and whether the orientation mark is printed."""
+class PrintFlags(DesignFlags):
+    """A sensor as it is seen: its design, its lens and whether the orientation mark is printed."""
 
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
-    unit_file: Annotated[Path | None, Parameter(name="--unit", help=_UNIT)] = None
     mark: Annotated[bool, Parameter(help="Whether the orientation mark is printed.")] = True
     window: Annotated[str, Parameter(help=_WINDOW)] = ""
 
     def unit(self) -> Unit:
         """The unit of these flags."""
-        from palpate.built import read_unit
         from palpate.camera import CameraSpec, read_calibration, read_window
         from palpate.sensor import Unit
 
@@ -77,8 +75,22 @@ class UnitFlags(DesignFlags):
             lens = CameraSpec.model_validate(
                 (lens or CameraSpec()).model_dump() | {"window": read_window(self.window)}
             )
+        return Unit(skin, layout, marked=self.mark, lens=lens)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class UnitFlags(PrintFlags):
+    """A built sensor, and what is known of it."""
+
+    unit_file: Annotated[Path | None, Parameter(name="--unit", help=_UNIT)] = None
+
+    def unit(self) -> Unit:
+        """The unit of these flags."""
+        from palpate.built import read_unit
+
         known = read_unit(self.unit_file) if self.unit_file else None
-        return Unit(skin, layout, marked=self.mark, lens=lens, known=known)
+        return replace(super().unit(), known=known)
 
 
 @Parameter(name="*")
@@ -100,7 +112,7 @@ class ModelFlags:
         if self.model is not None:
             return self.model
         skin = build_skin(design.skin_spec())
-        found = find_twin(RESULTS, skin, self.material.material())
+        found = find_twin(RESULTS, skin, self.material.material(), _pass_over)
         if found is None:
             material = "" if self.material == MaterialSpec() else f" of {self.material.name}"
             raise PalpateError(
@@ -114,6 +126,10 @@ class ModelFlags:
     def words(self, design: DesignFlags) -> str:
         """Design and material as they are typed."""
         return (design.words() + _words(self.material)).strip()
+
+
+def _pass_over(error: PalpateError) -> None:
+    print(f"Passed over: {error.what}", file=sys.stderr)
 
 
 def _words(spec: Spec, always: str = "") -> str:

@@ -9,8 +9,12 @@ package has those of that package in the name of its folder as well.
 from __future__ import annotations
 
 import hashlib
+import os
+import shutil
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -18,6 +22,10 @@ from typing import Any, TypeVar, cast
 F = TypeVar("F", bound=Callable[..., Any])
 
 _MARK = "@kernel"
+_PREFIX = "kernels-"
+STALE_S = 30 * 86_400.0
+"""Time without a use after which the machine code of other sources is removed, s. Twice as long keeps some 10 MB a
+version longer; half as long compiles again, in a minute, what is run once in three weeks."""
 
 
 def kernel(function: F) -> F:
@@ -29,12 +37,57 @@ def kernel(function: F) -> F:
 
     package, settings = Path(__file__).parents[1], cast(Any, numba.config)
     chosen = settings.CACHE_DIR  # the user's, from NUMBA_CACHE_DIR
-    settings.CACHE_DIR = str(Path(chosen or package / "__pycache__") / f"kernels-{_stamp(function, package)}")
+    folder = Path(chosen or package / "__pycache__") / f"{_PREFIX}{_stamp(function, package)}"
+    _keep_fresh(folder)
+    settings.CACHE_DIR = str(folder)
     try:
         compiled = numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})(function)
     finally:
         settings.CACHE_DIR = chosen
     return cast(F, compiled)
+
+
+@cache
+def _keep_fresh(folder: Path) -> None:
+    """Say that a folder of machine code is in use, once a process, and remove those beside it that are not."""
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        remove_stale(folder.parent, {folder.name})
+
+
+def remove_stale(place: Path, keep: Iterable[str], older_s: float = STALE_S) -> tuple[str, ...]:
+    """Remove folders of machine code that nothing has used for a while.
+
+    A folder is renamed before it is emptied, so that no other process sees a part of one; what it has loaded already
+    it keeps, and what it misses it compiles. Where two remove at once, one of them finds nothing to rename.
+
+    Parameters
+    ----------
+    place
+        Where the folders lie.
+    keep
+        Names of folders that stay, however old.
+    older_s
+        Time in s without a use or a new file after which a folder goes.
+
+    Returns
+    -------
+    tuple[str, ...]
+        Names of those that were removed.
+    """
+    removed, kept, now = [], set(keep), time.time()
+    for folder in sorted(place.glob(f"{_PREFIX}*")):
+        if folder.name in kept or not folder.is_dir() or folder.is_symlink():
+            continue
+        with suppress(OSError):
+            used = max(each.stat().st_mtime for each in (folder, *folder.rglob("*")))
+            if now - used > older_s:
+                aside = folder.with_name(f".{folder.name}.{os.getpid()}")
+                folder.rename(aside)
+                shutil.rmtree(aside, ignore_errors=True)
+                removed.append(folder.name)
+    return tuple(removed)
 
 
 def _stamp(function: Callable[..., Any], package: Path) -> str:

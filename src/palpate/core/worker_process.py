@@ -17,23 +17,26 @@ _THREAD_VARIABLES = (
     "VECLIB_MAXIMUM_THREADS",
 )
 """What numerical libraries read, when they are loaded, to know how many threads they may use."""
+_CHANGING = threading.RLock()
+"""Held while the environment is another one."""
 _PARENT_CHECK_S = 1.0
 """How often a worker looks for its parent, s."""
 
 
 @contextmanager
 def single_threaded() -> Iterator[None]:
-    """Let processes started inside use one thread each."""
-    before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+    """Let processes started inside use one thread each; threads of this process take turns."""
+    with _CHANGING:
+        before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
+        os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
+        try:
+            yield
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    os.environ.pop(name, None)
+                else:
+                    os.environ[name] = value
 
 
 def serve_parent(parent: int) -> None:

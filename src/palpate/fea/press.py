@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from typing import TypedDict
 
 import numpy as np
 
@@ -25,6 +26,24 @@ class Branch(StrEnum):
 
 NEITHER = "neither"
 """Branch of a state whose apex is off the wall, but which is not proved inverted (see `palpate.fea.inverted`)."""
+
+
+class IncrementFields(TypedDict):
+    """The fields of a `Press` that have a row for each increment."""
+
+    depth: FloatArray
+    displacement: FloatArray
+    force: FloatArray
+    energy: FloatArray
+    contact_energy: FloatArray
+    dissipation: FloatArray
+    work: FloatArray
+    branch: TextArray
+    peak_stress: FloatArray
+    contact_area: FloatArray
+    apex_gap: FloatArray
+    hold_tension: FloatArray
+    negative_pivots: IntArray
 
 
 @dataclass(frozen=True)
@@ -135,6 +154,31 @@ class Press:
                 code="derivative-beyond-end",
             )
         return self.derivatives[name]
+
+    def cut(self, first: int, last: int) -> Press:
+        """The increments from `first` up to, but not with, `last`; why and where the press ended stays as it is."""
+        here = slice(first, last)
+        derivatives = {
+            name: replace(each, displacement=each.displacement[here], force=each.force[here])
+            for name, each in self.derivatives.items()
+        }
+        return replace(
+            self,
+            depth=self.depth[here],
+            displacement=self.displacement[here],
+            force=self.force[here],
+            energy=self.energy[here],
+            contact_energy=self.contact_energy[here],
+            dissipation=self.dissipation[here],
+            work=self.work[here],
+            branch=self.branch[here],
+            peak_stress=self.peak_stress[here],
+            contact_area=self.contact_area[here],
+            apex_gap=self.apex_gap[here],
+            hold_tension=self.hold_tension[here],
+            negative_pivots=self.negative_pivots[here],
+            derivatives=derivatives,
+        )
 
     def on(self, mesh: Mesh) -> Press:
         """The press with its fields interpolated to another mesh of the skin, of as many layers."""

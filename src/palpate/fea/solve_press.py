@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from palpate.fea.derivative import differentiate_states, follow_derivatives, gat
 from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
-from palpate.fea.press import NEITHER, Branch, Press
+from palpate.fea.press import NEITHER, Branch, IncrementFields, Press
 from palpate.fea.spec import ObstacleSpec, refuse_half
 from palpate.fea.wall import WallSpec
 from palpate.fea.work import integrate_force
@@ -195,7 +194,7 @@ def start_press(
     return path
 
 
-def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: ObstacleSpec) -> dict[str, Any]:
+def _fields(path: Continuation, increments: list[int], mesh: Mesh, wall: ObstacleSpec) -> IncrementFields:
     """Arrays of the `Press` at the increments."""
     monitor = path.monitor
     assert isinstance(monitor, SkinMonitor)

@@ -8,7 +8,7 @@ from palpate.markers.name_markers import Naming, name_markers
 from palpate.markers.pattern import MarkerPattern, build_pattern
 from palpate.markers.rings import Rings, find_rings
 from palpate.markers.spec import DetectSpec
-from palpate.markers.tracker import Tracker, find_markers
+from palpate.markers.tracker import Tracker, TrackState, find_markers
 from palpate.markers.tracks import Sighting, Tracks
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "PressFit",
     "Rings",
     "Sighting",
+    "TrackState",
     "Tracker",
     "Tracks",
     "build_pattern",

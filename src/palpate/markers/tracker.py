@@ -39,6 +39,14 @@ _ROUNDS = 3
 _NEIGHBOURS = 7
 
 
+@dataclass(frozen=True, eq=False)
+class TrackState:
+    """Markers (m, 2) px in the last image and in the one before, from which those of the next are predicted."""
+
+    before_px: FloatArray
+    last_px: FloatArray
+
+
 @dataclass
 class Tracker:
     """Follows markers from image to image.
@@ -47,6 +55,8 @@ class Tracker:
     ----------
     motion
         Model of the joint motion; its rest is where the markers were named.
+    state
+        After the last image that `step` was given; `follow` and `look` leave it alone.
     """
 
     motion: Motion
@@ -56,7 +66,7 @@ class Tracker:
             raise PalpateError(
                 "There is no marker to follow.", "Name the markers of a rest image first.", code="tracker-no-marker"
             )
-        self._last = self._before = self.motion.rest_px
+        self.state = self.begin()
         self._near = (
             cKDTree(self.motion.rest_px)
             .query(self.motion.rest_px, min(_NEIGHBOURS, len(self.motion.rest_px)))[1]
@@ -64,35 +74,44 @@ class Tracker:
         )
         self._space = _room(self.motion.rest_px)
 
+    def begin(self) -> TrackState:
+        """The state before any image: all markers at rest."""
+        return TrackState(self.motion.rest_px, self.motion.rest_px)
+
     def step(self, blobs_px: FloatArray) -> Sighting:
-        """Find every marker among the dots (n, 2) of the next image."""
+        """Find every marker among the dots (n, 2) of the next image, and go on from there."""
+        sighting, self.state = self.follow(blobs_px, self.state)
+        return sighting
+
+    def follow(self, blobs_px: FloatArray, state: TrackState) -> tuple[Sighting, TrackState]:
+        """Find every marker among the dots (n, 2) of the image after a state; its sighting, and the next state."""
         blobs_px = np.asarray(blobs_px, float).reshape(-1, 2)
-        predicted = 2.0 * self._last - self._before
+        predicted = 2.0 * state.last_px - state.before_px
         if not len(blobs_px):
-            return Sighting(self._last, np.zeros(len(predicted), bool), np.full(len(predicted), -1), True)
+            nowhere = np.zeros(len(predicted), bool), np.full(len(predicted), -1)
+            return Sighting(state.last_px, *nowhere, True), state
         blobs_px = np.ascontiguousarray(blobs_px)
         positions, blob, offset = self._try(predicted, blobs_px)
         if offset > _SURE or np.mean(blob >= 0) < _SURE_SHARE or self._roughness(positions) > _ROUGH:
             # this may be a release, or the image before was wrong: look from standstill and from rest as well
-            tries = [self._try(start, blobs_px) for start in (self._last, self.motion.rest_px)]
+            tries = [self._try(start, blobs_px) for start in (state.last_px, self.motion.rest_px)]
             positions, blob, offset = min(
                 [(positions, blob, offset), *tries], key=lambda seen: self._roughness(seen[0]) - np.mean(seen[1] >= 0)
             )
         found = blob >= 0
         jumped = bool(offset > _JUMP or found.mean() < 0.5 or self._roughness(positions) > _ROUGH)
-        if jumped:  # no motion to go on with
-            self._last = positions
-        self._before, self._last = self._last, positions
-        return Sighting(positions, found, blob, jumped)
+        before = positions if jumped else state.last_px  # after a jump there is no motion to go on with
+        return Sighting(positions, found, blob, jumped), TrackState(before, positions)
 
-    def look(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> Sighting:
-        """Find every marker among the dots (n, 2) of the image of the last step again, about places (m, 2).
+    def look(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> tuple[Sighting, TrackState]:
+        """Find every marker among the dots (n, 2) of an image about places (m, 2); its sighting, and the next state.
 
         What foresees them answers for the roughness of the motion.
         """
         positions, blob, offset = self._try(foreseen_px, np.ascontiguousarray(blobs_px))
-        found, self._before, self._last = blob >= 0, positions, positions
-        return Sighting(positions, found, blob, bool(offset > _JUMP or found.mean() < 0.5))
+        found = blob >= 0
+        jumped = bool(offset > _JUMP or found.mean() < 0.5)
+        return Sighting(positions, found, blob, jumped), TrackState(positions, positions)
 
     def _try(self, predicted: FloatArray, blobs_px: FloatArray) -> tuple[FloatArray, NDArray[np.intp], float]:
         """Positions and dots of all markers from one prediction, and how far it was off over the spacing."""

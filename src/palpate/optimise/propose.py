@@ -9,7 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from palpate.bench import DEGRADED, set_scene
-from palpate.built import BuiltFigure, ForeseeSpec, TwinChecks, draw_deviation, foresee
+from palpate.built import (
+    BuiltFigure,
+    ContradictionError,
+    ForeseeSpec,
+    TwinChecks,
+    draw_deviation,
+    foresee,
+)
 from palpate.camera import Camera, build_camera
 from palpate.core import ArtefactStore, MissingExtraError, PalpateError, Recipe, stage_version
 from palpate.design import MarkerSpec, Severity, SkinSpec, markers_in_rings, place_markers, ring_diameters
@@ -276,5 +283,5 @@ def _foresee(
     layout = place_markers(twin.skin, markers)
     try:
         return foresee(twin, layout, camera, spec.tolerance, foresee_spec(spec), checks)
-    except PalpateError as error:
+    except ContradictionError as error:
         return error

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from palpate.bench import Bench, VirtualBenchSpec, play_unit
-from palpate.built import BuiltFigure, draw_deviation, foresee
+from palpate.built import BuiltFigure, ContradictionError, draw_deviation, foresee
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, stage_version
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
@@ -259,7 +259,7 @@ class _Candidate:
         checks = [each.find(store) for each in self._proposal.checks]
         try:
             return foresee(twin, layout, camera, self.spec.tolerance, spec, checks)
-        except PalpateError:
+        except ContradictionError:
             return None
 
     def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:

@@ -59,8 +59,8 @@ class CourseSpec:
     threads
         Cores that it may use.
     vary
-        Draws inputs and targets of a batch from its rows and the share of the training that is over; `None` takes
-        them as they are.
+        Draws inputs and targets of a batch from its rows, the share of the training that is over, and a generator;
+        `None` takes them as they are.
     """
 
     epochs: int
@@ -73,14 +73,14 @@ class CourseSpec:
     rise: float = 0.0
     tie: float = 0.0
     threads: int = 1
-    vary: Callable[[Any, float], tuple[Any, Any]] | None = None
+    vary: Callable[[Any, float, Any], tuple[Any, Any]] | None = None
 
 
 class Course:
-    """The loop over epochs of one network, on standardised targets."""
+    """The loop over epochs of one network, on standardised targets; `random` draws batches, noise and shifts."""
 
-    def __init__(self, net: Any, lesson: Lesson, inputs: Any, targets: Any, spec: CourseSpec) -> None:
-        self.torch = load_torch()
+    def __init__(self, net: Any, lesson: Lesson, inputs: Any, targets: Any, spec: CourseSpec, random: Any) -> None:
+        self.torch, self.random = load_torch(), random
         self.net, self.inputs, self.targets, self.spec = net, inputs, targets, spec
         self.short = spec.grey is not None and _has_short_floats(self.torch)
         if spec.grey is not None:
@@ -141,17 +141,21 @@ class Course:
             return inputs
         height, width = inputs.shape[-2:]
         padded = self.torch.nn.functional.pad(inputs, (most,) * 4, value=-grey[0] / grey[1])
-        down, right = self.torch.randint(0, 2 * most + 1, (2,)).tolist()
+        down, right = self.torch.randint(0, 2 * most + 1, (2,), generator=self.random).tolist()
         return padded[..., down : down + height, right : right + width]
 
     def _draw(self, rows: Any, over: float) -> tuple[Any, Any]:
         vary = self.spec.vary
-        inputs, targets = (self.inputs[rows], self.targets[rows]) if vary is None else vary(rows, over)
+        inputs, targets = (self.inputs[rows], self.targets[rows]) if vary is None else vary(rows, over, self.random)
         return self._shifted(self._normal(inputs)), targets
+
+    def _noise(self, inputs: Any) -> Any:
+        """Standard normal numbers in the shape and order in memory of inputs."""
+        return self.torch.empty_like(inputs).normal_(generator=self.random)
 
     def _train(self) -> None:
         self.net.train()
-        order = self.teach[self.torch.randperm(len(self.teach))]
+        order = self.teach[self.torch.randperm(len(self.teach), generator=self.random)]
         batches = [rows for rows in order.split(self.spec.batch) if len(rows) > 1]
         steps = max(self.spec.epochs * len(batches), 1)
         for number, rows in enumerate(batches):
@@ -159,7 +163,7 @@ class Course:
             for group in self.optimiser.param_groups:
                 group["lr"] = self._rate(step, steps)
             inputs, targets = self._draw(rows, step / steps)
-            inputs = inputs + self.spec.noise * self.torch.randn_like(inputs)
+            inputs = inputs + self.spec.noise * self._noise(inputs)
             self.optimiser.zero_grad()
             with self.torch.autocast("cpu", self.torch.bfloat16, enabled=self.short):
                 found = self.net(inputs).float()
@@ -184,7 +188,7 @@ class Course:
                 {
                     "net": self.net.state_dict(),
                     "optimiser": self.optimiser.state_dict(),
-                    "random": self.torch.get_rng_state(),
+                    "random": self.random.get_state(),
                     "best": [self.best, self.epoch],
                     "state": self.state,
                 },
@@ -195,6 +199,6 @@ class Course:
         found = self.torch.load(path, weights_only=True)
         self.net.load_state_dict(found["net"])
         self.optimiser.load_state_dict(found["optimiser"])
-        self.torch.set_rng_state(found["random"])
+        self.random.set_state(found["random"])
         self.best, self.epoch = float(found["best"][0]), int(found["best"][1])
         self.state = found["state"]

@@ -82,7 +82,12 @@ class PartJob:
         digest = hashlib.sha256()
         for array in (self.lesson.inputs, self.lesson.targets, self.lesson.teach, self.lesson.judge):
             digest.update(np.ascontiguousarray(array).tobytes())
-        own = [self.name, digest.hexdigest(), self.seed, self.passes if self.sees_pictures else 0]
+        turning = self.lesson.turning
+        if turning is not None:
+            for array in (turning.places_px, turning.base_px):
+                digest.update(np.ascontiguousarray(array).tobytes())
+        sense = 0 if turning is None else turning.sense
+        own = [self.name, digest.hexdigest(), self.asked, sense, self.seed, self.passes if self.sees_pictures else 0]
         return Recipe("part", own, version=stage_version("recorded_estimator"))
 
     def train(self, threads: int, kept: Path, say: Say) -> Mapping[str, NDArray[Any]]:

@@ -165,10 +165,10 @@ class RecordedModel:
             found[~by_dots] = other[~by_dots]
         return found, by_dots
 
-    def is_outside(self, pose: FloatArray) -> bool:
-        """Whether a pose (k,) is beyond those that were learnt from, by more than its interval."""
+    def is_outside(self, pose: FloatArray, half_width: FloatArray) -> bool:
+        """Whether a pose (k,) is beyond those that were learnt from, by more than its interval (k,)."""
         low, high = np.array(self.about["range"])
-        room = np.zeros(len(pose)) if self.with_dots is None else np.minimum(self.with_dots.half_width, high - low)
+        room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
     def estimate(self, use: Choosing, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:

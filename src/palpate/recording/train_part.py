@@ -97,9 +97,10 @@ def _vary(torch: Any, lesson: Lesson, turned: Callable[[Any, int], Any], count: 
     steps = [lesson.turning.sense * number * (COUNT // count) for number in range(count)]
     tilts = [torch.as_tensor(rotation(step).T.astype(np.float32)) for step in steps]
 
-    def vary(rows: Any, over: float) -> tuple[Any, Any]:
+    def vary(rows: Any, over: float, random: Any) -> tuple[Any, Any]:
         share = _TURNED * min(1.0, max(0.0, (_UNTIL - over) / (_UNTIL - _FROM)))
-        number = int(torch.randint(count, (1,))) if float(torch.rand(1)) < share else 0
+        chance = float(torch.rand(1, generator=random))
+        number = int(torch.randint(count, (1,), generator=random)) if chance < share else 0
         given = targets[rows]
         return turned(rows, number), torch.cat([given[:, :2] @ tilts[number], given[:, 2:]], dim=1)
 
@@ -124,10 +125,10 @@ def tune_dots_network(
     targets = torch.as_tensor(((lesson.targets - mean) / sd).astype(np.float32))
     states = []
     for member in range(len(start["weight_0"]) if given else members):
-        torch.manual_seed(child_seed(lesson.seed, name, member))
-        net = _build_perceptron(torch, start, member) if given else _new_perceptron(torch, inputs, targets)
+        random = torch.Generator().manual_seed(child_seed(lesson.seed, name, member))
+        net = _build_perceptron(torch, start, member) if given else _new_perceptron(torch, inputs, targets, random)
         own = None if kept is None else kept.with_suffix(f".{member}")
-        states.append(Course(net, lesson, inputs, targets, course).run(own))
+        states.append(Course(net, lesson, inputs, targets, course, random).run(own))
     arrays = {key: np.asarray(start[key]) for key in ("projection", "offset")} | {"mean": mean, "sd": sd}
     for layer, key in enumerate(key for key in states[0] if key.endswith(".weight")):
         arrays[f"weight_{layer}"] = np.stack([state[key].numpy().T for state in states])
@@ -135,12 +136,22 @@ def tune_dots_network(
     return DotsNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
 
 
-def _new_perceptron(torch: Any, inputs: Any, targets: Any) -> Any:
+def _new_perceptron(torch: Any, inputs: Any, targets: Any, random: Any) -> Any:
     layers, inward = [], inputs.shape[1]
     for _ in range(LAYERS):
-        layers += [torch.nn.Linear(inward, WIDTH), torch.nn.SiLU()]
+        layers += [_layer(torch, random, torch.nn.Linear, inward, WIDTH), torch.nn.SiLU()]
         inward = WIDTH
-    return torch.nn.Sequential(*layers, torch.nn.Linear(inward, targets.shape[1]))
+    return torch.nn.Sequential(*layers, _layer(torch, random, torch.nn.Linear, inward, targets.shape[1]))
+
+
+def _layer(torch: Any, random: Any, kind: Any, *sizes: Any, **words: Any) -> Any:
+    """A layer whose weights are drawn as torch draws them, but from a generator: evenly within 1/√inputs."""
+    layer = torch.nn.utils.skip_init(kind, *sizes, **words)
+    bound = layer.weight[0].numel() ** -0.5
+    with torch.no_grad():
+        for values in (layer.weight, *([] if layer.bias is None else [layer.bias])):
+            values.uniform_(-bound, bound, generator=random)
+    return layer
 
 
 def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: int) -> Any:
@@ -148,7 +159,7 @@ def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: in
     layers: list[Any] = []
     for number in range(sum(key.startswith("weight_") for key in arrays)):
         weight, bias = arrays[f"weight_{number}"][member], arrays[f"bias_{number}"][member]
-        layer = torch.nn.Linear(*weight.shape)
+        layer = torch.nn.utils.skip_init(torch.nn.Linear, *weight.shape)
         layer.weight.data = torch.as_tensor(np.ascontiguousarray(weight.T, np.float32))
         layer.bias.data = torch.as_tensor(np.ascontiguousarray(bias, np.float32))
         layers += [layer, torch.nn.ReLU() if "relu" in arrays else torch.nn.SiLU()]
@@ -178,8 +189,8 @@ def train_picture_network(
     """
     torch = load_torch()
     mean, sd = lesson.scale
-    torch.manual_seed(child_seed(lesson.seed, name))
-    net = _build_network(torch, lesson.inputs.shape[1:], lesson.targets.shape[1])
+    random = torch.Generator().manual_seed(child_seed(lesson.seed, name))
+    net = _build_network(torch, lesson.inputs.shape[1:], lesson.targets.shape[1], random)
     taught = lesson.inputs[lesson.teach]
     level, spread = float(taught.mean()) / 255.0, max(float(taught.std()) / 255.0, 1e-3)
     pictures = torch.as_tensor(lesson.inputs)[:, None]
@@ -190,7 +201,7 @@ def train_picture_network(
         order = pattern_order(lesson.turning.places_px)
         turned = partial(_turn_pictures, torch, lesson.inputs, Turns(lesson.turning.places_px).middle, order)
         spec = replace(spec, vary=_vary(torch, lesson, turned, order))
-    state = Course(net, lesson, pictures, targets, spec).run(kept, lambda text: say(f"{name}: {text}"))
+    state = Course(net, lesson, pictures, targets, spec, random).run(kept, lambda text: say(f"{name}: {text}"))
     arrays = _folded(state, level, spread)
     return PictureNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
 
@@ -206,12 +217,12 @@ def _turn_pictures(torch: Any, pictures: NDArray[Any], middle: FloatArray, order
     return torch.as_tensor(asked)[:, None]
 
 
-def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:
+def _build_network(torch: Any, size: tuple[int, ...], outputs: int, random: Any) -> Any:
     layers, inward, side = [], 1, np.array(size)
     for number, outward in enumerate(CHANNELS):
-        width = 5 if number == 0 else 3
+        width, stride = (5, 2) if number == 0 else (3, 1)
         layers += [
-            torch.nn.Conv2d(inward, outward, width, 2 if number == 0 else 1, width // 2, bias=False),
+            _layer(torch, random, torch.nn.Conv2d, inward, outward, width, stride, width // 2, bias=False),
             torch.nn.BatchNorm2d(outward),
             torch.nn.ReLU(),
         ]
@@ -223,9 +234,9 @@ def _build_network(torch: Any, size: tuple[int, ...], outputs: int) -> Any:
     return torch.nn.Sequential(
         torch.nn.Sequential(*layers),
         torch.nn.Flatten(),
-        torch.nn.Linear(inward * int(side.prod()), DENSE),
+        _layer(torch, random, torch.nn.Linear, inward * int(side.prod()), DENSE),
         torch.nn.ReLU(),
-        torch.nn.Linear(DENSE, outputs),
+        _layer(torch, random, torch.nn.Linear, DENSE, outputs),
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from palpate.camera import Source
 from palpate.core import PalpateError
 from palpate.robot.broadcast import Row
-from palpate.sensor import Reading, describe_reading
+from palpate.sensor import Reading, describe_reading, tell_error
 
 THERE, GONE = "there", "gone"
 """What `camera` of a row says: images come; the source has ended or cannot be opened."""
@@ -47,11 +48,20 @@ class SourceReader:
         with self._lock:
             taken = time.time()
             row = _row(self._sensor.read(image), THERE, taken)
-            self._publish(row)
+            try:
+                self._publish(row)
+            except Exception as error:  # this reading cannot be sent; a flagged one takes its place
+                row = _row(
+                    self._sensor.read(PalpateError(tell_error(error), code="image-not-processed")), THERE, taken
+                )
+                self._publish(row)
         return row
 
     def follow(self, open_again: Callable[[], Source], retry_s: float = 1.0, again: bool = True) -> None:
         """Read a source until `stop`; where it ends or cannot be opened, say so once, and try again.
+
+        Any error of a source counts as its end. Where reading cannot go on at all, a last reading says so: nobody
+        is left with an old one.
 
         Parameters
         ----------
@@ -62,6 +72,14 @@ class SourceReader:
         again
             Whether it is tried again: cameras are, files are not.
         """
+        try:
+            self._follow(open_again, retry_s, again)
+        except BaseException as error:
+            with suppress(Exception):
+                self._gone(tell_error(error))
+            raise
+
+    def _follow(self, open_again: Callable[[], Source], retry_s: float, again: bool) -> None:
         told = False
         while not self._stop.is_set():
             reason = _ENDED
@@ -75,8 +93,8 @@ class SourceReader:
                         else:
                             told, reason = False, _ENDED
                         self.read(item)
-            except PalpateError as error:
-                reason = error.what
+            except Exception as error:  # a camera's library may raise anything
+                reason = tell_error(error)
             if not told:
                 self._gone(reason)
                 told = True

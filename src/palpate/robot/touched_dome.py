@@ -99,10 +99,7 @@ class DomeBySolver(TouchedDome):
         press, azimuth_deg = self._press(pose, slip)
         turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
         before, share = _between(press.depth, float(pose[2]))
-        both = replace(
-            turned,
-            **{name: getattr(turned, name)[before : before + 2] for name in ("depth", "displacement")},
-        ).positions(self.rest.reshape(-1, 3))
+        both = turned.cut(before, before + 2).positions(self.rest.reshape(-1, 3))
         return ((1.0 - share) * both[0] + share * both[1]).reshape(self.rest.shape)
 
     def force(self, pose: FloatArray, slip: float) -> FloatArray:

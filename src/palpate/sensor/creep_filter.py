@@ -5,8 +5,10 @@ What image t tells of one way, in px rms of the dots that it moves, is
     told(t) = crept(t) + first + noise(t),
 
 with the noise of the image at rest, from which all motion is counted, as `first`: it stays, and is no creep. Creeping
-begins at nothing and goes on at a pace that hardly changes from image to image (R. E. Kalman, J. Basic Eng. 82, 1960,
-35-45; place and pace as in tracking).
+begins at nothing and goes on at a pace that hardly changes (R. E. Kalman, J. Basic Eng. 82, 1960, 35-45). The pace is
+a random walk in time, so that a step of any length has the covariance of many short ones (Y. Bar-Shalom, X. R. Li,
+T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 6.2), and a drift is followed
+alike at every frame rate.
 """
 
 from __future__ import annotations
@@ -18,13 +20,17 @@ from scipy.linalg import eigh
 
 from palpate.core import FloatArray
 
-_PACE_PX = 1e-4
-"""Standard deviation of the pace at the beginning, px rms an image."""
-_CHANGE_PX = 2e-6
-"""The same of its change from one image to the next."""
+FRAME_S = 0.05
+"""Time from one image to the next where no clock tells it, s: 20 images a second."""
+LONGEST_S = 60.0
+"""Longest step, s: after a longer pause the camera is expected where it would be after this one, to within 0.06 px;
+after twice as long 0.15 px, which a knock may hide in."""
+_PACE_PX_S = 1e-4 / FRAME_S
+"""Standard deviation of the pace at the beginning, px rms/s; that of a rig in a warming room, 7 px an hour."""
+_CHANGE_PX_S = 2e-6 / FRAME_S**1.5
+"""The same of its change within a second, px rms/s^1.5: 2e-6 px an image from one to the next of `FRAME_S`."""
 _UNTOLD_PX = 0.05
 """Noise of a way, px rms, above which it is not followed: images do not tell it from something else."""
-_STEP = np.array([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 _TOLD = np.array([1.0, 0.0, 1.0])
 
 
@@ -34,7 +40,7 @@ class Creep(NamedTuple):
     Attributes
     ----------
     mean
-        (k, 3) px rms: crept, pace, first.
+        (k, 3): crept (px rms), pace (px rms/s), first (px rms).
     covariance
         (k, 3, 3) of these.
     """
@@ -64,35 +70,38 @@ class CreepFilter:
     def begin(self) -> Creep:
         """What is known before any image but that at rest."""
         covariance = np.zeros((len(self._variance), 3, 3))
-        covariance[:, 1, 1], covariance[:, 2, 2] = _PACE_PX**2, self._variance
+        covariance[:, 1, 1], covariance[:, 2, 2] = _PACE_PX_S**2, self._variance
         return Creep(np.zeros((len(self._variance), 3)), covariance)
 
     def moved(self, creep: Creep) -> FloatArray:
         """By how much (k,) the camera has crept."""
         return np.asarray(self._ways @ creep.mean[:, 0], float)
 
-    def knocked(self, creep: Creep, told: FloatArray, least_px: float, sure: float) -> bool:
-        """Whether an image tells a motion (k,) that is no creep.
+    def knocked(self, creep: Creep, told: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
+        """Whether an image, a time in s after the last that was followed, tells a motion (k,) that is no creep.
 
         That is one by at least so many px rms from what was expected, of which noise alone does not tell: the sum of
         squares of all ways over their variances is so many of its standard deviations beyond its mean.
         """
-        mean, covariance = _ahead(creep)
+        mean, covariance = _ahead(creep, step_s)
         off = self._to_ways @ told - mean @ _TOLD
         square = np.sum(off**2 / (covariance @ _TOLD @ _TOLD + self._variance))
         return bool(np.sum(off**2) > least_px**2 and square > len(off) + sure * np.sqrt(2.0 * len(off)))
 
-    def follow(self, creep: Creep, told: FloatArray) -> Creep:
-        """What is known after another image, which tells a motion (k,)."""
-        mean, covariance = _ahead(creep)
+    def follow(self, creep: Creep, told: FloatArray, step_s: float = FRAME_S) -> Creep:
+        """What is known after another image, a time in s after the last one followed, which tells a motion (k,)."""
+        mean, covariance = _ahead(creep, step_s)
         shared = covariance @ _TOLD
         gain = shared / (shared @ _TOLD + self._variance)[:, None]
         off = self._to_ways @ told - mean @ _TOLD
         return Creep(mean + gain * off[:, None], covariance - gain[:, :, None] * shared[:, None, :])
 
 
-def _ahead(creep: Creep) -> Creep:
-    """What is known of the next image before it is seen."""
-    covariance = _STEP @ creep.covariance @ _STEP.T
-    covariance[:, 1, 1] += _CHANGE_PX**2
-    return Creep(creep.mean @ _STEP.T, covariance)
+def _ahead(creep: Creep, step_s: float) -> Creep:
+    """What is known of the next image, a time in s later, before it is seen."""
+    step = np.eye(3)
+    step[0, 1] = step_s
+    covariance = step @ creep.covariance @ step.T
+    walk = np.array([[step_s**3 / 3.0, step_s**2 / 2.0], [step_s**2 / 2.0, step_s]])
+    covariance[:, :2, :2] += _CHANGE_PX_S**2 * walk
+    return Creep(creep.mean @ step.T, covariance)

@@ -70,7 +70,7 @@ def identify_unit(
     found = identify(model, [each.press for each in seen], noise, robot)
     known = model.believing(found.belief)
     scale = _weigh(PoseFitter(known, noise, found.mounting, ForceScale(1.0, 0.0)), seen, robot.force)
-    reader.fitter = PoseFitter(known, noise, found.mounting if on_robot else None, scale)
+    sensor.fit_by(PoseFitter(known, noise, found.mounting if on_robot else None, scale))
     return replace(found, scale=scale)
 
 

@@ -12,14 +12,14 @@ A twin is fitted to the dots as the real camera sees them (`palpate.built.fit_po
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from palpate.built import Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
+from palpate.built import FitState, Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Skin, wall_normal
@@ -30,7 +30,7 @@ from palpate.relaxation import Relaxation
 from palpate.sensor.print_law import PrintLaw
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
-from palpate.sensor.rest_drift import RestMotion, RestWatch
+from palpate.sensor.rest_drift import RestMotion, RestState, RestWatch
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 from palpate.twin import Twin, read_twin, twin_path, twin_relaxation
@@ -57,6 +57,25 @@ class Estimate(NamedTuple):
     rest: RestMotion | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class ReaderState:
+    """What a reader carries from one image to the next; a network carries nothing.
+
+    Attributes
+    ----------
+    rest
+        How far the untouched dots have drifted.
+    fit
+        From where the next image is fitted.
+    touch
+        (8,) touch of the last image, if it was explained.
+    """
+
+    rest: RestState | None = None
+    fit: FitState = field(default_factory=FitState)
+    touch: FloatArray | None = None
+
+
 class Reader(ABC):
     """Reads the named markers of one unit.
 
@@ -69,11 +88,6 @@ class Reader(ABC):
     space: PoseSpace
 
     @property
-    def rest(self) -> RestMotion | None:
-        """How far the untouched dots have drifted; `None` where nothing looks."""
-        return None
-
-    @property
     def twin_fit(self) -> PoseFitter | None:
         """What fits the unit's twin; `None` where a network reads."""
         return None
@@ -83,9 +97,19 @@ class Reader(ABC):
         """How the force fades under a touch that stays; `None` where nothing says so."""
         return None
 
+    def begin(self) -> ReaderState:
+        """The state before any image but those at rest."""
+        return ReaderState()
+
     @abstractmethod
-    def read(self, sighting: Sighting) -> Estimate:
-        """Estimate the pose from where markers are."""
+    def read(
+        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
+    ) -> tuple[Estimate, ReaderState]:
+        """Estimate the pose from where markers are in the image after a state; the estimate, and the next state.
+
+        `near` is an estimate of the same image by other markers, from which this one may begin, and `time_s` when the
+        image was taken, where a clock says so.
+        """
 
     def foresee(self, estimate: Estimate) -> FloatArray | None:
         """Dots (m, 2) px as an estimate has them, NaN where it has none; `None` where what reads does not know."""
@@ -103,7 +127,9 @@ class NetworkReader(Reader):
         self._rest = self._carry(self._camera.sight(naming.positions_px))
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
-    def read(self, sighting: Sighting) -> Estimate:
+    def read(
+        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
+    ) -> tuple[Estimate, ReaderState]:
         sight = self._camera.sight(sighting.positions_px)
         moved = self._carry(sight) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
@@ -113,7 +139,8 @@ class NetworkReader(Reader):
             prediction = self.predictor.predict((self._rest_model + moved)[None])
         flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
         moved_px = float(np.sqrt(np.mean(moved**2)))
-        return Estimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, self._force(prediction))
+        force = self._force(prediction)
+        return Estimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
 
     def _force(self, prediction: Prediction) -> Force | None:
         """Force on the wall, of a unit that is as stiff as designed within its tolerance."""
@@ -156,11 +183,6 @@ class TwinReader(Reader):
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
-        self._theta: FloatArray | None = None
-
-    @property
-    def rest(self) -> RestMotion | None:
-        return self.watch.motion
 
     @property
     def twin_fit(self) -> PoseFitter | None:
@@ -170,31 +192,43 @@ class TwinReader(Reader):
     def relaxation(self) -> Relaxation | None:
         return twin_relaxation(self.fitter.model.dots.twin)
 
-    def read(self, sighting: Sighting) -> Estimate:
+    def begin(self) -> ReaderState:
+        return ReaderState(self.watch.begin())
+
+    def read(
+        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
+    ) -> tuple[Estimate, ReaderState]:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
-        self.watch.watch(seen)
-        seen, fit = self._fit(seen)
+        rest = self.watch.watch(state.rest or self.watch.begin(), seen, time_s)
+        seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
         twin = self.fitter.model.dots.twin
-        self._theta = fit.theta if fit.misfit <= self._most and not fit.inverted else None
-        flags = [Flag.MOVED] if self.watch.displaced else []
+        flags = [Flag.MOVED] if rest.displaced else []
         if not ((fit.inverted and twin.inverted) or twin).covers(fit.theta[:3]):
             flags.append(Flag.OUTSIDE)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        return Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, self.rest)
+        touch = fit.theta if fit.misfit <= self._most and not fit.inverted else None
+        estimate = Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
+        return estimate, ReaderState(rest, fitted, touch)
 
     def foresee(self, estimate: Estimate) -> FloatArray | None:
         return None if estimate.fit is None else self.fitter.foresee(estimate.fit)
 
-    def _fit(self, seen: FloatArray) -> tuple[FloatArray, PoseFit]:
-        """Dots as they were without drift, and their fit; again where the touch is far from the last image's."""
-        still, last = self.watch.as_at_first(seen, self._theta), self._theta
-        fit = self.fitter.fit(still)
+    def _fit(
+        self, seen: FloatArray, rest: RestState, state: ReaderState, near: PoseFit | None
+    ) -> tuple[FloatArray, PoseFit, FitState]:
+        """Dots as they were without drift, their fit, and the state after it.
+
+        Where the touch is far from the last image's, drift is taken out once more, as it shows there.
+        """
+        last = state.touch
+        still = self.watch.as_at_first(rest, seen, last)
+        fit, after = self.fitter.follow(still, state.fit, near)
         if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > _NEAR).any()):
-            still = self.watch.as_at_first(seen, fit.theta)
-            fit = self.fitter.fit(still)
-        return still, fit
+            still = self.watch.as_at_first(rest, seen, fit.theta)
+            fit, after = self.fitter.follow(still, state.fit, fit)
+        return still, fit, after
 
 
 def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:

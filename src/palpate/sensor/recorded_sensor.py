@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from palpate.core import PalpateError
 from palpate.markers import Sighting
 from palpate.recording import PoseReading, RecordedModel
-from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.reading import Flag, Reading, tell_error
 from palpate.sensor.spec import RigSpec
 
 
@@ -36,14 +36,17 @@ class RecordedSensor:
             if isinstance(image, PalpateError):
                 raise image
             found = self.model.read(image)
-        except PalpateError as error:
+            return self._describe(found, start)
+        except Exception as error:  # a sensor at work outlives whatever one image does to a library
             none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
             latency = (time.perf_counter() - start) * 1e3
             return Reading(
-                self._count, none, anything, False, 0, (Flag.UNREADABLE,), latency, error.what, space=space
+                self._count, none, anything, False, 0, (Flag.UNREADABLE,), latency, tell_error(error), space=space
             )
+
+    def _describe(self, found: PoseReading, start: float) -> Reading:
         flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.BY_PICTURE]
-        if np.isfinite(found.pose).all() and self.model.is_outside(found.pose):
+        if np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width):
             flags.append(Flag.OUTSIDE)
         seen = found.correspondence
         moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))
@@ -57,7 +60,7 @@ class RecordedSensor:
             latency_ms=(time.perf_counter() - start) * 1e3,
             reason=found.fault,
             sighting=self._sighting(found),
-            space=space,
+            space=self.model.space,
         )
 
     def _sighting(self, found: PoseReading) -> Sighting | None:

@@ -15,14 +15,14 @@ where nothing moved.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from palpate.built import UNKNOWN, UnitModel
 from palpate.core import BoolArray, FloatArray
-from palpate.sensor.creep_filter import CreepFilter
+from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, Creep, CreepFilter
 
 _CAMERA = UNKNOWN[:-1]
 _MOVES = {
@@ -86,6 +86,40 @@ class RestMotion(NamedTuple):
         )
 
 
+_STILL = RestMotion(0.0, (0.0, 0.0), 0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class RestState:
+    """What is known of one unit's rest after some images.
+
+    Attributes
+    ----------
+    creep
+        How far the camera has drifted.
+    quiet
+        Least variance of the dots' noise of any image, px².
+    displaced
+        Whether the last untouched image was elsewhere.
+    motion
+        What is followed so far.
+    time_s
+        When the last image was taken that was followed; `None` where no clock told it, or none was followed.
+    """
+
+    creep: Creep
+    quiet: float = np.inf
+    displaced: bool = False
+    motion: RestMotion = _STILL
+    time_s: float | None = None
+
+    def step_s(self, time_s: float | None) -> float:
+        """Time from the last image that was followed to another, s; without a clock that of the nominal rate."""
+        if time_s is None or self.time_s is None or time_s < self.time_s:
+            return FRAME_S
+        return min(time_s - self.time_s, LONGEST_S)
+
+
 @dataclass(eq=False)
 class RestWatch:
     """Follows the rest of one unit.
@@ -100,8 +134,6 @@ class RestWatch:
         Standard deviation of a dot's coordinate in one image.
     most_px
         How far the rest is followed, px rms; 0 follows nothing.
-
-    `motion` says what is followed so far, `displaced` whether the last untouched image was elsewhere.
     """
 
     model: UnitModel
@@ -122,14 +154,10 @@ class RestWatch:
         self._ways = np.concatenate([slopes @ self._mix, self._touches()], axis=2)
         self._whole = self._solver(self._known)
         self._filter = self._make_filter()
-        self._creep = self._filter.begin()
-        self._quiet = np.inf
-        self.displaced, self.motion = False, RestMotion(0.0, (0.0, 0.0), 0.0, 1.0)
 
-    @property
-    def _followed(self) -> FloatArray:
-        """Motion (k,) of the camera that is followed."""
-        return self._filter.moved(self._creep)
+    def begin(self) -> RestState:
+        """What is known before any image but those at rest."""
+        return RestState(self._filter.begin())
 
     def _make_filter(self) -> CreepFilter:
         """Follows motions of the camera as far as the dots of one image tell them from touches."""
@@ -138,50 +166,62 @@ class RestWatch:
         unknown = self.noise_px**2 * np.linalg.inv(self._normal(ways))[: self._free, : self._free]
         return CreepFilter(np.asarray(unknown, float), camera.T @ camera / self._known.sum())
 
-    def _describe(self) -> RestMotion:
-        moved = (self._ways[..., : self._free] @ self._followed)[self._known]
+    def _describe(self, followed: FloatArray) -> RestMotion:
+        """What a motion (k,) of the camera is to the dots."""
+        moved = (self._ways[..., : self._free] @ followed)[self._known]
         rest = self.rest_px[self._known] - self.rest_px[self._known].mean(axis=0)
         shift, size = moved.mean(axis=0), float(np.sum(rest**2))
         turn = float(np.sum(rest[:, 0] * moved[:, 1] - rest[:, 1] * moved[:, 0])) / size
         return RestMotion(
-            self._rms(self._followed),
+            self._rms(followed),
             (float(shift[0]), float(shift[1])),
             float(np.degrees(turn)),
             1.0 + float(np.sum(rest * moved)) / size,
         )
 
-    def as_at_first(self, seen_px: FloatArray, touch: FloatArray | None = None) -> FloatArray:
+    def as_at_first(self, state: RestState, seen_px: FloatArray, touch: FloatArray | None = None) -> FloatArray:
         """Dots (m, 2) px where they would be had the rest not moved.
 
         How far a drift of the camera shows depends on where the dots are: as under about the touch (rx, ry, depth,
         1/µ, …) of the last image, or at rest.
         """
-        if self.motion.rms_px < _NOTHING_PX:
+        if state.motion.rms_px < _NOTHING_PX:
             return seen_px
+        followed = self._filter.moved(state.creep)
         if touch is None:
-            return np.asarray(seen_px - self._ways[..., : self._free] @ self._followed)
+            return np.asarray(seen_px - self._ways[..., : self._free] @ followed)
         thicker = float(self.model.belief.mean[-1])
         points = self.model.dots.move(touch[:3], float(touch[3]), thicker).positions
-        return np.asarray(seen_px - self.model.shifted.slopes(points) @ (self._mix @ self._followed))
+        return np.asarray(seen_px - self.model.shifted.slopes(points) @ (self._mix @ followed))
 
-    def watch(self, seen_px: FloatArray) -> None:
-        """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`."""
+    def watch(self, state: RestState, seen_px: FloatArray, time_s: float | None = None) -> RestState:
+        """Look at an image's dots (m, 2) px, NaN where none was seen: follow them, or find them `displaced`.
+
+        `time_s` is when the image was taken; without it, images follow each other at the nominal rate.
+        """
         there = self._known & np.isfinite(seen_px).all(axis=1)
-        moved = self.untouched(there, (seen_px - self.rest_px)[there])
+        moved, quiet = self._untouched(there, (seen_px - self.rest_px)[there], state.quiet)
+        state = replace(state, quiet=quiet)
         if moved is None:
-            return
-        self.displaced = self._filter.knocked(self._creep, moved, _KNOCK_PX, _SURE)
-        if not self.displaced and self.most_px > 0:
-            creep = self._filter.follow(self._creep, moved)
-            self.displaced = self._rms(self._filter.moved(creep)) > self.most_px
-            if not self.displaced:
-                self._creep = creep
-                self.motion = self._describe()
+            return state
+        step_s = state.step_s(time_s)
+        if self._filter.knocked(state.creep, moved, step_s, _KNOCK_PX, _SURE):
+            return replace(state, displaced=True)
+        if self.most_px <= 0:
+            return replace(state, displaced=False)
+        creep = self._filter.follow(state.creep, moved, step_s)
+        followed = self._filter.moved(creep)
+        if self._rms(followed) > self.most_px:
+            return replace(state, displaced=True)
+        return RestState(creep, quiet, False, self._describe(followed), time_s)
 
-    def untouched(self, there: BoolArray, moved: FloatArray) -> FloatArray | None:
-        """Motion of the camera (k,) of an image whose dots have moved so (n, 2); `None` where the dome is touched."""
+    def _untouched(self, there: BoolArray, moved: FloatArray, quiet: float) -> tuple[FloatArray | None, float]:
+        """Motion of the camera (k,) of an image whose dots have moved so (n, 2), `None` where the dome is touched.
+
+        And the least variance of the dots' noise of any image so far.
+        """
         if 2 * len(moved) <= 2 * self._ways.shape[2]:
-            return None
+            return None, quiet
         ways, both, alone = self._whole if bool((there == self._known).all()) else self._solver(there)
         left = moved.ravel()
         found, camera = both @ left, alone @ left
@@ -189,12 +229,12 @@ class RestWatch:
         within = float(np.sum((left - ways @ found) ** 2))
         held = within + self._hold * float(np.sum(found[: self._free] ** 2))
         free, touches = len(left) - ways.shape[1], ways.shape[1] - self._free
-        self._quiet = min(self._quiet, within / free)
-        variance = max(_LOUDER * self._quiet, 2.0 * self.noise_px**2)
+        quiet = min(quiet, within / free)
+        variance = max(_LOUDER * quiet, 2.0 * self.noise_px**2)
         noisy = within / free > max(_NOISY_PX, 3.0 * self.noise_px) ** 2
         if noisy or (without - held) / variance > touches + _SURE * np.sqrt(2.0 * touches):
-            return None
-        return np.asarray(found[: self._free], float)
+            return None, quiet
+        return np.asarray(found[: self._free], float), quiet
 
     @property
     def _hold(self) -> float:

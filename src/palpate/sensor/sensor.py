@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.built import FitState, PoseFitter
 from palpate.camera import build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import place_orientation_mark
@@ -22,6 +23,7 @@ from palpate.markers import (
     Naming,
     Sighting,
     Tracker,
+    TrackState,
     build_pattern,
     name_markers,
     prepare_detector,
@@ -29,10 +31,11 @@ from palpate.markers import (
 from palpate.recording import RecordedModel
 from palpate.sensor.fading_force import FadingForce
 from palpate.sensor.known_press import KnownPress, ask_press
-from palpate.sensor.reader import Estimate, Model, Reader, check_model, open_reader
-from palpate.sensor.reading import Flag, Reading
+from palpate.sensor.reader import Estimate, Model, Reader, ReaderState, TwinReader, check_model, open_reader
+from palpate.sensor.reading import Flag, Reading, tell_error
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
+from palpate.sensor.rest_drift import RestMotion
 from palpate.sensor.spec import RigSpec
 from palpate.sensor.unit import Unit
 
@@ -43,9 +46,17 @@ _SPARE = 1.3
 """By what gaps in a field may be wider than in the design's image: dots are missing, cameras stand askew."""
 
 
+@dataclass(frozen=True, eq=False)
+class _State:
+    """What a sensor carries from one image to the next: where the markers were, and what its reader carries."""
+
+    tracks: TrackState
+    reader: ReaderState
+
+
 @dataclass
 class Sensor:
-    """A sensor at work; it remembers where the markers were.
+    """A sensor at work; it remembers where the markers were, and what its reader knew, after the last image.
 
     Attributes
     ----------
@@ -55,7 +66,8 @@ class Sensor:
         What the rest image gave.
     clock
         Asked once an image, before it is read: when it was taken, in s. With it, forces are those of that time where
-        the material relaxes; `None`: they are those of the law's constants.
+        the material relaxes, and a drift of the camera is followed in time; `None`: forces are those of the law's
+        constants, and images follow each other at the nominal rate.
     """
 
     unit: Unit
@@ -70,35 +82,53 @@ class Sensor:
         relaxation = self.reader.relaxation
         self._fading = FadingForce(relaxation) if relaxation is not None else None
         self._tracker = Tracker(Motion(self.naming.positions_px))
+        self._state = _State(self._tracker.begin(), self.reader.begin())
         self._count = 0
 
-    def read(self, image: NDArray[Any] | PalpateError) -> Reading:
-        """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading."""
-        if self._fading is None or self.clock is None:
-            return self._read_elastic(image)
-        taken_s = self.clock()
-        return self._fading.follow(self._read_elastic(image), taken_s)
+    @property
+    def rest(self) -> RestMotion | None:
+        """How far the untouched dots have drifted; `None` where nothing looks."""
+        rest = self._state.reader.rest
+        return None if rest is None else rest.motion
 
-    def _read_elastic(self, image: NDArray[Any] | PalpateError) -> Reading:
-        """The reading with the force that the law alone gives."""
+    def fit_by(self, fitter: PoseFitter) -> None:
+        """Read by another fit of the unit's twin from the next image on, as one that has fitted none."""
+        assert isinstance(self.reader, TwinReader)
+        self.reader.fitter = fitter
+        self._state = replace(self._state, reader=replace(self._state.reader, fit=FitState()))
+
+    def read(self, image: NDArray[Any] | PalpateError) -> Reading:
+        """Estimate the pose of the wall in the next image; an error instead of an image gives a flagged reading.
+
+        So does any error that reading an image meets: the next one is read from where the last good one was.
+        """
         start = time.perf_counter()
         self._count += 1
         try:
-            if isinstance(image, PalpateError):
-                raise image
-            blobs = self.detector.find(image)
-        except PalpateError as error:
-            return self._without_pose(start, 0, (Flag.UNREADABLE,), error.what)
-        sighting = self._tracker.step(blobs.positions_px)
+            return self._read(image, start)
+        except Exception as error:  # a sensor at work outlives whatever one image does to a library
+            return self._without_pose(start, 0, (Flag.UNREADABLE,), tell_error(error))
+
+    def _read(self, image: NDArray[Any] | PalpateError, start: float) -> Reading:
+        taken_s = None if self.clock is None else self.clock()
+        elastic = self._read_elastic(image, start, taken_s)
+        return elastic if self._fading is None or taken_s is None else self._fading.follow(elastic, taken_s)
+
+    def _read_elastic(self, image: NDArray[Any] | PalpateError, start: float, taken_s: float | None) -> Reading:
+        """The reading with the force that the law alone gives."""
+        if isinstance(image, PalpateError):
+            raise image
+        blobs = self.detector.find(image)
+        sighting, tracks = self._tracker.follow(blobs.positions_px, self._state.tracks)
         found = int(sighting.found.sum())
         if found < self.spec.least_found * len(self.unit.layout):
-            self._tracker = Tracker(Motion(self.naming.positions_px))  # what follows is looked for from rest again
+            self._state = replace(self._state, tracks=self._tracker.begin())  # the next is looked for from rest
             return self._without_pose(start, found, (Flag.FEW_MARKERS,), "")
-        sighting, estimate = self._read_again(blobs.positions_px, sighting, self.reader.read(sighting))
+        sighting, estimate, state = self._estimate(blobs.positions_px, sighting, tracks, taken_s)
         touching = estimate.moved_px > self.spec.touch_px
         flags = [Flag.JUMPED] if sighting.jumped else []
         flags += [flag for flag in estimate.flags if touching or flag is Flag.MOVED]  # at rest no pose is outside
-        return Reading(
+        reading = Reading(
             image=self._count,
             pose=tuple(estimate.pose.tolist()),
             half_width=tuple(estimate.half_width.tolist()),
@@ -112,21 +142,31 @@ class Sensor:
             fit=estimate.fit,
             rest=estimate.rest,
         )
+        self._state = state
+        return reading
 
-    def _read_again(self, blobs_px: FloatArray, sighting: Sighting, estimate: Estimate) -> tuple[Sighting, Estimate]:
-        """Where markers jumped or the estimate does not explain them: named anew by it, if that explains more."""
+    def _estimate(
+        self, blobs_px: FloatArray, sighting: Sighting, tracks: TrackState, taken_s: float | None
+    ) -> tuple[Sighting, Estimate, _State]:
+        """Where markers are, the estimate, and the state after this image.
+
+        Where markers jumped or the estimate does not explain them, they are named anew by it, if that explains more;
+        both readings begin from the state after the image before.
+        """
+        estimate, reader = self.reader.read(sighting, self._state.reader, time_s=taken_s)
+        first = sighting, estimate, _State(tracks, reader)
         if not sighting.jumped and Flag.MISFIT not in estimate.flags:
-            return sighting, estimate
+            return first
         foreseen = self.reader.foresee(estimate)
         if foreseen is None or estimate.fit is None:
-            return sighting, estimate
-        named = self._tracker.look(blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px))
+            return first
+        named, tracks = self._tracker.look(blobs_px, np.where(np.isfinite(foreseen), foreseen, sighting.positions_px))
         if np.array_equal(named.blob, sighting.blob):  # the fit foresees what was seen: no marker jumped
-            return named, estimate
-        again = self.reader.read(named)
+            return named, estimate, _State(tracks, reader)
+        again, reader = self.reader.read(named, self._state.reader, estimate, taken_s)
         if again.fit is not None and again.fit.misfit <= estimate.fit.misfit:
-            return named, again
-        return sighting, estimate
+            return named, again, _State(tracks, reader)
+        return first
 
     def _without_pose(self, start: float, found: int, flags: tuple[Flag, ...], reason: str) -> Reading:
         space, latency = self.reader.space, (time.perf_counter() - start) * 1e3

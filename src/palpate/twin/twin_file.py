@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,18 +40,36 @@ def twin_path(folder: Path, skin: Skin) -> Path:
     return folder / "twins" / f"{skin.name.replace(' ', '_')}.h5"
 
 
-def find_twin(results: Path, skin: Skin, material: Material) -> Path | None:
-    """The newest twin of a skin of this material in the folders of `results`; `None` where there is none.
+def find_twin(
+    results: Path, skin: Skin, material: Material, report: Callable[[PalpateError], None] | None = None
+) -> Path | None:
+    """The best twin of a skin of this material in the folders of `results`; `None` where there is none.
 
-    A twin of another version does not count, and one that does not say its material is taken as it is.
+    Of several, that which says its material, then that with the least interpolation error and the greatest depth,
+    then the first by the name of its folder; when a file was written does not matter.
+
+    Parameters
+    ----------
+    results
+        Folder of result folders.
+    skin, material
+        Of the design. A twin that does not say its material is taken as it is.
+    report
+        Called for every file in the place of such a twin that is broken or of another version; it does not count.
     """
-    made = [path for path in (twin_path(folder, skin) for folder in results.glob("*")) if path.is_file()]
-    for path in sorted(made, key=lambda path: path.stat().st_mtime, reverse=True):
-        with suppress(PalpateError):
-            twin = read_twin(path)
+    found = []
+    for path in sorted(twin_path(folder, skin) for folder in results.glob("*")):
+        if path.is_file():
+            try:
+                twin = read_twin(path)
+            except PalpateError as error:
+                if report is not None:
+                    report(error)
+                continue
             if twin.skin.spec_data == skin.spec_data and twin.material in ("", material_text(material)):
-                return path
-    return None
+                off = twin.off_mm if np.isfinite(twin.off_mm) else np.inf
+                found.append(((not twin.material, off, -float(twin.depths_mm[-1])), path))
+    return min(found)[1] if found else None
 
 
 def material_text(material: Material) -> str:

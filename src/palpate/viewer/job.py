@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, worker_process
 
 Report = Callable[[float], None]
 Work = Callable[..., Any]
@@ -38,8 +39,9 @@ class Job:
     def __init__(self, work: Work, *arguments: Any) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, there = context.Pipe(duplex=False)
-        self._process = context.Process(target=_run, args=(work, arguments, there), daemon=True)
-        self._process.start()
+        self._process = context.Process(target=_run, args=(work, arguments, there, os.getpid()), daemon=True)
+        with worker_process.single_threaded():
+            self._process.start()
         there.close()
         self.share = 0.0
         self.result: Any = None
@@ -81,7 +83,8 @@ class Job:
         self._pipe.close()
 
 
-def _run(work: Work, arguments: tuple[Any, ...], pipe: Connection) -> None:
+def _run(work: Work, arguments: tuple[Any, ...], pipe: Connection, parent: int) -> None:
+    worker_process.serve_parent(parent)
     try:
         result = work(*arguments, lambda share: pipe.send(("share", share)))
     except PalpateError as error:

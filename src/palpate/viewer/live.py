@@ -18,7 +18,7 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
 from palpate.learn import Predictor
 from palpate.recording import RecordedModel
-from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor
+from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor, tell_error
 from palpate.twin import Twin
 from palpate.viewer.results import Design
 
@@ -90,17 +90,25 @@ class Live:
     def step(self) -> Step | None:
         """Read the next image; `None` at the end of the source."""
         with self._lock:
-            item = next(self._images, None)
-            truth = self._source.truth
+            item, truth = self._next(), self._source.truth
         if item is None:
             return None
         reading = self._read(item)
         if self.record is not None and len(self.record) < LONGEST:
             self.record.append(describe_reading(reading))
-        seen, image = reading.sighting, None if isinstance(item, PalpateError) else to_grey(item)
+        seen, image = reading.sighting, _shown(item)
         if seen is None:
             return Step(image, reading, self.rest_px, np.zeros(len(self.rest_px), bool), truth)
         return Step(image, reading, seen.positions_px, seen.found, truth)
+
+    def _next(self) -> NDArray[Any] | PalpateError | None:
+        """The next image; what a camera's library raises stands in the place of one."""
+        try:
+            return next(self._images, None)
+        except PalpateError:
+            raise
+        except Exception as error:
+            return PalpateError(tell_error(error), code="image-not-processed")
 
     def _read(self, item: NDArray[Any] | PalpateError) -> Reading:
         if isinstance(self.sensor, Sensor):
@@ -153,6 +161,16 @@ def open_recorded_live(model: RecordedModel, source: Source) -> Live:
     model.eye.look(first)
     rest = np.zeros((0, 2)) if model.layout is None else model.layout.rest_px
     return Live(model, source, chain([first], images), first.shape[:2], rest)
+
+
+def _shown(item: NDArray[Any] | PalpateError) -> NDArray[np.uint8] | None:
+    """Grey levels of an image; `None` where it is none."""
+    if isinstance(item, PalpateError):
+        return None
+    try:
+        return to_grey(item)
+    except (ValueError, TypeError, IndexError):
+        return None
 
 
 def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDArray[Any]:

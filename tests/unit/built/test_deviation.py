@@ -1,5 +1,9 @@
 """What is drawn about a built unit, and the image that its camera takes."""
 
+import math
+from dataclasses import dataclass
+from typing import final
+
 import numpy as np
 import pytest
 
@@ -7,7 +11,7 @@ from errors import refused
 from palpate.bench import Deviation, ToleranceSpec
 from palpate.bench.photograph import set_scene
 from palpate.built import IMPERFECTIONS, draw_deviation, single_deviation
-from palpate.camera import CameraSpec, RenderSpec
+from palpate.camera import LENSES, CameraSpec, Lens, RenderSpec
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
 
@@ -28,6 +32,58 @@ def test_every_deviation_is_within_its_tolerance_and_none_is_forgotten():
             assert np.abs(drawn).max() <= limit
             assert np.abs(drawn).max() > 0.9 * limit
             assert not item.signed or drawn.min() < 0
+
+
+@final
+@dataclass(frozen=True)
+class Pinhole(Lens):
+    """A lens without coefficients."""
+
+    name = "pinhole"
+    limit = math.inf
+
+    def distort(self, points):
+        return points
+
+    undistort = distort
+
+    def mirrored(self):
+        return self
+
+
+@final
+@dataclass(frozen=True)
+class Aside(Lens):
+    """A lens whose first coefficient is no distortion."""
+
+    name = "aside"
+    leading = "bend"
+    limit = math.inf
+    shift: float = 0.0
+    bend: float = 0.0
+
+    distort = undistort = mirrored = Pinhole.distort
+
+
+def test_distortion_that_is_left_over_goes_to_the_coefficient_that_means_it(monkeypatch):
+    off = Deviation(k1=0.01)
+    given = {
+        "brown": (-0.3, 0.1, 1e-3, 2e-3, 0.0),
+        "kannala-brandt": (-0.05, 0.01, -0.05, 0.02),
+        "pinhole": (),
+        "aside": (0.1, 0.2),
+    }
+    get = LENSES.get
+    guests = {"pinhole": Pinhole, "aside": Aside}
+    monkeypatch.setattr(type(LENSES), "get", lambda self, name: guests.get(name) or get(name))
+    found = {}
+    for lens, coefficients in given.items():
+        nominal = CameraSpec.model_construct(**CameraSpec().model_dump() | {"lens": lens, "distortion": coefficients})
+        found[lens] = np.subtract(off.camera(nominal).distortion, coefficients)
+    assert found["brown"] == pytest.approx([0.01, 0, 0, 0, 0])
+    assert found["kannala-brandt"] == pytest.approx([0.01, 0, 0, 0])
+    assert len(found["pinhole"]) == 0
+    assert found["aside"] == pytest.approx([0, 0.01])
 
 
 def test_a_unit_does_not_depend_on_how_many_are_drawn_nor_on_the_other_tolerances():

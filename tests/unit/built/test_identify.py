@@ -275,6 +275,27 @@ def test_a_lens_a_little_beyond_its_tolerance_is_no_reason_to_refuse(twin: Twin,
         identify(model_unit(twin, LAYOUT, opened(twin, much), TOLERANCE), known(much, seen), NOISE)
 
 
+def test_presses_never_widen_what_was_known_and_are_as_far_off_as_they_say(twin: Twin, seen: list[Press]) -> None:
+    """Ten units: focal length, distance and distortion are told by their scale alone, in which the twin is off."""
+    names, optics = (*UNKNOWN, *MOUNTING), [name for name in UNKNOWN if name != "thickness"]
+    errors = []
+    for number in range(1, 11):
+        unit = Built(number, thickness=0.0)
+        model = model_unit(twin, LAYOUT, opened(twin, unit), TOLERANCE)
+        rows = {row["name"]: row for row in identify(model, known(unit, seen), NOISE).rows(TOLERANCE)}
+        assert all(rows[name]["sd"] <= rows[name]["before"] for name in names)
+        errors.append(
+            [
+                (rows[name]["mean"] - getattr(unit.deviation, name)) / rows[name]["sd"]
+                for name in (*UNKNOWN, *MOUNTING)
+            ]
+        )
+    rms = dict(zip(names, np.sqrt(np.mean(np.square(errors), axis=0)), strict=True))
+    assert 0.7 < np.sqrt(np.mean(np.square(errors))) < 1.3
+    assert all(0.6 < rms[name] < 1.4 for name in optics), rms
+    assert 0.7 < np.sqrt(np.mean([rms[name] ** 2 for name in ("distance", "focal", "k1")])) < 1.3
+
+
 def test_one_press_leaves_open_what_it_cannot_tell(twin: Twin, units: list[Built], seen: list[Press]) -> None:
     """Its direction alone: the turn of the seating stays as it was beforehand, and says so."""
     unit = units[1]

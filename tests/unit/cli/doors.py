@@ -161,7 +161,7 @@ ROWS = {
     ),
     "inspect": Row(
         f"--image {{image}} {BUILT}",
-        ("--image", "--layout", "--lens", "--unit"),
+        ("--image", "--layout", "--lens"),
         ("--out", "--picture"),
         ("--out a.txt", "--picture a.txt"),
     ),

@@ -6,11 +6,14 @@ import shlex
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 from doors import furnish, still_twin
 
 from errors import check_refusal, check_values
 from palpate.cli import main
+from palpate.core import PalpateError
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin
 from palpate.material import get_material
 from palpate.study import MaterialSpec, study_of
@@ -68,17 +71,36 @@ def test_without_a_twin_the_command_that_makes_it_is_said_and_nothing_is_compute
     assert not (Path("results") / "ellipsoid_0.8_H20_T1.5_yeoh_1_1_1").exists()
 
 
-def test_the_newest_twin_of_skin_and_material_reads() -> None:
-    mine = replace(still_twin(SKIN), material=material_text(ECOFLEX))
-    keep("old", mine, age_s=10)
-    new = keep("new", mine)
-    keep("stiff", replace(mine, material=material_text(get_material("yeoh:1,1,1"))), age_s=-10)
+def test_the_best_twin_of_skin_and_material_reads_whenever_it_was_written() -> None:
+    mine = replace(still_twin(SKIN), material=material_text(ECOFLEX), off_mm=0.02)
+    keep("a_rough", mine, age_s=-10)
+    fine = keep("b_fine", replace(mine, off_mm=0.01), age_s=10)
+    keep("c_as_fine", replace(mine, off_mm=0.01))
+    keep("d_unsaid", replace(mine, off_mm=0.0, material=""))
+    keep("e_unchecked", replace(mine, off_mm=np.nan))
+    keep("f_stiff", replace(mine, material=material_text(get_material("yeoh:1,1,1"))), age_s=-10)
     broken = twin_path(Path("results") / "broken", SKIN)
     broken.parent.mkdir(parents=True)
     broken.write_text("no twin")
-    assert find_twin(Path("results"), SKIN, ECOFLEX) == new
+    old = keep("old", mine)
+    with h5py.File(old, "a") as file:
+        file.attrs["version"] = "0"
+    told: list[PalpateError] = []
+    assert find_twin(Path("results"), SKIN, ECOFLEX, told.append) == fine
+    assert len(told) == 2
+    assert all(any(str(path) in error.what for error in told) for path in (broken, old))
     assert find_twin(Path("results"), build_skin(DomeSpec(thickness=1)), ECOFLEX) is None
     assert find_twin(Path("nowhere"), SKIN, ECOFLEX) is None
+
+
+def test_a_twin_that_is_passed_over_is_named(house, capsys) -> None:
+    keep("good", still_twin(SKIN))
+    broken = twin_path(Path("results") / "broken", SKIN)
+    broken.parent.mkdir(parents=True)
+    broken.write_text("no twin")
+    words = ["live", "--source", house["images"], "--markers", "37"]
+    assert run(*words) == 0
+    assert str(broken) in capsys.readouterr().err
 
 
 def test_a_bench_makes_the_twin_that_is_missing(monkeypatch, capsys) -> None:

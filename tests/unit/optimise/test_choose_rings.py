@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from itertools import combinations, pairwise
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 
 from errors import refused
-from palpate.built import BuiltFigure, ForeseeSpec, ToleranceSpec, foresee, measure_rings
+from palpate.built import BuiltFigure, ContradictionError, ForeseeSpec, ToleranceSpec, foresee, measure_rings
 from palpate.camera import CameraSpec, build_camera, dot_edges, trace_dots
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, place_markers
@@ -23,6 +24,7 @@ from palpate.optimise import (
 )
 from palpate.optimise.choose_rings import resize_dots, spread_rings
 from palpate.optimise.propose import propose
+from palpate.optimise.prove import _Candidate
 from palpate.optimise.setting import dot_diameters, measure_settings, rank_settings
 from palpate.sensor import Unit
 from palpate.twin import Twin, read_twin
@@ -182,13 +184,42 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
 
     def contradicted(twin: Twin, layout: MarkerLayout, *others: object) -> BuiltFigure:
         if len(layout) == 7:
-            raise PalpateError("Known presses do not fit a unit of this design.", "", code="calibration-press-misfit")
+            raise ContradictionError(
+                "Known presses do not fit a unit of this design.", "", code="calibration-press-misfit"
+            )
+        return foresee(twin, layout, *others)
+
+    def broken(twin: Twin, layout: MarkerLayout, *others: object) -> BuiltFigure:
+        if len(layout) == 7:
+            raise PalpateError("A press cannot be read.", "", code="press-unreadable")
         return foresee(twin, layout, *others)
 
     assert [option.markers.count for option in propose(twin, known, spec).options] == [7, 19]
     monkeypatch.setattr("palpate.optimise.propose.foresee", contradicted)
     left = propose(twin, known, spec)
     assert ([option.markers.count for option in left.options], left.problem) == ([19], "")
+    monkeypatch.setattr("palpate.optimise.propose.foresee", broken)
+    ends = propose(twin, known, spec)
+    assert ends.options == ()
+    assert ends.problem
+
+
+@pytest.mark.parametrize("error", [ContradictionError, PalpateError])
+def test_only_presses_that_contradict_a_twin_leave_its_design_without_a_figure(
+    monkeypatch: pytest.MonkeyPatch, error: type[PalpateError]
+) -> None:
+    def refuse(*_: object) -> BuiltFigure:
+        raise error("No.", "")
+
+    for name in ("read_twin", "find_made", "place_markers", "build_camera", "foresee_spec"):
+        monkeypatch.setattr(f"palpate.optimise.prove.{name}", lambda *_: ForeseeSpec())
+    monkeypatch.setattr("palpate.optimise.prove.foresee", refuse)
+    design = MagicMock(bench=MagicMock(known=0), _proposal=MagicMock(checks=()))
+    if error is ContradictionError:
+        assert _Candidate.foresee(design, MagicMock()) is None
+    else:
+        with pytest.raises(PalpateError):
+            _Candidate.foresee(design, MagicMock())
 
 
 def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(

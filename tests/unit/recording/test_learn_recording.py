@@ -34,7 +34,7 @@ from palpate.recording import (
     write_model,
 )
 from palpate.recording.course import CourseSpec
-from palpate.recording.lesson import Lesson, fit_ridge_part
+from palpate.recording.lesson import Lesson, Turning, fit_ridge_part
 from palpate.recording.make_parts import PartJob, make_parts
 from palpate.recording.train_part import train_picture_network
 
@@ -348,6 +348,25 @@ def test_turned_pictures_are_passed_over_longer_but_not_for_hours(taught: int, p
     assert PartJob("picture-network", lesson, 3, 60, 0).passes == 60
 
 
+def _turned_job(sense: int = 1, aside_px: float = 0.0, asked: int = 3) -> PartJob:
+    rng, teach = np.random.default_rng(0), np.arange(60) < 45
+    turning = Turning(rng.normal(size=(9, 2)) + aside_px, np.zeros((9, 2)), sense)
+    lesson = Lesson(rng.normal(size=(60, 9, 2)), rng.normal(size=(60, 4)), teach, ~teach, 0, turning)
+    return PartJob("picture-network-turned", lesson, asked, 2, 0)
+
+
+def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn() -> None:
+    jobs = _turned_job(), _turned_job(sense=-1), _turned_job(aside_px=1.0), _turned_job(asked=2)
+    assert len({job.recipe.key for job in jobs}) == len(jobs)
+    assert _turned_job().recipe.key == _turned_job().recipe.key
+
+
+def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
+    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], asked=asked) for asked in (2, 3)]
+    made = [next(iter(make_parts([job], 1, store, quiet))).part for job in jobs]
+    assert [part.predict(jobs[0].lesson.inputs).shape[1] for part in made] == [2, 3]
+
+
 def _small_jobs(kind: type[PartJob] = PartJob) -> list[PartJob]:
     rng = np.random.default_rng(0)
     teach = np.arange(60) < 45
@@ -355,6 +374,19 @@ def _small_jobs(kind: type[PartJob] = PartJob) -> list[PartJob]:
     pictures = Lesson(rng.integers(0, 255, (60, 32, 32)).astype(np.uint8), moved.targets, teach, ~teach)
     lessons = {"dots-ridge": moved, "picture-network": pictures, "dots-network": moved}
     return [kind(name, lesson, 3, 2, 0) for name, lesson in lessons.items()]
+
+
+def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: Path) -> None:
+    """Whatever a program has drawn from torch before, and goes on to draw, is its own."""
+    torch, found = pytest.importorskip("torch"), []
+    for seed in (1, 2):
+        torch.manual_seed(seed)
+        before = torch.get_rng_state()
+        jobs = [job for job in _small_jobs() if job.is_network]
+        found.append([job.train(1, tmp_path / f"{seed} {job.name}", quiet) for job in jobs])
+        assert torch.equal(torch.get_rng_state(), before)
+    for one, other in zip(*found, strict=True):
+        assert all(np.array_equal(one[key], other[key]) for key in one)
 
 
 def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_path: Path) -> None:

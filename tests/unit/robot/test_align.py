@@ -11,6 +11,8 @@ from errors import refused
 from palpate.built import ToleranceSpec
 from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers, wall_normal
+from palpate.fea import Press
+from palpate.fea.press import IncrementFields
 from palpate.robot import (
     Aligner,
     AlignSpec,
@@ -33,6 +35,7 @@ from small_chain import DOME, MARKERS, MATERIAL, write_small_twin
 
 SPEC = AlignSpec(depth=3.5, least_depth=1.5, force_n=0.4, tolerance_deg=0.6)
 WALLS = ToleranceSpec(friction=0.5, friction_most=5.0, lateral=0.2)
+POINTS = place_markers(build_skin(DOME), MARKERS).positions
 NEAR = Placement(position=np.array([0.0, 0.0, 120.0]))
 
 
@@ -241,3 +244,21 @@ def test_the_command_prints_touches_and_writes_them(
     assert left.value.code in (0, None)
     assert "Wall 1: " in capsys.readouterr().out
     assert (tmp_path / "out" / "touches.csv").read_text().startswith("wall,touch,rx_deg")
+
+
+def test_images_of_a_press_are_cut_out_whole(twin: Twin, unit: PlayedUnit, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where dots are between two images is read from a press of these two, whose every field has two rows."""
+    solved, seen = DomeBySolver(DOME, MATERIAL, unit._scene.edges, unit.deviation, 1.0, cells=4), []
+    positions = Press.positions
+
+    def remember(press: Press, points: np.ndarray) -> np.ndarray:
+        seen.append(press)
+        return positions(press, points)
+
+    monkeypatch.setattr(Press, "positions", remember)
+    solved.edges(np.array([1.0, 0.0, 0.7]), 0.0, np.zeros(3))
+    assert {len(getattr(seen[0], name)) for name in IncrementFields.__annotations__} == {2}
+    whole = next(iter(solved._solved.values()))
+    both = whole.cut(1, 3)
+    assert np.array_equal(both.depth, whole.depth[1:3])
+    assert np.array_equal(both.positions(POINTS), positions(whole, POINTS)[1:3])

@@ -14,6 +14,7 @@ from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Flag, RigSpec, Unit
 from palpate.sensor.reader import Estimate, TwinReader
+from palpate.sensor.rest_drift import RestMotion
 from palpate.twin import TWIN_DERIVATIVES, Twin
 from presses import build_twin, solve_press
 
@@ -52,12 +53,12 @@ class Drawn:
         shown = build_camera(self.camera).project(points) + self.aside_px
         return shown + noise * self.rng.normal(size=shown.shape)
 
-    def open(self, images: int = 20, **chosen: float) -> TwinReader:
+    def open(self, images: int = 20, **chosen: float) -> "Following":
         rest = np.mean([self.dots() for _ in range(images)], axis=0)
         numbers = np.arange(len(rest))
         naming = Naming(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
         unit = Unit(DOME, self.layout, nominal=self.camera)
-        return TwinReader(self.twin, unit, naming, RigSpec(noise_px=NOISE, **chosen))
+        return Following(TwinReader(self.twin, unit, naming, RigSpec(noise_px=NOISE, **chosen)))
 
     def drift(self, way: str, share: float) -> None:
         """Move camera or silicone by a share of half a pixel or so."""
@@ -74,11 +75,26 @@ def moved(**changes: float) -> CameraSpec:
     return NOMINAL.model_copy(update=changes)
 
 
-def read(reader: TwinReader, dots: np.ndarray) -> Estimate:
+class Following:
+    """A reader with its state after the last image."""
+
+    def __init__(self, reader: TwinReader) -> None:
+        self.reader, self.state = reader, reader.begin()
+
+    @property
+    def rest(self) -> RestMotion:
+        return self.state.rest.motion
+
+    def read(self, sighting: Sighting) -> Estimate:
+        estimate, self.state = self.reader.read(sighting, self.state)
+        return estimate
+
+
+def read(reader: Following, dots: np.ndarray) -> Estimate:
     return reader.read(Sighting(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
 
 
-def read_pressed(reader: TwinReader, unit: Drawn) -> np.ndarray:
+def read_pressed(reader: Following, unit: Drawn) -> np.ndarray:
     return read(reader, unit.dots(PRESSED, noise=0.0)).pose
 
 
@@ -156,11 +172,13 @@ def test_missing_dots_do_not_move_the_rest(twin: Twin) -> None:
 def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_followed(twin: Twin, seed: int) -> None:
     unit = Drawn(twin, moved(distance=30.0), FEW, rng=np.random.default_rng(seed))
     watchful = unit.open(images=1)
-    still = TwinReader(
-        twin,
-        Unit(DOME, FEW, nominal=unit.camera),
-        Naming(np.arange(37), watchful.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0),
-        RigSpec(noise_px=NOISE, follow_px=0.0),
+    still = Following(
+        TwinReader(
+            twin,
+            Unit(DOME, FEW, nominal=unit.camera),
+            Naming(np.arange(37), watchful.reader.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0),
+            RigSpec(noise_px=NOISE, follow_px=0.0),
+        )
     )
     for touch in range(16):
         azimuth = 0.4 * touch

@@ -1,6 +1,9 @@
 """A design made up on the page: drawn at once, checked, and pressed or made by a process of its own."""
 
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,6 +62,37 @@ def test_work_that_fails_says_why(work, shown):
     wait_for(errand)
     assert errand.result is None
     assert shown in errand.fault
+
+
+def tell_threads_and_go(path, report):
+    import os
+    import threading
+
+    Path(path).write_text(os.environ["OPENBLAS_NUM_THREADS"] + " " + str(os.getpid()))
+    assert threading.active_count() > 1  # one looks for the parent
+    time.sleep(600)
+
+
+def test_a_worker_has_one_thread_and_goes_with_its_server(tmp_path, monkeypatch):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "7")
+    told = tmp_path / "told"
+    script = (
+        f"import sys, os, time; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "from test_design_work import Job, tell_threads_and_go\n"
+        "if __name__ == '__main__':\n"
+        f"    job = Job(tell_threads_and_go, {str(told)!r})\n"
+        f"    while not os.path.exists({str(told)!r}): time.sleep(0.02)\n"
+        "    time.sleep(0.2); os._exit(0)\n"
+    )
+    server = tmp_path / "server.py"
+    server.write_text(script)
+    subprocess.run([sys.executable, str(server)], check=True, timeout=60)
+    threads, worker = told.read_text().split()
+    assert threads == "1"
+    end = time.monotonic() + 10
+    while Path(f"/proc/{worker}").exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not Path(f"/proc/{worker}").exists()
 
 
 def test_work_can_be_called_off():

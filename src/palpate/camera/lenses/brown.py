@@ -39,6 +39,7 @@ class Brown(Lens):
 
     name: ClassVar[str] = "brown"
     model: ClassVar[str] = "plumb_bob"
+    leading: ClassVar[str] = "k1"
 
     k1: float = 0.0
     k2: float = 0.0

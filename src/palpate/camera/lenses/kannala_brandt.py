@@ -38,6 +38,7 @@ class KannalaBrandt(Lens):
 
     name: ClassVar[str] = "kannala-brandt"
     model: ClassVar[str] = "equidistant"
+    leading: ClassVar[str] = "k1"
 
     k1: float = 0.0
     k2: float = 0.0

@@ -1,0 +1,109 @@
+"""What the fit of one image says, and what is carried from it to the next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palpate.built.force import LEVEL_90, Force
+from palpate.built.unit_model import Look
+from palpate.core import FloatArray
+
+TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
+"""What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
+Linear = tuple[FloatArray, Look, FloatArray]
+"""A touch, what is seen there, and how it depends on the unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseFit:
+    """What one image says.
+
+    Attributes
+    ----------
+    pose
+        (3,) rx, ry (degrees) and depth (mm) in the dome's frame, or on the robot's scale where the mounting is known.
+    slip
+        1/µ.
+    covariance
+        (4, 4) of pose and slip, what is unknown of the unit included.
+    bend, bend_sd
+        Curvature of the wall, 1/m, and its standard deviation; 0 where it was not asked.
+    drift
+        (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
+    force
+        On the wall.
+    residual_px
+        Root mean square distance of a coordinate from the fit, px.
+    misfit
+        Mean weighted square of what is left, about 1 where the model is that of what is seen.
+    steps
+        Gauss–Newton steps taken.
+    theta
+        (8,) `TOUCH`, in the dome's frame.
+    cost
+        Half the weighted squares of what is left, and of what was fitted against its prior.
+    unit
+        (11,) correction of the unit's numbers with which the image fits best.
+    inverted
+        Whether the skin stands in its other state.
+    """
+
+    pose: FloatArray
+    slip: float
+    covariance: FloatArray
+    bend: float
+    bend_sd: float
+    drift: FloatArray
+    force: Force
+    residual_px: float
+    misfit: float
+    steps: int
+    theta: FloatArray
+    cost: float
+    unit: FloatArray
+    inverted: bool = False
+
+    @property
+    def half_width(self) -> FloatArray:
+        """Half-widths (4,) of the intervals of nine tenths of pose and 1/µ."""
+        return LEVEL_90 * np.sqrt(np.diag(self.covariance))
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """Where the fit of one branch of the skin stands.
+
+    Attributes
+    ----------
+    last
+        (8,) touch of the last image; `None` before any.
+    moved, motion
+        (8,) change of touch with the last image, and that with which the next one is expected.
+    near
+        Where the image was last linearised in the unit's numbers.
+    """
+
+    last: FloatArray | None = None
+    moved: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
+    motion: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
+    near: Linear | None = None
+
+    def after(self, theta: FloatArray, near: Linear, scale: FloatArray) -> Branch:
+        """The state after a touch (8,): the wall is expected to go on as it moved, if it moved so before.
+
+        `scale` (8,) is the change of a touch within which images are alike.
+        """
+        moved = np.zeros(len(TOUCH)) if self.last is None else theta - self.last
+        turned, far = (float(np.linalg.norm((each / scale)[:3])) for each in (moved - self.moved, moved))
+        return Branch(theta, moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH)), near)
+
+
+@dataclass(frozen=True, eq=False)
+class FitState:
+    """From where the next image is fitted: by the design's branch of the skin, and by the inverted one."""
+
+    flat: Branch = field(default_factory=Branch)
+    other: Branch = field(default_factory=Branch)
+    inverted: bool = False

@@ -1,0 +1,145 @@
+"""What a sensor carries from image to image is that of one reading an image, whatever else was tried."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from palpate.built import PoseFitter
+from palpate.camera import CameraSpec, build_camera
+from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
+from palpate.fea import Press, WallSpec, solve_press
+from palpate.markers import Naming, Sighting
+from palpate.material import get_material
+from palpate.mechanics import SolverSpec
+from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import Flag, RigSpec, Sensor, Unit
+from palpate.sensor.creep_filter import FRAME_S
+from palpate.sensor.reader import Estimate, ReaderState, TwinReader
+from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
+
+DOME = build_skin(DomeSpec(height=20, thickness=2))
+LAYOUT = place_markers(DOME, MarkerSpec(count=91))
+CAMERA = build_camera(CameraSpec())
+NOISE = 0.02
+
+
+def press(tilt_deg: float) -> Press:
+    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, image_step=0.6)
+    mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
+    return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
+
+
+@pytest.fixture(scope="module")
+def twin() -> Twin:
+    return build_twin([press(tilt) for tilt in (0.0, 4.0, 8.0, 12.0)])
+
+
+class Dots:
+    """A detector of images that are dots (n, 2) already."""
+
+    def __init__(self, positions_px: np.ndarray) -> None:
+        self.positions_px = positions_px
+
+    def find(self, image: np.ndarray) -> "Dots":
+        return Dots(image)
+
+
+def images(twin: Twin) -> list[np.ndarray]:
+    """A camera that drifts for a while, then a touch that goes down and comes back."""
+    rng, moved = np.random.default_rng(3), twin.print_dots(LAYOUT.positions)
+    depths = [0.0] * 40 + [1.0, 1.9, 2.8, 3.7, 2.8, 1.0] + [0.0] * 5
+    points = [moved.move(np.array([3.0, -2.0, z]), 0.0).positions if z else LAYOUT.positions for z in depths]
+    shown = [CAMERA.project(each) + np.array([0.002 * min(k, 40), 0.0]) for k, each in enumerate(points)]
+    return [each + NOISE * rng.normal(size=each.shape) for each in shown]
+
+
+def opened(twin: Twin, misfit: float) -> Sensor:
+    rest = CAMERA.project(LAYOUT.positions)
+    naming = Naming(np.arange(len(rest)), rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
+    unit = Unit(DOME, LAYOUT, nominal=CameraSpec())
+    spec = RigSpec(noise_px=NOISE).model_copy(update={"misfit": misfit})  # also one that every image exceeds
+    return Sensor(unit, TwinReader(twin, unit, naming, spec), spec, Dots(rest), naming, None)
+
+
+def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every image counts as a misfit; the second reading has other dots, and is made to fit worse."""
+    offered, control = opened(twin, 1e-6), opened(twin, 1e-6)
+    foresee, read, tried = TwinReader.foresee, TwinReader.read, []
+
+    def without_some(reader: TwinReader, estimate: Estimate) -> np.ndarray | None:
+        if reader is control.reader:
+            return None
+        foreseen = foresee(reader, estimate)
+        foreseen[np.nansum((foreseen - seen) ** 2, axis=1).argsort()[:5]] += 1000.0
+        tried.append(foreseen)
+        return foreseen
+
+    def worse(*given: object, **words: object) -> tuple[Estimate, ReaderState]:
+        estimate, state = read(*given, **words)
+        if len(given) > 3:
+            estimate = estimate._replace(fit=replace(estimate.fit, misfit=np.inf))
+        return estimate, state
+
+    monkeypatch.setattr(TwinReader, "foresee", without_some)
+    monkeypatch.setattr(TwinReader, "read", worse)
+    for seen in images(twin):
+        first, second = offered.read(seen), control.read(seen)
+        assert first.pose == second.pose
+        assert first.half_width == second.half_width
+        assert first.rest == second.rest
+        assert np.array_equal(first.sighting.positions_px, second.sighting.positions_px)
+    assert len(tried) == len(images(twin))
+    assert second.rest.rms_px > 0.03
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError("singular"), cv2.error("size"), ZeroDivisionError("0")])
+@pytest.mark.parametrize("place", ["follow", "find"])
+def test_an_image_that_breaks_a_library_costs_its_own_reading_only(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch, error: Exception, place: str
+) -> None:
+    """Readings after it are those of a sensor that was not given it."""
+
+    def fail(*_: object) -> None:
+        raise error
+
+    broken, control = opened(twin, 5.0), opened(twin, 5.0)
+    for number, seen in enumerate(images(twin)[36:44]):
+        if number == 5:
+            with monkeypatch.context() as patch:
+                patch.setattr(*((PoseFitter, "follow") if place == "follow" else (Dots, "find")), fail)
+                reading = broken.read(seen)
+            assert reading.flags == (Flag.UNREADABLE,)
+            assert np.isnan(reading.pose).all()
+            assert np.isinf(reading.half_width).all()
+            assert type(error).__name__ in reading.reason
+        else:
+            first, second = broken.read(seen), control.read(seen)
+            assert first.pose == second.pose
+            assert first.rest == second.rest
+
+
+def test_a_clock_tells_how_fast_the_camera_drifts(twin: Twin) -> None:
+    """Images at the nominal rate are followed as without a clock; slower ones, of the same drift, at a lower pace."""
+    paces = []
+    for step_s in (None, FRAME_S, 4 * FRAME_S):
+        sensor, time = opened(twin, 5.0), [0.0]
+        for seen in images(twin)[:40]:
+            time[0] += step_s or 0.0
+            sensor.clock = None if step_s is None else lambda time=time: time[0]
+            sensor.read(seen)
+        paces.append(sensor._state.reader.rest.creep.mean[:, 1])
+    assert paces[1] == pytest.approx(paces[0], rel=1e-6)
+    assert np.linalg.norm(paces[2]) < 0.6 * np.linalg.norm(paces[1])
+
+
+def test_a_second_fit_of_one_image_keeps_the_motion_of_the_touch(twin: Twin) -> None:
+    """Drift is taken out again where the touch has moved far: the wall still goes on from image to image."""
+    reader = opened(twin, 5.0).reader
+    state = reader.begin()
+    for dots in images(twin)[:44]:
+        everything = np.ones(len(dots), bool)
+        _, state = reader.read(Sighting(dots, everything, np.arange(len(dots)), False), state)
+    assert state.rest.motion.rms_px > 0.03
+    assert state.fit.flat.motion[2] == pytest.approx(0.9, abs=0.05)
