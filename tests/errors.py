@@ -29,7 +29,7 @@ def code_of(error: PalpateError | ValidationError) -> str:
 def check_refusal(said: str, code: str | tuple[str, ...], *values: object) -> None:
     """The command line ended by an error of this code, or of one of these, and its message names every value."""
     codes = (code,) if isinstance(code, str) else code
-    assert said.rstrip().endswith(tuple(f"[{one}]" for one in codes)), said
+    assert any(f" [{one}]\n" in f"{said}\n" for one in codes), said
     check_values(said, *values)
 
 

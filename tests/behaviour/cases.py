@@ -17,6 +17,7 @@ import numpy as np
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.bench import ToleranceSpec, play_unit
+from palpate.bench.played import COLUMNS
 from palpate.benchmark import PRESETS, make_benchmark, read_set
 from palpate.benchmark.draw_unit import draw_unit
 from palpate.benchmark.learnt_baselines import learn_design
@@ -238,7 +239,7 @@ def unit_trials() -> Results:
     with tempfile.TemporaryDirectory() as name:
         bench = small_bench(Path(name), write_small_twin(Path(name) / "twin.h5"), units=1, tilts=1, azimuths=2)
         found = play_unit(bench, draw_deviation(bench.spec.tolerance, 3, 1))
-    return {"twin": {"images": found.images}}
+    return {"twin": {name: found.column(name) for name in COLUMNS if name != "latency_ms"}}
 
 
 def skin_evaluations() -> Results:

@@ -46,7 +46,7 @@ def guarded(command: Callable[[], Any]) -> int:
 
 
 def _refuse(what: str, remedy: str, code: str) -> int:
-    print(f"Error: {what}" + (f"\n{remedy}" if remedy else "") + f" [{code}]", file=sys.stderr)
+    print(f"Error: {what} [{code}]" + (f"\n{remedy}" if remedy else ""), file=sys.stderr)
     return BAD_INPUT
 
 

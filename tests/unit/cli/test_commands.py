@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from errors import check_refusal
+from errors import check_refusal, check_values
 from palpate.cli import main
 from palpate.cli.border import guarded
 
@@ -35,7 +35,7 @@ def test_design_takes_rings(capsys: pytest.CaptureFixture[str]) -> None:
 def test_design_prints_for_people(capsys: pytest.CaptureFixture[str]) -> None:
     assert call("design", "--markers", "7") == 0
     shown = capsys.readouterr().out
-    assert "hemisphere: height 20 mm" in shown
+    check_values(shown, "hemisphere", "20 mm")
     assert "17.861" in shown
 
 
@@ -101,9 +101,9 @@ def test_an_unforeseen_error_is_one_line_with_a_log(
 
     assert guarded(fail) == 1
     shown = capsys.readouterr().err
-    assert shown.startswith("palpate failed: ZeroDivisionError. Details: ")
+    assert "ZeroDivisionError" in shown
     assert len(shown.splitlines()) == 1
-    assert "Traceback" in Path(shown.split("Details: ")[1].strip()).read_text()
+    assert "Traceback" in Path(shown.split()[-1]).read_text()
 
 
 def test_interruption_has_its_exit_code() -> None:

@@ -85,7 +85,8 @@ def test_an_unstable_fit_is_warned_of_and_the_stable_one_offered(capsys: pytest.
     assert call("fit", ECOFLEX, "--greatest-stretch", "5", "--no-figure", "--alone") == 0
     shown = capsys.readouterr().out
     assert "-3.6" in shown
-    check_values(shown, "Drucker", 11.68, "--stable", "C10 0.00796")
+    check_values(shown, "Drucker", 11.68, "--stable")
+    assert "C10 0.00796" in shown
 
 
 def test_the_stable_fit_has_no_warning_and_no_interval(capsys: pytest.CaptureFixture[str]) -> None:
@@ -120,9 +121,9 @@ def test_files_are_given_to_their_test(tmp_path: Path, capsys: pytest.CaptureFix
         ((), ("argument-missing",)),
         (("nowhere.csv",), ("file-unreadable", "nowhere.csv")),
         ((ECOFLEX, "--model", "rubber"), ("law-unknown", "rubber")),
-        ((ECOFLEX, "--weighting", "heavy"), ("usage", "--weighting", "heavy")),
-        ((ECOFLEX, "--strain-unit", "inch"), ("usage", "--strain-unit", "inch")),
-        ((ECOFLEX, "--toe", "yes"), ("usage", "--toe", "yes")),
+        ((ECOFLEX, "--weighting", "heavy"), ("enum", "--weighting", "heavy")),
+        ((ECOFLEX, "--strain-unit", "inch"), ("enum", "--strain-unit", "inch")),
+        ((ECOFLEX, "--toe", "yes"), ("literal_error", "--toe", "yes")),
         ((ECOFLEX, "--confidence", "95"), ("less_than", "--confidence", 95)),
         ((ECOFLEX, "--figure", "fit.bmp"), ("file-ending-unknown", "fit.bmp", ".png")),
         ((ECOFLEX, "--figure", "no/folder/fit.png"), ("file-unwritable", "fit.png")),

@@ -52,7 +52,7 @@ def test_inspect_names_the_missing_dot_and_leaves_table_and_picture(image, tmp_p
     ("words", "shown"),
     [
         (["nothing.png"], ("image-unreadable", "nothing.png")),
-        (["IMAGE", "--markers", "169"], ("markers-not-assigned", 169)),
+        (["IMAGE", "--markers", "169"], ("assignment-doubtful", 169)),
         (["IMAGE", "--tolerance", "-1"], ("greater_than", "--tolerance", -1)),
         (["IMAGE", "--out", "errors.txt"], ("file-ending-unknown", "errors.txt", ".csv")),
         (["IMAGE", "--picture", "errors.gif"], ("file-ending-unknown", "errors.gif", ".png")),

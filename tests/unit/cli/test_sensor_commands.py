@@ -20,6 +20,7 @@ from palpate.learn.force import ForceHead
 from palpate.learn.force_graph import add_forces
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
+from palpate.sensor import Flag
 from presses import solve_press
 
 DOME = build_skin(DomeSpec())
@@ -89,7 +90,7 @@ def test_live_reads_a_recording_and_flags_what_is_cut_off(recording, model, tmp_
     shown = json.loads(capsys.readouterr().out)
     assert [row["depth_mm"] for row in shown[:2]] == pytest.approx([1.0, 2.0], abs=0.1)
     assert all(row["touching"] for row in shown[:2])
-    assert shown[2]["flags"] == "the image could not be read"
+    assert shown[2]["flags"] == str(Flag.UNREADABLE)
     assert len((tmp_path / "readings.csv").read_text().splitlines()) == 4
     assert run(*words) == 0
     check_values(capsys.readouterr().err, 37)
@@ -162,7 +163,7 @@ def test_live_reads_a_video_that_is_cut_off_and_flags_the_end(recording, model, 
     assert run(*words) == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown[0]["depth_mm"] == pytest.approx(1.0, abs=0.2)
-    assert shown[-1]["flags"] == "the image could not be read"
+    assert shown[-1]["flags"] == str(Flag.UNREADABLE)
     assert shown[-1]["reason"]
     assert run(*words, "--count", "2") == 0
     assert len(json.loads(capsys.readouterr().out)) == 2

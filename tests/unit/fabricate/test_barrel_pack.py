@@ -232,7 +232,7 @@ def test_a_pack_of_a_barrel_has_closed_parts_dimples_and_a_sheet(tmp_path: Path)
     sheet = (pack.folder / "instructions.md").read_text()
     mixed = 1.3 * body_mm3(module) / 1000
     check_values(sheet, f"{mixed:.1f} mL", 1.3)
-    assert "artwork" not in sheet
+    assert "artwork.dxf" not in sheet
 
 
 def check_floors(folder: Path, scale: float) -> None:

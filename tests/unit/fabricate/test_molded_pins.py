@@ -34,6 +34,6 @@ def test_a_pack_of_pins_fills_them_from_the_core(tmp_path: Path) -> None:
         assert sign * (pack.volumes[name] - bare.volumes[name]) == pytest.approx(size * PINS_MM3, rel=0.02)
     assert read_step(tmp_path / "pack" / "module.step")["module"].pieces == 1
     sheet = (tmp_path / "pack" / "instructions.md").read_text()
-    assert "Paint the tips" in sheet
-    assert "Print the markers" not in sheet
+    assert "artwork.pdf" in sheet
+    assert "artwork.dxf" not in sheet
     assert not list((tmp_path / "pack").glob("template*"))

@@ -88,11 +88,18 @@ def test_metadata_that_is_no_json_is_refused(path, key):
         read_estimator(path)
 
 
-@pytest.mark.parametrize("content", [b"", b"cos\nsystem\n(S'touch /tmp/never'\ntR.", b"\x00" * 40])
-def test_a_pickle_is_not_opened(tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [
+        (b"", "model-version"),
+        (b"cos\nsystem\n(S'touch /tmp/never'\ntR.", "model-unreadable"),
+        (b"\x00" * 40, "model-unreadable"),
+    ],
+)
+def test_a_pickle_is_not_opened(tmp_path, content, code):
     path = tmp_path / "estimator.onnx"
     path.write_bytes(content)
-    with refused("model-unreadable"):
+    with refused(code, "estimator.onnx"):
         read_estimator(path)
 
 

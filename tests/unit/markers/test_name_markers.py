@@ -164,7 +164,7 @@ def test_too_few_dots_are_refused(dots):
 def test_another_design_is_refused():
     positions, mark = layout(169)
     other, _ = layout(37)
-    with refused("markers-not-assigned", "169"):
+    with refused("assignment-doubtful", "169"):
         name_markers(project(other), build_pattern(positions, project, mark))
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from small_task import Sum, do, read, starts
 
-from errors import refused
+from errors import check_values, refused
 from needs import needs
 from palpate.core import ArtefactStore
 from palpate.study import Silence, check_place
@@ -86,7 +86,7 @@ def test_a_hung_task_is_stopped_on_a_cluster_too(store: ArtefactStore) -> None:
     hung, good = Sum("hung", 1.0, fault="hung", seconds=9), Sum("good", 1.0)
     with ClusterWorkers(store, "local:1") as crew:
         outcomes = do_tasks([hung, good], [], crew, Silence(), limit_s=20.0)
-    assert outcomes[hung.recipe.key].reason == "it took longer than 20 s and was stopped"
+    check_values(outcomes[hung.recipe.key].reason, "20 s")
     assert "hang_here" in outcomes[hung.recipe.key].trace
     assert outcomes[good.recipe.key].reason == ""
 

@@ -77,9 +77,17 @@ def test_pages_and_pictures_are_served_and_no_other_file(learnt):
         assert client.get(f"/data/learnt/{name}").status_code in (404, 422)
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"estimators": 3}'])
-def test_a_damaged_report_is_named(learnt, tmp_path, text):
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", "file-unreadable"),
+        ("[]", "report-unreadable"),
+        ("{}", "report-unreadable"),
+        ('{"estimators": 3}', "report-unreadable"),
+    ],
+)
+def test_a_damaged_report_is_named(learnt, tmp_path, text, code):
     (tmp_path / "model.h5").write_bytes((learnt / "model.h5").read_bytes())
     (tmp_path / "report.json").write_text(text)
-    with refused("file-unreadable", "report.json"):
+    with refused(code, "report.json"):
         read_learnt(tmp_path)
