@@ -11,6 +11,7 @@ from palpate.built.noise import NOISE_PX
 from palpate.built.pose_fit import FitState, PoseFit
 from palpate.built.ring_information import RingInformation, measure_rings
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
+from palpate.built.scale import size_scale, touch_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.twin_error import TwinChecks
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
@@ -55,5 +56,7 @@ __all__ = [
     "rank_presses",
     "read_unit",
     "single_deviation",
+    "size_scale",
+    "touch_scale",
     "write_unit",
 ]
