@@ -41,12 +41,12 @@ from palpate.design import (
     wall_normal,
 )
 from palpate.fea import (
-    FEA_VERSION,
     PRESS_SOLVERS,
     Branch,
     Ended,
     Press,
     WallSpec,
+    press_recipe,
     read_press,
     solve_press,
     write_press,
@@ -353,16 +353,10 @@ def _bend(bench: Bench, deviation: Deviation, tilt_deg: float) -> float:
 
 
 def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
-    calculix = bench.spec.solver == "calculix"
-    solver = CalculixSpec() if calculix else SolverSpec()
-    spec = {
-        "dome": deviation.dome(bench.dome).model_dump(mode="json"),
-        "mesh": _mesh_spec(bench, deviation, branch).model_dump(mode="json"),
-        "material": deviation.material(bench.material).key_data(),
-        "wall": _wall(bench, deviation, tilt_deg, branch).model_dump(mode="json"),
-        "solver": {bench.spec.solver: solver.model_dump(mode="json")},
-    }
-    return Recipe(kind="inverted" if branch is Branch.INVERTED else "press", spec=spec, version=FEA_VERSION)
+    other = bench.spec.solver == "calculix"
+    solver = {"calculix": CalculixSpec().model_dump(mode="json")} if other else SolverSpec().model_dump(mode="json")
+    mesh, wall = _mesh_spec(bench, deviation, branch), _wall(bench, deviation, tilt_deg, branch)
+    return press_recipe(deviation.dome(bench.dome), mesh, deviation.material(bench.material), wall, solver, branch)
 
 
 def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:

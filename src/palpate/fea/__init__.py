@@ -12,6 +12,7 @@ from palpate.fea.obstacles import OBSTACLES, obstacle_from_data, read_obstacle
 from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.plot_press import picture_press, plot_press, tabulate_press
 from palpate.fea.press import FEA_VERSION, Branch, Press
+from palpate.fea.press_recipe import press_recipe
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
 from palpate.fea.solve_press import increment_depths, solve_press
 from palpate.fea.spec import ObstacleSpec, check_contact
@@ -50,6 +51,7 @@ __all__ = [
     "picture_press",
     "plot_convergence",
     "plot_press",
+    "press_recipe",
     "read_obstacle",
     "read_press",
     "solve_press",

@@ -22,7 +22,7 @@ from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
 from palpate.design import MarkerSpec, Skin, SkinSpec, build_skin, place_markers
-from palpate.fea import FEA_VERSION, Press, WallSpec, read_press, write_press
+from palpate.fea import FEA_VERSION, Press, WallSpec, press_recipe, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
@@ -109,9 +109,8 @@ class CalculixTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        own = self.press.recipe
-        spec = {**own.spec, "solver": {"calculix": CalculixSpec().model_dump(mode="json")}}
-        return Recipe(own.kind, spec, (), FEA_VERSION)
+        press, solver = self.press, {"calculix": CalculixSpec().model_dump(mode="json")}
+        return press_recipe(press.skin, press.mesh, press.material, press.wall, solver, press.branch)
 
     @property
     def needs(self) -> tuple[Task, ...]:
