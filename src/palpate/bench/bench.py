@@ -88,6 +88,8 @@ class Bench:
         What reads: a trained network (.onnx), or the design's twin (.h5).
     store
         Where presses and results are kept.
+    model_key
+        Key of the artefact that the model is, by which results are known; empty: the hash of its file.
     """
 
     spec: VirtualBenchSpec
@@ -97,6 +99,7 @@ class Bench:
     camera: CameraSpec
     model: Path
     store: ArtefactStore
+    model_key: str = ""
 
     @cached_property
     def layout(self) -> MarkerLayout:
@@ -161,7 +164,7 @@ def play_unit(bench: Bench, deviation: Deviation) -> Played:
     PalpateError
         If a press cannot be solved, or the model is not of this design.
     """
-    recipe = _unit_recipe(bench, deviation)
+    recipe = unit_recipe(bench, deviation)
     found = bench.store.find(recipe, ".json")
     if found is None:
         played = _play(bench, deviation)
@@ -359,14 +362,15 @@ def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float, branch: B
     return press_recipe(deviation.dome(bench.dome), mesh, deviation.material(bench.material), wall, solver, branch)
 
 
-def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
+def unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
+    """The recipe of what a unit gave."""
     spec = {
         "bench": bench.spec.model_dump(mode="json", exclude={"units", "inverted", "tolerance"}),
         "deviation": deviation.as_dict(),
         "markers_mm": bench.layout.positions.tolist(),
         "diameter": bench.layout.diameter,
         "camera": bench.camera.model_dump(mode="json"),
-        "model": bench.model_sha256,
+        "model": bench.model_key or bench.model_sha256,
     }
     tilts, branch = unit_tilts(bench.spec, deviation.unit), _branch(bench, deviation)
     inputs = tuple(_press_recipe(bench, deviation, tilt, branch).key for tilt in tilts)

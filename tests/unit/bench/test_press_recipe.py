@@ -1,9 +1,11 @@
 """A press is known by what it is, whoever solves it: what one has solved the others find."""
 
+from dataclasses import replace
 from pathlib import Path
 
-from palpate.bench import Bench, Deviation, VirtualBenchSpec
+from palpate.bench import Bench, Deviation, VirtualBenchSpec, unit_recipe
 from palpate.bench.bench import _mesh_spec, _press_recipe, _wall
+from palpate.built import draw_deviation
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore
 from palpate.deck import CalculixSpec
@@ -11,8 +13,8 @@ from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import Branch
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
-from palpate.optimise.prove import CalculixTask
-from palpate.study import PressTask
+from palpate.optimise.prove import CalculixTask, UnitTask
+from palpate.study import PressTask, TwinTask
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 
@@ -39,3 +41,15 @@ def test_bench_and_validation_share_a_press_by_calculix(tmp_path: Path) -> None:
     assert other.key == key
     assert other.key != task.recipe.key
     assert other.spec["solver"] == {"calculix": CalculixSpec().model_dump(mode="json")}
+
+
+def test_a_unit_of_the_validation_is_one_artefact(tmp_path: Path) -> None:
+    """What a search's validation stores of a unit is what the bench stores of it, known before its model is made."""
+    bench, press, _ = tried(tmp_path, Branch.FLAT)
+    twin = TwinTask((press,))
+    task = UnitTask(twin, DomeSpec(), "zaid_2024_ecoflex_00_30", MarkerSpec(count=37), CameraSpec(), bench.spec, 2)
+    unit = draw_deviation(bench.spec.tolerance, bench.spec.seed, 2)
+    assert task.recipe.kind == "unit"
+    assert task.recipe.key == unit_recipe(replace(bench, model_key=twin.recipe.key), unit).key
+    assert len({replace(task, unit=number).recipe.key for number in (1, 2, 3)}) == 3
+    assert not list(tmp_path.iterdir())
