@@ -11,7 +11,6 @@ from palpate.built.noise import NOISE_PX
 from palpate.built.pose_fit import FitState, PoseFit
 from palpate.built.ring_information import RingInformation, measure_rings
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
-from palpate.built.scale import size_scale, touch_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.twin_error import TwinChecks
 from palpate.built.unit_file import KnownUnit, read_unit, write_unit
@@ -56,7 +55,5 @@ __all__ = [
     "rank_presses",
     "read_unit",
     "single_deviation",
-    "size_scale",
-    "touch_scale",
     "write_unit",
 ]

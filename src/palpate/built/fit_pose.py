@@ -17,7 +17,7 @@ import numpy as np
 from palpate.built.force import Force, ForceScale, expect_scale, scale_force
 from palpate.built.mounting import Mounting
 from palpate.built.noise import weigh_dots
-from palpate.built.pose_fit import TOUCH, Branch, FitState, Linear, PoseFit
+from palpate.built.pose_fit import TOUCH, BranchState, FitState, Linear, PoseFit
 from palpate.built.scale import model_px, size_scale, touch_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
@@ -203,8 +203,8 @@ class PoseFitter:
         return replace(found, inverted=True, slip=float(self._mean[3]), covariance=covariance)
 
     def _fit_near(
-        self, seen_px: FloatArray, state: Branch, begin: FloatArray | None = None
-    ) -> tuple[PoseFit, Branch]:
+        self, seen_px: FloatArray, state: BranchState, begin: FloatArray | None = None
+    ) -> tuple[PoseFit, BranchState]:
         """Fit one image from where the last one was, or from elsewhere; the fit, and the next state."""
         if begin is None:
             begin = self._begin(seen_px) if state.last is None else self._go_on(seen_px, state.last, state.motion)

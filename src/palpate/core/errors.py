@@ -1,5 +1,7 @@
 """The one family of errors that reaches a user: a sentence with the number, and the remedy."""
 
+from __future__ import annotations
+
 
 class PalpateError(Exception):
     """Something the user can mend. The command line prints it on one screen and exits with code 2.
@@ -16,6 +18,14 @@ class PalpateError(Exception):
         super().__init__(f"{what} {remedy}".strip())
         self.what = what
         self.remedy = remedy
+
+    @classmethod
+    def of(cls, error: BaseException) -> PalpateError:
+        """Any error as one of this family: itself, or one line with the kind of what a library raised."""
+        if isinstance(error, PalpateError):
+            return error
+        first = next(iter(str(error).strip().splitlines()), "")
+        return PalpateError(f"{type(error).__name__}: {first}".rstrip(": "))
 
 
 class MissingExtraError(PalpateError):

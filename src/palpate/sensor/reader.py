@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from palpate.built import FitState, Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit, touch_scale
+from palpate.built import FitState, Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
 from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Skin, wall_normal
@@ -183,7 +183,7 @@ class TwinReader(Reader):
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
-        self._near = _NEAR * touch_scale(unit.skin)[:3]
+        self._near = _NEAR * [1.0, 1.0, model.size]
 
     @property
     def twin_fit(self) -> PoseFitter | None:

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built import UNKNOWN, UnitModel, size_scale
+from palpate.built import UNKNOWN, UnitModel
 from palpate.core import BoolArray, FloatArray
 from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, Creep, CreepFilter
 
@@ -146,7 +146,7 @@ class RestWatch:
     def __post_init__(self) -> None:
         self._known: BoolArray = np.isfinite(self.rest_px).all(axis=1) & self.model.seen
         slopes = self.model.shifted.slopes(self.model.dots.places)
-        size = size_scale(self.model.dots.twin.skin)
+        size = self.model.size
         steps = {name: step * (size if name in _LENGTHS else 1.0) for name, step in _MOVES.items()}
         moves = slopes[..., [_CAMERA.index(name) for name in steps]] * list(steps.values())
         _, sizes, mixed = np.linalg.svd(moves[self._known].reshape(-1, len(_MOVES)), full_matrices=False)
@@ -260,7 +260,7 @@ class RestWatch:
 
     def _touches(self) -> FloatArray:
         """Main directions (m, 2, k) of what light touches do, px."""
-        depths, tilts, turns = size_scale(self.model.dots.twin.skin) * np.array(_TOUCHES[0]), *_TOUCHES[1:]
+        depths, tilts, turns = self.model.size * np.array(_TOUCHES[0]), *_TOUCHES[1:]
         slip = float(self.model.tolerance.slip[0])
         rest = self.model.look(np.zeros(3), slip, unit=False).pixels
         moved = []
