@@ -46,7 +46,7 @@ from palpate.fea import (
     Ended,
     Press,
     WallSpec,
-    press_version,
+    press_recipe,
     read_press,
     solve_press,
     write_press,
@@ -86,6 +86,8 @@ class Bench:
         What reads: a trained network (.onnx), or the design's twin (.h5).
     store
         Where presses and results are kept.
+    model_key
+        Key of the artefact that the model is, by which results are known; empty: the hash of its file.
     """
 
     spec: VirtualBenchSpec
@@ -95,6 +97,7 @@ class Bench:
     camera: CameraSpec
     model: Path
     store: ArtefactStore
+    model_key: str = ""
 
     @cached_property
     def layout(self) -> MarkerLayout:
@@ -161,7 +164,7 @@ def play_unit(bench: Bench, deviation: Deviation) -> Played:
     PalpateError
         If a press cannot be solved, or the model is not of this design.
     """
-    recipe = _unit_recipe(bench, deviation)
+    recipe = unit_recipe(bench, deviation)
     found = bench.store.find(recipe, ".json")
     if found is None:
         played = _play(bench, deviation)
@@ -355,29 +358,21 @@ def _bend(bench: Bench, deviation: Deviation, tilt_deg: float) -> float:
 
 
 def _press_recipe(bench: Bench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
-    calculix = bench.spec.solver == "calculix"
-    solver = CalculixSpec() if calculix else SolverSpec()
-    skin, material = deviation.dome(bench.dome), deviation.material(bench.material)
-    wall = _wall(bench, deviation, tilt_deg, branch)
-    spec = {
-        "dome": skin.model_dump(mode="json"),
-        "mesh": _mesh_spec(bench, deviation, branch).model_dump(mode="json"),
-        "material": material.key_data(),
-        "wall": wall.model_dump(mode="json"),
-        "solver": {bench.spec.solver: solver.model_dump(mode="json")},
-    }
-    kind = "inverted" if branch is Branch.INVERTED else "press"
-    return Recipe(kind=kind, spec=spec, version=press_version(skin, material, wall))
+    other = bench.spec.solver == "calculix"
+    solver = {"calculix": CalculixSpec().model_dump(mode="json")} if other else SolverSpec().model_dump(mode="json")
+    mesh, wall = _mesh_spec(bench, deviation, branch), _wall(bench, deviation, tilt_deg, branch)
+    return press_recipe(deviation.dome(bench.dome), mesh, deviation.material(bench.material), wall, solver, branch)
 
 
-def _unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
+def unit_recipe(bench: Bench, deviation: Deviation) -> Recipe:
+    """The recipe of what a unit gave."""
     spec = {
         "bench": bench.spec.model_dump(mode="json", exclude={"units", "inverted", "tolerance"}),
         "deviation": deviation.as_dict(),
         "markers_mm": bench.layout.positions.tolist(),
         "diameter": bench.layout.diameter,
         "camera": bench.camera.model_dump(mode="json"),
-        "model": bench.model_sha256,
+        "model": bench.model_key or bench.model_sha256,
     }
     tilts, branch = unit_tilts(bench.spec, deviation.unit), _branch(bench, deviation)
     inputs = tuple(_press_recipe(bench, deviation, tilt, branch).key for tilt in tilts)

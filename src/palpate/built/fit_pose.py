@@ -16,12 +16,13 @@ import numpy as np
 
 from palpate.built.force import Force, ForceScale, expect_scale, scale_force
 from palpate.built.mounting import Mounting
-from palpate.built.noise import MODEL_PX, weigh_dots
-from palpate.built.pose_fit import TOUCH, Branch, FitState, Linear, PoseFit
+from palpate.built.noise import weigh_dots
+from palpate.built.pose_fit import TOUCH, BranchState, FitState, Linear, PoseFit
+from palpate.built.scale import model_px, size_scale, touch_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, Look, UnitModel
 from palpate.core import FloatArray
-from palpate.design import wall_normal
+from palpate.design import Skin, wall_normal
 
 SLIP_MOST = 5.0
 """Greatest 1/µ; more has not been met."""
@@ -44,7 +45,9 @@ _TRUST = np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0])
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit, and traces lie about their dots, as before."""
 TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
-"""What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots."""
+"""What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
+
+This and the other numbers of a touch are of a skin of the size in `palpate.built.scale`."""
 _DRIFTING_SLIP_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
@@ -84,6 +87,10 @@ class PoseFitter:
 
     def __post_init__(self) -> None:
         self._sd = touch_sd(self.model.tolerance)
+        skin = self.model.dots.twin.skin
+        self._size, units = size_scale(skin), touch_scale(skin)
+        self._near, self._trust, self._small = _NEAR * units, _TRUST * units, _SMALL * units
+        self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.belief.nominal) ** 2
         self._mean = np.zeros(len(TOUCH))
         self._mean[3] = self.model.tolerance.slip[0]
         slips = self.model.dots.twin.slips
@@ -196,8 +203,8 @@ class PoseFitter:
         return replace(found, inverted=True, slip=float(self._mean[3]), covariance=covariance)
 
     def _fit_near(
-        self, seen_px: FloatArray, state: Branch, begin: FloatArray | None = None
-    ) -> tuple[PoseFit, Branch]:
+        self, seen_px: FloatArray, state: BranchState, begin: FloatArray | None = None
+    ) -> tuple[PoseFit, BranchState]:
         """Fit one image from where the last one was, or from elsewhere; the fit, and the next state."""
         if begin is None:
             begin = self._begin(seen_px) if state.last is None else self._go_on(seen_px, state.last, state.motion)
@@ -210,12 +217,12 @@ class PoseFitter:
             usual[3] = self._mean[3]
             again, near = self._fit(seen_px, usual, near)
             found = again if again.cost < found.cost else found
-        return found, state.after(found.theta, near, _NEAR)
+        return found, state.after(found.theta, near, self._near)
 
     def _go_on(self, seen_px: FloatArray, last: FloatArray, motion: FloatArray) -> FloatArray:
         """Where the wall goes on as before; where it only begins to touch, a pose of the table if more alike."""
         onward = self._inside(last + motion)
-        if last[2] > _SHALLOW_MM:
+        if last[2] > _SHALLOW_MM * self._size:
             return onward
         shown = self.model.look(onward[:3], float(onward[3]), None, float(onward[_BEND]), unit=False).pixels
         away = np.nansum((np.append(self._shown, shown[None], axis=0) - seen_px) ** 2, axis=(1, 2))
@@ -223,7 +230,7 @@ class PoseFitter:
 
     def _doubted(self, found: PoseFit, last: FloatArray) -> bool:
         """Whether a fit that began from the last touch may have gone astray."""
-        return found.misfit > _DOUBTED or abs(found.bend - last[_BEND]) > _OTHER_WALL
+        return found.misfit > _DOUBTED or abs(found.bend - last[_BEND]) > _OTHER_WALL / self._size
 
     def _at_limit(self, slip: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
@@ -239,7 +246,7 @@ class PoseFitter:
 
     def _look(self, theta: FloatArray, known: Linear | None) -> tuple[Look, Linear]:
         """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
-        if known is not None and (np.abs(theta - known[0]) > _NEAR).any():
+        if known is not None and (np.abs(theta - known[0]) > self._near).any():
             known = None
         drift = theta[_DRIFT:] if self._drifts else None
         near = known[1] if known else None
@@ -253,7 +260,6 @@ class PoseFitter:
         """Fit one image from a touch; the fit, and where it was last linearised."""
         free, known = self._free, len(self._free)
         theta = self._inside(begin.copy())
-        variance = 2.0 * self.noise_px**2 + MODEL_PX**2
         there = np.isfinite(seen_px).all(axis=1) & self.model.seen
         z = np.zeros(self._unit_spread.shape[1])
         mean, prior, gain = self._mean[free], self._sd[free] ** -2.0, np.inf
@@ -263,7 +269,7 @@ class PoseFitter:
             looked, near = self._look(theta, near)
             by_unit = near[2][there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
-            weight = weigh_dots(left, variance)
+            weight = weigh_dots(left, self._variance)
             jacobian = np.hstack([looked.by_pose[there][..., free].reshape(-1, known), by_unit])
             weighted = jacobian * weight[:, None]
             normal = weighted.T @ jacobian
@@ -275,13 +281,13 @@ class PoseFitter:
             gain, last = float(gradient @ change), gain
             if gain > 0.5 * last and float(gradient @ moved) < 0:  # it swings, as about a corner of the twin over 1/µ
                 most *= _TAMED
-            shrink = min(most, float(np.min(_TRUST[free] / np.maximum(np.abs(change[:known]), 1e-12))))
+            shrink = min(most, float(np.min(self._trust[free] / np.maximum(np.abs(change[:known]), 1e-12))))
             before = theta.copy()
             moved = shrink * change
             theta[free] += moved[:known]
             z = z + moved[known:]
             theta = self._inside(theta)
-            if step >= 2 and (most * gain < least or (np.abs(theta - before) < _SMALL).all()):
+            if step >= 2 and (most * gain < least or (np.abs(theta - before) < self._small).all()):
                 break
         whole = np.asarray(np.linalg.inv(normal), float)
         pose, covariance = self._on_robot(theta, z, whole)
@@ -295,10 +301,10 @@ class PoseFitter:
             drift=theta[_DRIFT:],
             force=self._force(looked, theta, whole),
             residual_px=float(np.sqrt(np.mean(left**2))),
-            misfit=float(np.mean(left**2) / variance * len(left) / max(len(left) - len(normal), 1)),
+            misfit=float(np.mean(left**2) / self._variance * len(left) / max(len(left) - len(normal), 1)),
             steps=step,
             theta=theta,
-            cost=float(0.5 * (np.minimum(left**2 / variance, _OUTLIER).sum() + z @ z)),
+            cost=float(0.5 * (np.minimum(left**2 / self._variance, _OUTLIER).sum() + z @ z)),
             unit=(self._unit_spread @ z)[: len(UNKNOWN)],
         )
         return found, near
@@ -335,7 +341,8 @@ class PoseFitter:
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
-        off = np.append(TWIN_SD[:3], _DRIFTING_SLIP_SD if self._drifts else TWIN_SD[3])
+        off = twin_sd(self.model.dots.twin.skin)
+        off[3] = _DRIFTING_SLIP_SD if self._drifts else off[3]
         return pose, by @ whole @ by.T + np.diag(off**2)
 
     def _inside(self, theta: FloatArray) -> FloatArray:
@@ -344,9 +351,14 @@ class PoseFitter:
         tilt, most = float(np.hypot(theta[0], theta[1])), float(twin.tilts_deg[-1]) + _BEYOND[0]
         if tilt > most:
             theta[:2] *= most / tilt
-        theta[2] = np.clip(theta[2], twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1])
+        theta[2] = np.clip(theta[2], twin.depths_mm[0], twin.depths_mm[-1] + _BEYOND[1] * self._size)
         theta[3] = np.clip(theta[3], *self._slips)
         return theta
+
+
+def twin_sd(skin: Skin) -> FloatArray:
+    """What the twin of a skin is off in pose (degrees, mm) and 1/µ (4,)."""
+    return TWIN_SD * touch_scale(skin)[:4]
 
 
 def touch_sd(tolerance: ToleranceSpec) -> FloatArray:

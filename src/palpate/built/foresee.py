@@ -9,7 +9,7 @@ with the unit's numbers δq and the errors e of its dots in the image at rest, t
 of its own in each. Known presses take e for something of the unit (−T e, see `TaughtUnit`), so that a part of it
 cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
 part of δq, as it is measured whole. How the unit sits on the robot is added, and what the twin itself is off: by
-presses that it lacks (`measure_twin_error`), or without them `TWIN_SD`, from the bench of one design.
+presses that it lacks (`measure_twin_error`), or without them `twin_sd`, from the bench of one design.
 
 Poses and known presses are drawn alike for every layout, camera and skin, and errors from the same random numbers by
 their covariance over all images of a unit, so that two designs differ by what they are and not by chance.
@@ -23,11 +23,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import TWIN_SD, touch_sd
+from palpate.built.fit_pose import touch_sd, twin_sd
 from palpate.built.learn_presses import learn_presses
 from palpate.built.mounting import Mounting, mount_unit
-from palpate.built.noise import MODEL_PX, NOISE_PX, layout_noise
+from palpate.built.noise import NOISE_PX, layout_noise
 from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
+from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.twin_error import TwinChecks, measure_twin_error
 from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
@@ -127,7 +128,7 @@ def foresee(
     spec
         Working range, and what is known of a unit beforehand.
     checks
-        Presses on another mesh, between those of the twin, that tell what it is off; without any, `TWIN_SD`.
+        Presses on another mesh, between those of the twin, that tell what it is off; without any, `twin_sd`.
 
     Raises
     ------
@@ -148,7 +149,7 @@ def foresee(
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
     if checks:
         off = measure_twin_error(model, checks, spec.known, spec.least_depth)
-        other = [np.diag(off.near(pose) ** 2 - TWIN_SD[:3] ** 2) for pose, _ in places]
+        other = [np.diag(off.near(pose) ** 2 - twin_sd(twin.skin)[:3] ** 2) for pose, _ in places]
         gains = [gain._replace(of_image=gain.of_image + each) for gain, each in zip(gains, other, strict=True)]
     by_chance = np.linalg.cholesky(learnt.by_chance + 1e-15 * np.eye(len(spread)))
     unknown, taken = (
@@ -254,7 +255,7 @@ def pose_gain(
     by_pose = looked.by_pose[seen][..., which].reshape(-1, free)
     by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
     own = np.repeat(np.broadcast_to(noise, len(seen))[seen], 2)
-    variance = 2.0 * own**2 + MODEL_PX**2
+    variance = 2.0 * own**2 + model_px(model.dots.twin.skin, model.belief.nominal) ** 2
     weighted = np.hstack([by_pose, by_unit]) / variance[:, None]
     jacobian = np.hstack([by_pose, by_unit])
     prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
@@ -267,5 +268,5 @@ def pose_gain(
     alone = np.sqrt(np.diag(known)[:3] * np.mean(2.0 * own**2 / variance))
     nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
     drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]
-    of_image = own**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(TWIN_SD[:3] ** 2)
+    of_image = own**2 * by_noise @ by_noise.T + drift @ drift.T + np.diag(twin_sd(model.dots.twin.skin)[:3] ** 2)
     return PoseGain(by_noise @ by_unit - truth, by_noise, of_image, alone)

@@ -19,16 +19,19 @@ import numpy as np
 from palpate.built.fit_pose import SLIP_MOST, PoseFitter
 from palpate.built.force import ForceScale, expect_scale
 from palpate.built.mounting import MOUNTING, Mounting, mount_unit, mounting_sd
-from palpate.built.noise import MODEL_PX, weigh_dots
+from palpate.built.noise import weigh_dots
 from palpate.built.robot_press import RobotPress, RobotSpec
+from palpate.built.scale import model_px, pixel_scale, size_scale
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
+from palpate.design import Skin
 
 _TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
 """What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
 
-The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images.
+The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images. These and the
+numbers below are of a skin and in an image of the sizes in `palpate.built.scale`.
 """
 _LENS_SD = {"distance": 0.19, "focal": 0.0035, "k1": 0.0145}
 """What these numbers are told wrong by besides (mm, shares), by the same units: together they make the scale of an
@@ -135,9 +138,15 @@ def identify(
     return UnitFit(model, presses, noise_px, robot or RobotSpec()).run(model)
 
 
-def twin_off_sd() -> FloatArray:
+def twin_off_sd(skin: Skin) -> FloatArray:
     """What the twin is off (15,) in the numbers of `UNKNOWN` and `MOUNTING`, as presses tell them."""
-    return np.array([_TWIN_SD.get(name, 0.0) for name in (*UNKNOWN, *MOUNTING)])
+    return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNKNOWN, *MOUNTING)])
+
+
+def _lens_sd(skin: Skin) -> FloatArray:
+    """What the numbers of `UNKNOWN` (11,) are told wrong by besides."""
+    sizes = {"distance": size_scale(skin)}
+    return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNKNOWN])
 
 
 class UnitNormal(NamedTuple):
@@ -178,7 +187,9 @@ class UnitFit:
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
         self.drift_sd = np.array(model.tolerance.drift_sd)
         self.drifts = bool(self.drift_sd.any())
-        self.shared_variance = noise**2 + MODEL_PX**2 + self.drifts * _DRIFT_PX**2
+        skin, camera = model.dots.twin.skin, model.belief.nominal
+        drift_px = _DRIFT_PX * pixel_scale(skin, camera)
+        self.shared_variance = noise**2 + model_px(skin, camera) ** 2 + self.drifts * drift_px**2
         self.variance = noise**2 + self.shared_variance
         self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
@@ -210,7 +221,7 @@ class UnitFit:
                 break
         covariance = self.covariance(found, information)
         off = values[self.shared :].reshape(-1, self.own)[:, 1:4] / self.robot_sd
-        believable = np.hypot(prior_sd(model.tolerance), [_LENS_SD.get(name, 0.0) for name in UNKNOWN])
+        believable = np.hypot(prior_sd(model.tolerance), _lens_sd(self.twin.skin))
         _refuse(now.mean / believable, found.misfit, off)
         shared = covariance[: self.shared, : self.shared]
         return Identified(
@@ -263,7 +274,7 @@ class UnitFit:
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
         covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
-        off = np.concatenate([twin_off_sd(), np.zeros(self.own * len(self.presses))])
+        off = np.concatenate([twin_off_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
         off[self.slips] = _TWIN_SD["slip"]
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
@@ -283,10 +294,10 @@ class UnitFit:
         which no error of the twin makes wider than what was known before.
         """
         normal, whole = found.normal, found.normal + information
-        off = np.concatenate([twin_off_sd(), np.zeros(self.own * len(self.presses))])
+        off = np.concatenate([twin_off_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
         off[self.slips] = _TWIN_SD["slip"]
         lens = np.zeros(self.size)
-        lens[: len(UNKNOWN)] = [_LENS_SD.get(name, 0.0) for name in UNKNOWN]
+        lens[: len(UNKNOWN)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
         error = found.noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
         # in standard deviations before the presses; what is not told at all has no error

@@ -17,7 +17,7 @@ _GRAIN = 0.865
 grows with the diameter, by light that is uneven across a dot. From `benchmarks/dot_noise.py`: 24 diameters of 3.2 to
 15.5 px on degraded images of the bench, within 19 % of the law (docs/decisions/0074)."""
 MODEL_PX = 0.02
-"""What the twin itself may be off, px."""
+"""What the twin itself may be off, px, of a skin and in an image of the sizes in `palpate.built.scale`."""
 FREEDOM = 30.0
 """Degrees of freedom of Student's distribution, of dots that are not where they should be."""
 _MEDIAN = 2.0 * np.log(2.0)

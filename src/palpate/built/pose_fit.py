@@ -72,7 +72,7 @@ class PoseFit:
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
+class BranchState:
     """Where the fit of one branch of the skin stands.
 
     Attributes
@@ -90,20 +90,20 @@ class Branch:
     motion: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
     near: Linear | None = None
 
-    def after(self, theta: FloatArray, near: Linear, scale: FloatArray) -> Branch:
+    def after(self, theta: FloatArray, near: Linear, scale: FloatArray) -> BranchState:
         """The state after a touch (8,): the wall is expected to go on as it moved, if it moved so before.
 
         `scale` (8,) is the change of a touch within which images are alike.
         """
         moved = np.zeros(len(TOUCH)) if self.last is None else theta - self.last
         turned, far = (float(np.linalg.norm((each / scale)[:3])) for each in (moved - self.moved, moved))
-        return Branch(theta, moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH)), near)
+        return BranchState(theta, moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH)), near)
 
 
 @dataclass(frozen=True, eq=False)
 class FitState:
     """From where the next image is fitted: by the design's branch of the skin, and by the inverted one."""
 
-    flat: Branch = field(default_factory=Branch)
-    other: Branch = field(default_factory=Branch)
+    flat: BranchState = field(default_factory=BranchState)
+    other: BranchState = field(default_factory=BranchState)
     inverted: bool = False

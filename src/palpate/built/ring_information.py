@@ -19,7 +19,8 @@ from palpate.built.groups import add_up
 from palpate.built.identify import twin_off_sd
 from palpate.built.learn_presses import PressInformation, press_information
 from palpate.built.mounting import Mounting, mounting_sd
-from palpate.built.noise import MODEL_PX, layout_noise
+from palpate.built.noise import layout_noise
+from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import CAMERA, UNKNOWN, UnitBelief, model_unit, prior_sd, rest_slopes
 from palpate.camera import Camera
@@ -226,7 +227,7 @@ def measure_rings(
     inside = np.ones(group.max() + 1, dtype=np.bool_)
     _leave(inside, group, camera, rest_px)
     noise = _by_group(dot_noise(twin, layout, camera, spec), group)
-    variance = (2.0 * noise**2 + MODEL_PX**2)[group, None, None]
+    variance = (2.0 * noise**2 + model_px(twin.skin, camera.spec) ** 2)[group, None, None]
     presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
     known = press_information(model, mounting, presses, group, noise, spec.robot) if presses else None
     alike = known.by_dot if known else np.zeros((len(group), 2, 0))
@@ -256,8 +257,8 @@ def measure_rings(
         unit_sd=sd,
         mounting_sd=mounting_sd(tolerance),
         noise_px=noise,
-        model_px=MODEL_PX,
-        twin_off=twin_off_sd(),
+        model_px=model_px(twin.skin, camera.spec),
+        twin_off=twin_off_sd(twin.skin),
     )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from palpate.built.deviation import Deviation
+from palpate.built.scale import size_scale
 from palpate.built.shifted_cameras import ShiftedCameras, Shown, show
 from palpate.built.tolerance import ToleranceSpec
 from palpate.camera import Camera, CameraSpec, build_camera, trace_dots, wrap_dots
@@ -256,6 +257,11 @@ class UnitModel:
     def on(self, twin: Twin) -> UnitModel:
         """The model of the same unit on another branch."""
         return model_unit(twin, self.layout, self.belief, self.tolerance)
+
+    @property
+    def size(self) -> float:
+        """How many times as great the skin is as that of the constants (`palpate.built.scale`)."""
+        return size_scale(self.dots.twin.skin)
 
     def look(
         self,

@@ -139,6 +139,7 @@ def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tup
     columns += [f"{metric}_{part}" for metric in metrics for part in ("a", "b", "ratio")]
     heads = [name.replace("_", " ").replace("ratio", "B/A") for name in columns]
     print_table("designs of both", heads, [_cells(row, columns) for row in comparison.rows])
+    _print_moved(comparison)
     for name, rows in zip("AB", (comparison.only_first, comparison.only_second), strict=True):
         designs = ", ".join(f"H{r['height_mm']:g} T{r['thickness_mm']:g} {r['markers']}" for r in rows)
         if designs:
@@ -150,9 +151,20 @@ def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tup
         print("Spec, seeds and versions are the same.")
 
 
+def _print_moved(comparison: Comparison) -> None:
+    """Say which rows moved by more than training again moves them."""
+    for row in comparison.moved:
+        design = f"H{row['height_mm']:g} T{row['thickness_mm']:g} {row['markers']}"
+        print(f"{design} moved: rmse_deg by {row['moved']:+.1f} standard deviations of its spread over repeats.")
+    judged = sum(row["moved"] is not None for row in comparison.rows)
+    if judged and not comparison.moved:
+        print(f"{judged} rows differ by no more than the spread over repeats.")
+
+
 def _describe(comparison: Comparison) -> dict[str, Any]:
     return {
         "designs": comparison.rows,
+        "moved": comparison.moved,
         "only_a": comparison.only_first,
         "only_b": comparison.only_second,
         "differences": [{"name": item.name, "a": item.first, "b": item.second} for item in comparison.differences],

@@ -31,7 +31,7 @@ MarkerFlags = Annotated[MarkerSpec, flags_of(MarkerSpec, group="Markers")]
 MaterialFlags = Annotated[MaterialSpec, flags_of(MaterialSpec, group="Material")]
 _MODEL = (
     "What reads: the design's twin (.h5), a trained network (.onnx), or what `palpate learn` made of a recording "
-    "(model.h5); without it, the newest twin of this design and material in results/*/twins."
+    "(model.h5); without it, the most accurate twin of this design and material in results/*/twins."
 )
 
 

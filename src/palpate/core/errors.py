@@ -27,6 +27,15 @@ class PalpateError(Exception):
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickle, (type(self), self.args), self.__dict__
 
+    @classmethod
+    def of(cls, error: BaseException) -> PalpateError:
+        """Return an error of this family as it is, and any other one as a sentence with its kind."""
+        if isinstance(error, PalpateError):
+            return error
+        first = next(iter(str(error).strip().splitlines()), "")
+        raised = f"{type(error).__name__}: {first}".rstrip(":. ")
+        return PalpateError(f"A library raised {raised}.", "Check the input.", code="library-error")
+
 
 def _unpickle(kind: type[PalpateError], args: tuple[Any, ...]) -> PalpateError:
     """An error as it was, whatever its class is made from."""

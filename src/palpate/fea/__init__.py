@@ -5,13 +5,14 @@ from palpate.fea.convergence import CELLS, MeshResult, study_convergence
 from palpate.fea.cylinder import Cylinder, CylinderSpec
 from palpate.fea.export import check_export, export_press
 from palpate.fea.first_touch import touch_first
-from palpate.fea.io import press_version, read_press, write_press
+from palpate.fea.io import read_press, write_press
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.nodal_stress import nodal_von_mises
 from palpate.fea.obstacles import OBSTACLES, obstacle_from_data, read_obstacle
 from palpate.fea.plot_convergence import plot_convergence
 from palpate.fea.plot_press import picture_press, plot_press, tabulate_press
 from palpate.fea.press import Branch, Press
+from palpate.fea.press_recipe import press_recipe
 from palpate.fea.press_solver import PRESS_SOLVERS, PalpateSolver, PressSolver
 from palpate.fea.solve_press import increment_depths, solve_press
 from palpate.fea.spec import ObstacleSpec, check_contact
@@ -49,7 +50,7 @@ __all__ = [
     "picture_press",
     "plot_convergence",
     "plot_press",
-    "press_version",
+    "press_recipe",
     "read_obstacle",
     "read_press",
     "solve_press",

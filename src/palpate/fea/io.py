@@ -9,13 +9,12 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, refuse_outside_links, stage_version
-from palpate.design import SkinSpec, build_skin, skin_from_data
+from palpate.core import PalpateError, refuse_outside_links
+from palpate.design import build_skin, skin_from_data
 from palpate.fea.derivative import Derivative
 from palpate.fea.obstacles import obstacle_from_data
 from palpate.fea.press import Press
-from palpate.fea.spec import ObstacleSpec
-from palpate.material import Material, material_from_data
+from palpate.material import material_from_data
 from palpate.mechanics import Ended, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 
@@ -36,12 +35,6 @@ _ARRAYS = {
 PRESS_FORMAT = "8"
 """Version of the file format; files of another one are refused."""
 _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
-
-
-def press_version(skin: SkinSpec, material: Material, obstacle: ObstacleSpec) -> str:
-    """Return the version of a press for its key: behaviour, libraries, plug-ins and file format."""
-    gel = () if material.gel is None else (material.gel.law,)
-    return f"{stage_version('press', skin, material.law, *gel, obstacle)}; format {PRESS_FORMAT}"
 
 
 def write_press(path: Path, press: Press) -> None:

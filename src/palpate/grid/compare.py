@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ DESIGN = ("height_mm", "base_radius_mm", "thickness_mm", "markers")
 METRICS = ("rmse_deg", "max_error_deg", "rmse_jitter_deg", "limit_deg")
 SEEDS = ("seed", "dataset_seed", "learning_seed")
 VARIES = "varies by design"
+MOVED = 2.0
+"""Standard deviations beyond which a row has moved: one in twenty does by chance."""
 RECORDED, UNRECORDED = "recorded", "not recorded"
 
 Design = tuple[Cell, ...]
@@ -45,7 +48,9 @@ class Comparison:
     Attributes
     ----------
     rows
-        One a design that both have: its dome and markers, and for each metric ``…_a``, ``…_b`` and ``…_ratio`` (b/a).
+        One a design that both have: its dome and markers, for each metric ``…_a``, ``…_b`` and ``…_ratio`` (b/a), and
+        ``moved``: the difference of ``rmse_deg`` over its standard deviation by the spreads of the repeats; empty
+        where neither grid has a spread.
     only_first, only_second
         Designs that one grid alone has.
     differences
@@ -56,6 +61,11 @@ class Comparison:
     only_first: tuple[Row, ...]
     only_second: tuple[Row, ...]
     differences: tuple[Difference, ...]
+
+    @property
+    def moved(self) -> tuple[Row, ...]:
+        """Rows whose ``rmse_deg`` differs by more than training again makes it differ."""
+        return tuple(row for row in self.rows if isinstance(row["moved"], float) and abs(row["moved"]) > MOVED)
 
 
 def compare_grids(
@@ -113,13 +123,25 @@ def _dome(row: Row) -> Row:
 
 
 def _side_by_side(row_a: Row, row_b: Row, metrics: Sequence[str]) -> Row:
-    found = dict(_dome(row_a))
+    found = {**_dome(row_a), "moved": _moved(row_a, row_b)}
     for metric in metrics:
         a, b = row_a.get(metric), row_b.get(metric)
         found[f"{metric}_a"], found[f"{metric}_b"] = a, b
         numbers = isinstance(a, int | float) and isinstance(b, int | float) and a != 0
         found[f"{metric}_ratio"] = b / a if numbers else None  # type: ignore[operator]
     return found
+
+
+def _moved(row_a: Row, row_b: Row) -> float | None:
+    """Difference of both RMSE over its standard deviation; `None` where no repeats tell it."""
+    a, b = row_a.get("rmse_deg"), row_b.get("rmse_deg")
+    spreads = [row.get("rmse_spread_deg") for row in (row_a, row_b)]
+    known = [float(spread) for spread in spreads if isinstance(spread, int | float)]
+    if not known or not isinstance(a, int | float) or not isinstance(b, int | float):
+        return None
+    # where one grid has no repeats, it is as uncertain as the other
+    expected = math.hypot(known[0], known[-1])
+    return (b - a) / expected if expected > 0 else math.copysign(math.inf, b - a) if b != a else 0.0
 
 
 def _differences(pairs: Sequence[tuple[Mapping[str, str], Mapping[str, str]]]) -> tuple[Difference, ...]:

@@ -17,6 +17,9 @@ import numpy as np
 
 from palpate.core import FloatArray
 
+_AS_GREAT = 1e-6
+"""Share by which entries of a direction may differ and count as great alike; far above rounding, 1e-12, and far below
+what distinguishes them where a layout has no symmetry, 1e-2."""
 SMALLEST_SCALE = 1e-6
 """Least standard deviation of a component, in normalised units: guards a layout at rest without jitter."""
 
@@ -42,6 +45,17 @@ class Components:
         return folded, bias - self.mean @ folded
 
 
+def _signed(directions: FloatArray) -> FloatArray:
+    """The same directions (m, k), each with the sign that makes its entry of greatest magnitude positive.
+
+    Which sign an eigenvector has is up to the linear algebra library, and a network trained on the other one is
+    another network. Of entries as great, as a symmetric layout has them, the first counts.
+    """
+    sizes = np.abs(directions)
+    first = np.argmax(sizes >= (1.0 - _AS_GREAT) * sizes.max(axis=0), axis=0)
+    return np.asarray(directions * np.where(directions[first, np.arange(directions.shape[1])] < 0, -1.0, 1.0))
+
+
 def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> Components:
     """Find the leading principal components of clean inputs.
 
@@ -65,6 +79,7 @@ def find_components(inputs: FloatArray, jitter: FloatArray, count: int) -> Compo
     covariance = np.cov(inputs, rowvar=False)
     variance, direction = np.linalg.eigh(np.atleast_2d(covariance))
     leading = np.argsort(variance)[::-1][:count]
+    direction = _signed(direction)
     noise = float(np.mean(jitter**2)) / 3
     scale = np.sqrt(np.maximum(variance[leading], 0.0) + noise)
     return Components(mean, direction[:, leading] / np.maximum(scale, SMALLEST_SCALE))

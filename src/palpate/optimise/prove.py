@@ -6,7 +6,6 @@ store: a proof that was stopped goes on where it was.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench import Bench, VirtualBenchSpec, play_unit
-from palpate.built import BuiltFigure, ContradictionError, draw_deviation, foresee
+from palpate.bench import Bench, VirtualBenchSpec, play_unit, read_played, unit_recipe
+from palpate.built import BuiltFigure, ContradictionError, Deviation, draw_deviation, foresee
 from palpate.camera import CameraSpec, build_camera
-from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe, stage_version
+from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
 from palpate.design import MarkerSpec, Skin, SkinSpec, build_skin, place_markers
-from palpate.fea import Press, WallSpec, read_press, write_press
+from palpate.fea import Press, WallSpec, press_recipe, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
@@ -30,7 +29,7 @@ from palpate.optimise.front import Entry, Front
 from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
 from palpate.optimise.propose import ProposalTask, foresee_spec, plan_proposal
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study, write_json
+from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study
 from palpate.twin import read_twin
 
 UNITS = 20
@@ -62,15 +61,7 @@ class UnitTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        spec = {
-            "bench": self.spec.model_dump(mode="json", exclude={"units"}),
-            "skin": dict(self.skin.build().spec_data),
-            "material": get_material(self.material).key_data(),
-            "markers": self.markers.model_dump(mode="json"),
-            "camera": self.camera.model_dump(mode="json"),
-            "unit": self.unit,
-        }
-        return Recipe("proof", spec, (self.reader.recipe.key,), stage_version("unit_trial"))
+        return unit_recipe(self._bench(Path(), ArtefactStore(Path())), self._deviation)
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -81,20 +72,31 @@ class UnitTask(Task):
         return 5.0 * (self.spec.tilts + 2 * bool(self.spec.known)) * self.spec.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
-        model, material = find_made(store, self.reader), get_material(self.material)
-        bench = Bench(self.spec, self.skin, self.markers, material, self.camera, model, store)
+        bench = self._bench(find_made(store, self.reader), store)
         bench.check()
-        played = play_unit(bench, draw_deviation(self.spec.tolerance, self.spec.seed, self.unit))
+        play_unit(bench, self._deviation)
+
+    def read(self, store: ArtefactStore) -> dict[str, Any]:
+        """Sums over the unit's images, once it was made."""
+        played = read_played(find_made(store, self), self._deviation)
         errors = played.corrected() - played.truth
         seen = np.isfinite(errors).all(axis=1)
-        found = {
+        return {
             "images": len(errors),
             "seen": int(seen.sum()),
             "squares": (errors[seen] ** 2).sum(axis=0).tolist(),
             "worst_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
             "failure": played.failure,
         }
-        store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
+
+    @property
+    def _deviation(self) -> Deviation:
+        return draw_deviation(self.spec.tolerance, self.spec.seed, self.unit)
+
+    def _bench(self, model: Path, store: ArtefactStore) -> Bench:
+        """The bench of this design, whose results are known by what makes the model, before that is made."""
+        material, key = get_material(self.material), self.reader.recipe.key
+        return Bench(self.spec, self.skin, self.markers, material, self.camera, model, store, key)
 
 
 @dataclass(frozen=True)
@@ -109,9 +111,8 @@ class CalculixTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        own = self.press.recipe
-        spec = {**own.spec, "solver": {"calculix": CalculixSpec().model_dump(mode="json")}}
-        return Recipe(own.kind, spec, (), own.version)
+        press, solver = self.press, {"calculix": CalculixSpec().model_dump(mode="json")}
+        return press_recipe(press.skin, press.mesh, press.material, press.wall, solver, press.branch)
 
     @property
     def needs(self) -> tuple[Task, ...]:
@@ -317,7 +318,7 @@ def _gather(
     """The figures of all units of a design that could be played, and why others could not."""
     failures = [reasons[task.recipe.key] for task in tasks if task.recipe.key in reasons]
     made = (task for task in tasks if task.recipe.key not in reasons)
-    found = {task.recipe.key: json.loads(find_made(store, task).read_text("utf-8")) for task in made}
+    found = {task.recipe.key: task.read(store) for task in made}
     failures += [unit["failure"] for unit in found.values() if unit["failure"]]
     units = [unit for unit in found.values() if unit["seen"]]
     if not units:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from palpate.camera import Source
 from palpate.core import PalpateError
 from palpate.robot.broadcast import Row
-from palpate.sensor import Reading, describe_reading, tell_error
+from palpate.sensor import Reading, describe_reading
 
 THERE, GONE = "there", "gone"
 """What `camera` of a row says: images come; the source has ended or cannot be opened."""
@@ -51,9 +51,7 @@ class SourceReader:
             try:
                 self._publish(row)
             except Exception as error:  # this reading cannot be sent; a flagged one takes its place
-                row = _row(
-                    self._sensor.read(PalpateError(tell_error(error), code="image-not-processed")), THERE, taken
-                )
+                row = _row(self._sensor.read(PalpateError.of(error)), THERE, taken)
                 self._publish(row)
         return row
 
@@ -76,7 +74,7 @@ class SourceReader:
             self._follow(open_again, retry_s, again)
         except BaseException as error:
             with suppress(Exception):
-                self._gone(tell_error(error))
+                self._gone(PalpateError.of(error).what)
             raise
 
     def _follow(self, open_again: Callable[[], Source], retry_s: float, again: bool) -> None:
@@ -94,7 +92,7 @@ class SourceReader:
                             told, reason = False, _ENDED
                         self.read(item)
             except Exception as error:  # a camera's library may raise anything
-                reason = tell_error(error)
+                reason = PalpateError.of(error).what
             if not told:
                 self._gone(reason)
                 told = True

@@ -7,7 +7,7 @@ from palpate.sensor.identify_unit import identify_unit
 from palpate.sensor.inspect_unit import Inspection, InspectSpec, inspect_unit
 from palpate.sensor.known_press import KnownPress
 from palpate.sensor.reader import check_model, open_model
-from palpate.sensor.reading import Flag, Reading, tell_error
+from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recording import Truth, read_readings, read_truth
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.report import made_by, table_lines, write_report
@@ -52,7 +52,6 @@ __all__ = [
     "run_sensor",
     "score_readings",
     "table_lines",
-    "tell_error",
     "write_acceptance",
     "write_identification",
     "write_readings",

@@ -183,6 +183,7 @@ class TwinReader(Reader):
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
+        self._near = _NEAR * [1.0, 1.0, model.size]
 
     @property
     def twin_fit(self) -> PoseFitter | None:
@@ -225,7 +226,7 @@ class TwinReader(Reader):
         last = state.touch
         still = self.watch.as_at_first(rest, seen, last)
         fit, after = self.fitter.follow(still, state.fit, near)
-        if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > _NEAR).any()):
+        if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > self._near).any()):
             still = self.watch.as_at_first(rest, seen, fit.theta)
             fit, after = self.fitter.follow(still, state.fit, fit)
         return still, fit, after

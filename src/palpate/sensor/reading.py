@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from palpate.built import Force, PoseFit
-from palpate.core import PalpateError
 from palpate.design import TILT_DEPTH, PoseSpace
 from palpate.markers import Sighting
 from palpate.sensor.rest_drift import RestMotion
@@ -92,11 +91,3 @@ class Reading:
     def radial(self) -> float:
         """Length of the first two components: tilt of a wall (degrees), or offset from the axis (mm)."""
         return math.hypot(*self.pose[:2])
-
-
-def tell_error(error: BaseException) -> str:
-    """What a reading says of an error in the place of an image: one line, with the kind of what is none of ours."""
-    if isinstance(error, PalpateError):
-        return error.what
-    first = next(iter(str(error).strip().splitlines()), "")
-    return f"{type(error).__name__}: {first}".rstrip(": ")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from palpate.core import PalpateError
 from palpate.markers import Sighting
 from palpate.recording import PoseReading, RecordedModel
-from palpate.sensor.reading import Flag, Reading, tell_error
+from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.spec import RigSpec
 
 
@@ -41,7 +41,15 @@ class RecordedSensor:
             none, anything = (float("nan"),) * len(space.names), (float("inf"),) * len(space.names)
             latency = (time.perf_counter() - start) * 1e3
             return Reading(
-                self._count, none, anything, False, 0, (Flag.UNREADABLE,), latency, tell_error(error), space=space
+                self._count,
+                none,
+                anything,
+                False,
+                0,
+                (Flag.UNREADABLE,),
+                latency,
+                PalpateError.of(error).what,
+                space=space,
             )
 
     def _describe(self, found: PoseReading, start: float) -> Reading:

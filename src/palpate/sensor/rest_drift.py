@@ -37,6 +37,8 @@ _MOVES = {
     "centre_y_px": 0.5,
 }
 """Numbers of the camera that may drift, and a step of each (mm, degrees, 1) of some tenths of a pixel."""
+_LENGTHS = ("offset_x", "offset_y", "distance")
+"""Those that are mm, for a skin of the size in `palpate.built.scale`, as the depths of the touches are."""
 _TOUCHES = ((0.05, 0.15, 0.35, 0.7), (0.0, 5.0, 10.0), 8)
 """Depths (mm), tilts (degrees) and number of directions of the touches that are kept apart from drift."""
 _MOST_STEPS = 10.0
@@ -144,11 +146,13 @@ class RestWatch:
     def __post_init__(self) -> None:
         self._known: BoolArray = np.isfinite(self.rest_px).all(axis=1) & self.model.seen
         slopes = self.model.shifted.slopes(self.model.dots.places)
-        moves = slopes[..., [_CAMERA.index(name) for name in _MOVES]] * list(_MOVES.values())
+        size = self.model.size
+        steps = {name: step * (size if name in _LENGTHS else 1.0) for name, step in _MOVES.items()}
+        moves = slopes[..., [_CAMERA.index(name) for name in steps]] * list(steps.values())
         _, sizes, mixed = np.linalg.svd(moves[self._known].reshape(-1, len(_MOVES)), full_matrices=False)
         kept = sizes > _SEEN_PX * np.sqrt(2 * self._known.sum())
         self._mix = np.zeros((len(_CAMERA), int(kept.sum())))
-        for row, (name, step) in enumerate(_MOVES.items()):
+        for row, (name, step) in enumerate(steps.items()):
             self._mix[_CAMERA.index(name)] = step * mixed[kept, row]
         self._free = self._mix.shape[1]
         self._ways = np.concatenate([slopes @ self._mix, self._touches()], axis=2)
@@ -256,7 +260,7 @@ class RestWatch:
 
     def _touches(self) -> FloatArray:
         """Main directions (m, 2, k) of what light touches do, px."""
-        depths, tilts, turns = _TOUCHES
+        depths, tilts, turns = self.model.size * np.array(_TOUCHES[0]), *_TOUCHES[1:]
         slip = float(self.model.tolerance.slip[0])
         rest = self.model.look(np.zeros(3), slip, unit=False).pixels
         moved = []

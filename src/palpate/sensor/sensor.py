@@ -32,7 +32,7 @@ from palpate.recording import RecordedModel
 from palpate.sensor.fading_force import FadingForce
 from palpate.sensor.known_press import KnownPress, ask_press
 from palpate.sensor.reader import Estimate, Model, Reader, ReaderState, TwinReader, check_model, open_reader
-from palpate.sensor.reading import Flag, Reading, tell_error
+from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
 from palpate.sensor.rest_drift import RestMotion
@@ -107,7 +107,7 @@ class Sensor:
         try:
             return self._read(image, start)
         except Exception as error:  # a sensor at work outlives whatever one image does to a library
-            return self._without_pose(start, 0, (Flag.UNREADABLE,), tell_error(error))
+            return self._without_pose(start, 0, (Flag.UNREADABLE,), PalpateError.of(error).what)
 
     def _read(self, image: NDArray[Any] | PalpateError, start: float) -> Reading:
         taken_s = None if self.clock is None else self.clock()

@@ -21,7 +21,7 @@ from palpate.dataset import (
     write_dataset,
 )
 from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
-from palpate.fea import Branch, ObstacleSpec, press_version, read_press, solve_press, write_press
+from palpate.fea import Branch, ObstacleSpec, press_recipe, read_press, solve_press, write_press
 from palpate.learn import PAPER_SPACE, DepthLimit, SearchSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
@@ -91,17 +91,8 @@ class PressTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        spec = {
-            "dome": self.skin.model_dump(mode="json"),
-            "mesh": self.mesh.model_dump(mode="json"),
-            "material": self.material.key_data(),
-            "wall": self.wall.model_dump(mode="json"),
-            "solver": self.solver.model_dump(mode="json"),
-            "branch": str(self.branch),
-        }
-        kind = "inverted" if self.branch is Branch.INVERTED else "press"
-        version = press_version(self.skin, self.material, self.wall)
-        return Recipe(kind=kind, spec=spec, version=version)
+        solver = self.solver.model_dump(mode="json")
+        return press_recipe(self.skin, self.mesh, self.material, self.wall, solver, self.branch)
 
     @property
     def needs(self) -> tuple[Task, ...]:

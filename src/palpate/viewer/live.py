@@ -18,7 +18,7 @@ from palpate.core import BoolArray, FloatArray, PalpateError
 from palpate.design import TILT_DEPTH
 from palpate.learn import Predictor
 from palpate.recording import RecordedModel
-from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor, tell_error
+from palpate.sensor import Reading, Sensor, Unit, check_model, describe_reading, open_sensor, run_sensor
 from palpate.twin import Twin
 from palpate.viewer.results import Design
 
@@ -108,7 +108,7 @@ class Live:
         except PalpateError:
             raise
         except Exception as error:
-            return PalpateError(tell_error(error), code="image-not-processed")
+            return PalpateError.of(error)
 
     def _read(self, item: NDArray[Any] | PalpateError) -> Reading:
         if isinstance(self.sensor, Sensor):

@@ -1,5 +1,6 @@
 import pickle
 
+from errors import check_values
 from palpate.core import MissingExtraError, PalpateError
 
 
@@ -20,3 +21,13 @@ def test_an_error_keeps_its_code_from_one_process_to_another() -> None:
         copy = pickle.loads(pickle.dumps(error))
         assert (type(copy), copy.what, copy.remedy, copy.code) == (type(error), error.what, error.remedy, error.code)
         assert str(copy) == str(error)
+
+
+def test_any_error_is_told_in_one_line() -> None:
+    own = PalpateError("It is too thin.", "Make it thicker.", code="no-way")
+    assert PalpateError.of(own) is own
+    told = PalpateError.of(ValueError("bad shape\nmore"))
+    assert told.code == "library-error"
+    check_values(told.what, "ValueError", "bad shape")
+    assert "more" not in told.what
+    check_values(PalpateError.of(KeyboardInterrupt()).what, "KeyboardInterrupt")

@@ -125,7 +125,7 @@ WITHOUT_VALUE = listed(
     image-mirrored image-not-encoded image-not-finite inverted-cap-missing inverted-state-gel
     inverted-state-route law-exponent-zero law-term-incomplete limit-obstacle-level load-missing
     markers-outside-skin mesh-half-needed mesh-whole-needed model-missing model-no-design network-no-force*2
-    network-no-unit*3 notebook-missing obstacle-misses-skin option-not-for-command*3 option-not-for-solver
+    network-no-unit*3 notebook-missing obstacle-misses-skin option-not-for-solver
     options-exclusive*2 outline-begins-with-curve outline-leaves-axis-aslant picture-missing press-curve-missing
     press-pose-incomplete presses-designs-differ presses-none*3 presses-obstacles-differ presses-share-no-depth
     question-operator-unknown recording-markers-unassigned relaxation-not-falling relaxation-without-law

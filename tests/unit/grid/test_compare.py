@@ -43,6 +43,25 @@ def test_ratio_is_second_over_first_and_empty_without_both():
     assert (row["rmse_deg_a"], row["rmse_deg_b"], row["rmse_deg_ratio"]) == (good.clean.pooled.rmse, None, None)
 
 
+def with_spread(rmse: float, *spread: float | None, markers: tuple[int, ...] = (7, 37, 91)):
+    """A grid of three designs of one RMSE, each with its spread over the repeats."""
+    grid = evaluate_grid([make_design(markers=count) for count in markers])
+    rows = (
+        {**row, "rmse_deg": rmse, "rmse_spread_deg": each} for row, each in zip(grid.designs, spread, strict=True)
+    )
+    return replace(grid, designs=tuple(rows))
+
+
+def test_rows_that_moved_beyond_their_spread_are_told():
+    """By 0.04°, where training again makes 0.03° and 0.005°; the third has no repeats in either grid."""
+    comparison = compare_grids(with_spread(0.24, 0.03, 0.005, None), with_spread(0.20, 0.03, None, None))
+    moved = {row["markers"]: row["moved"] for row in comparison.rows}
+    assert moved[7] == pytest.approx(-0.04 / (0.03 * 2**0.5))
+    assert moved[37] == pytest.approx(-0.04 / (0.005 * 2**0.5))
+    assert moved[91] is None
+    assert [row["markers"] for row in comparison.moved] == [37]
+
+
 def test_spec_seeds_and_versions_that_differ_are_named():
     other = {"wall": {"contact": "frictionless"}, "dataset": {"seed": 5, "poses": "disc"}}
     first = grid_of(make_design(), spec=SPEC, seed=1, versions={"fea": "1", "platform": "Linux x86_64"})

@@ -12,6 +12,7 @@ from palpate.material import get_material
 from palpate.relaxation import Moduli, Relaxation
 from palpate.sensor import Reading, Sensor
 from palpate.sensor.fading_force import FadingForce
+from palpate.sensor.reader import ReaderState
 from palpate.twin import twin_relaxation
 from palpate.twin.twin_file import material_text
 
@@ -96,9 +97,9 @@ def test_the_twin_tells_how_its_material_relaxes():
 @pytest.mark.parametrize("clock", [True, False])
 def test_a_sensor_follows_its_force_where_a_clock_tells_the_time(clock, monkeypatch):
     naming = SimpleNamespace(positions_px=np.zeros((3, 2)))
-    reader = SimpleNamespace(relaxation=SERIES)
+    reader = SimpleNamespace(relaxation=SERIES, begin=ReaderState)
     ticks = iter([0.0, 0.1, 30.0])
     sensor = Sensor(None, reader, None, None, naming, None, (lambda: next(ticks)) if clock else None)
-    monkeypatch.setattr(sensor, "_read_elastic", lambda image: reading())
+    monkeypatch.setattr(sensor, "_read_elastic", lambda *_: reading())
     forces = [sensor.read(None).force.vector[2] / ELASTIC[2] for _ in range(3)]
     assert forces == pytest.approx([float(SERIES.modulus(t)) for t in (0.0, 0.1, 30.0)] if clock else [1.0] * 3)

@@ -1,0 +1,46 @@
+"""By what a store knows a press, whoever solves it: a study, the bench or the validation of a search."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from palpate.core import Recipe, stage_version
+from palpate.design import SkinSpec
+from palpate.fea.io import PRESS_FORMAT
+from palpate.fea.press import Branch
+from palpate.fea.spec import ObstacleSpec
+from palpate.material import Material
+from palpate.mesh import MeshSpec
+
+
+def press_recipe(
+    skin: SkinSpec,
+    mesh: MeshSpec,
+    material: Material,
+    wall: ObstacleSpec,
+    solver: Mapping[str, Any],
+    branch: Branch = Branch.FLAT,
+) -> Recipe:
+    """The recipe of a press.
+
+    Parameters
+    ----------
+    skin, mesh, material, wall
+        What is pressed, and by what.
+    solver
+        Data of the `SolverSpec` where palpate solves it; of another solver, its name and the data of its spec.
+    branch
+        Which is followed.
+    """
+    spec = {
+        "dome": skin.model_dump(mode="json"),
+        "mesh": mesh.model_dump(mode="json"),
+        "material": material.key_data(),
+        "wall": wall.model_dump(mode="json"),
+        "solver": dict(solver),
+        "branch": str(branch),
+    }
+    gel = () if material.gel is None else (material.gel.law,)
+    version = f"{stage_version('press', skin, material.law, *gel, wall)}; format {PRESS_FORMAT}"
+    return Recipe(kind="inverted" if branch is Branch.INVERTED else "press", spec=spec, version=version)
