@@ -61,11 +61,11 @@ def solve_press(
     return stored("press", inputs, lambda: fea.solve_press(mesh, material, obstacle, solver, branch))
 
 
-def build_twin(presses: Iterable[Press]) -> Twin:
+def build_twin(presses: Iterable[Press], inverted: Iterable[Press] = ()) -> Twin:
     """Twin of presses, as `palpate.twin.build_twin` returns it, from the store if it was built before."""
-    given = list(presses)
-    inputs = [part for one in given for part in (*_mesh_parts(one.mesh), *_spec_parts(one.wall), one.displacement)]
-    return stored("twin", inputs, lambda: twins.build_twin(given))
+    flat, mirrored = list(presses), list(inverted)
+    inputs = [hashlib.sha256(pickle.dumps(one)).hexdigest() for one in (flat, mirrored)]
+    return stored("twin", inputs, lambda: twins.build_twin(flat, mirrored))
 
 
 def run_tiny_study(folder: Path) -> Path:

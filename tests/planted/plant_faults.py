@@ -199,17 +199,17 @@ def offset(line: str, bytes_before: int) -> int:
     return len(line.encode()[:bytes_before].decode())
 
 
-def stages(fault: Fault) -> list[list[str]]:
-    """Arguments of pytest, the likeliest to notice first."""
+def stages(fault: Fault, quick: bool) -> list[list[str]]:
+    """Arguments of pytest, the likeliest to notice first; all fast tests last, unless it must be quick."""
     subpackage = Path(fault.path).parts[2]
     own = ROOT / "tests" / "unit" / subpackage
     chosen = [["-n", "0", "tests/behaviour"]]
     if own.exists():
         chosen.append(["-n", "0", f"tests/unit/{subpackage}"])
-    return [*chosen, ["-n", "2"]]
+    return chosen if quick else [*chosen, ["-n", "2"]]
 
 
-def try_fault(fault: Fault, folder: Path) -> dict[str, object]:
+def try_fault(fault: Fault, folder: Path, quick: bool) -> dict[str, object]:
     """Run the tests on a copy with the fault; tell which test failed first."""
     copy = folder / "copy"
     if copy.exists():
@@ -224,7 +224,7 @@ def try_fault(fault: Fault, folder: Path) -> dict[str, object]:
     environment = {**os.environ, "PYTHONPATH": str(copy / "src"), "NUMBA_CACHE_DIR": str(folder / "kernels")}
     environment |= dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     start = time.monotonic()
-    for words in stages(fault):
+    for words in stages(fault, quick):
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *words]
         try:
             done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, timeout=LIMIT_S)
@@ -255,6 +255,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--each", type=int, default=10)
     parser.add_argument("--area", choices=AREAS)
+    parser.add_argument("--quick", action="store_true", help="leave out the run of all fast tests")
     parser.add_argument("--list", action="store_true", help="print the faults and run nothing")
     chosen = parser.parse_args()
     chosen.folder.mkdir(parents=True, exist_ok=True)
@@ -267,7 +268,7 @@ def main() -> int:
                 print(f"{name}: {fault.kind}, {fault.path}:{fault.line}\n{fault.difference}\n")
                 continue
             if name not in entries or entries[name]["difference"] != fault.difference:
-                entries[name] = try_fault(fault, chosen.folder)
+                entries[name] = try_fault(fault, chosen.folder, chosen.quick)
                 kept.write_text(json.dumps(entries, indent=1))
             print(f"{name}: {entries[name]['caught_by'] or 'NOT CAUGHT'}", flush=True)
     missed = {name: entry for name, entry in entries.items() if not entry["caught_by"]}

@@ -108,7 +108,7 @@ def read_estimator(path: Path) -> Estimator:
         if any(weights.data_location == onnx.TensorProto.EXTERNAL for weights in model.graph.initializer):
             raise ValueError("its weights lie in another file")
         estimator = _read(model, check_format(path, {item.key: item.value for item in model.metadata_props}))
-    except (OSError, DecodeError, KeyError, ValueError, TypeError) as error:
+    except (OSError, DecodeError, LookupError, ValueError, TypeError) as error:
         raise PalpateError(f"{path} is not an estimator: {error}.", AGAIN, code="model-unreadable") from error
     if not all(np.isfinite(part).all() for part in (*estimator.weights, *estimator.biases)):
         raise PalpateError(f"{path} holds a weight that is not a number.", AGAIN, code="model-not-finite")

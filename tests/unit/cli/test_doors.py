@@ -55,7 +55,7 @@ def refuse(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         "something on standard output" if shown.out else "",
         f"{len(message.splitlines())} lines" if len(message.splitlines()) > 12 else "",
         "no sentence" if not message.startswith("Error: ") or len(message) < 20 else "",
-        "no code" if not re.search(r" \[[a-z0-9]+([-_][a-z0-9]+)*\]$", message) else "",
+        "no code" if not re.search(r" \[[a-z0-9]+([-_][a-z0-9]+)*\]$", message, re.M) else "",
         f"{took:.1f} s" if took > LONGEST_S else "",
         f"leaves {', '.join(after - before)}" if after - before else "",
     ]

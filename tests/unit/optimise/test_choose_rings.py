@@ -209,7 +209,7 @@ def test_only_presses_that_contradict_a_twin_leave_its_design_without_a_figure(
     monkeypatch: pytest.MonkeyPatch, error: type[PalpateError]
 ) -> None:
     def refuse(*_: object) -> BuiltFigure:
-        raise error("No.", "")
+        raise error("No.", "", code="no-way")
 
     for name in ("read_twin", "find_made", "place_markers", "build_camera", "foresee_spec"):
         monkeypatch.setattr(f"palpate.optimise.prove.{name}", lambda *_: ForeseeSpec())
