@@ -7,6 +7,7 @@ import re
 import shutil
 import sys
 from dataclasses import asdict, dataclass
+from functools import cache
 from importlib import metadata
 
 from packaging.markers import Marker
@@ -113,11 +114,20 @@ def _check_package(name: str, extra: str) -> InstallCheck:
 
 def _module_of(name: str) -> str:
     """The module by which a distribution is imported: that of its own name, else the first that it brings."""
-    brought = metadata.packages_distributions().items()
-    modules = sorted(module for module, names in brought if canonicalize_name(name) in map(canonicalize_name, names))
+    modules = sorted(_modules_by_distribution().get(canonicalize_name(name), ()))
     public = [module for module in modules if not module.startswith("_")]
     own = name.lower().replace("-", "_")
     return own if own in public else next(iter(public or modules), own)
+
+
+@cache
+def _modules_by_distribution() -> dict[str, set[str]]:
+    """Modules that each distribution brings, by its normalised name; the metadata of all are read once."""
+    found: dict[str, set[str]] = {}
+    for module, names in metadata.packages_distributions().items():
+        for name in names:
+            found.setdefault(canonicalize_name(name), set()).add(module)
+    return found
 
 
 def _check_calculix() -> InstallCheck:

@@ -456,6 +456,7 @@ def as_designed(twin: Twin) -> UnitModel:
     return model_unit(twin, LAYOUT, replace(belief, mean=np.zeros(len(UNKNOWN))), TOLERANCE)
 
 
+@pytest.mark.slow
 def test_what_a_twin_is_off_is_what_units_show_without_any_noise(twin: Twin) -> None:
     """Whole fits of drawn units by exact dots on a finer mesh, told by known presses; control: the twin's own ones,
     by which it is off by much less."""
@@ -593,7 +594,9 @@ def test_the_command_line_identifies_a_unit_from_images(twin: Twin, seen: list[P
     check_refusal(capsys.readouterr().err, "unit-design-differs", "H20 T2", "37")
 
 
-@pytest.mark.parametrize(("known_presses", "noise"), [(0, 5 * NOISE), (5, 5 * NOISE), (5, NOISE)])
+@pytest.mark.parametrize(
+    ("known_presses", "noise"), [(0, 5 * NOISE), pytest.param(5, 5 * NOISE, marks=pytest.mark.slow), (5, NOISE)]
+)
 def test_what_is_foreseen_is_what_drawn_units_of_the_twin_itself_show(
     twin: Twin, known_presses: int, noise: float
 ) -> None:

@@ -123,6 +123,7 @@ def test_the_dots_of_another_unit_of_the_make_are_found_by_the_layout_of_the_fir
     assert found.found.mean() > 0.97
 
 
+@pytest.mark.slow
 def test_where_the_skin_has_a_kink_the_motions_of_the_sensor_are_learnt_and_most_of_it_is_found() -> None:
     sensor, rng = DrawnGel(), np.random.default_rng(0)
     rest = place_pins(sensor, np.zeros(6), STILL)[0]

@@ -279,6 +279,7 @@ def test_a_linear_estimator_of_a_simulation_is_a_start(
     assert "adapted-dots-network" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_network_of_another_unit_is_carried_over_and_adapted(tmp_path: Path) -> None:
     needs("torch")
     from palpate.recording.adapt import carry_network
@@ -390,6 +391,7 @@ def test_networks_are_drawn_by_their_own_seed_and_leave_others_alone(tmp_path: P
         assert all(np.array_equal(one[key], other[key]) for key in one)
 
 
+@pytest.mark.slow
 def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_path: Path) -> None:
     needs("torch")
     said: list[str] = []
