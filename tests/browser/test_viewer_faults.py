@@ -7,9 +7,9 @@ import urllib.error
 import urllib.request
 
 import pytest
+from viewer_process import ROOT, viewer
 from walk import DRAWN, colours, open_page
 
-from conftest import ROOT, viewer
 from errors import check_refusal
 
 
