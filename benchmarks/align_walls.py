@@ -19,7 +19,7 @@ import numpy as np
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.material import get_material
-from palpate.robot import Play, PlayedUnit, describe_wall
+from palpate.robot import AlignmentScenario, VirtualUnit, describe_wall
 from palpate.twin import read_twin
 
 ROBOT_DEG = 0.05
@@ -35,14 +35,14 @@ def play(chosen: argparse.Namespace) -> None:
     layout = place_markers(build_skin(dome), MarkerSpec(count=169))
     material = get_material("zaid_2024_ecoflex_00_30")
     twin = read_twin(chosen.twin)
-    played = Play(twin, layout, dome, material, known=chosen.known, solved=chosen.solved)
+    played = AlignmentScenario(twin, layout, dome, material, known=chosen.known, solved=chosen.solved)
     done = {(line["unit"], line.get("wall")) for line in read_lines(chosen.out)}
     for number in range(1, chosen.units + 1):
         if all((number, wall) in done for wall in (None, *range(chosen.walls))):
             continue
         with chosen.out.open("a") as file:
             try:
-                unit = PlayedUnit(played, number)
+                unit = VirtualUnit(played, number)
             except PalpateError as error:
                 file.write(json.dumps({"unit": number, "failure": str(error)}) + "\n")
                 continue

@@ -17,15 +17,15 @@ from pathlib import Path
 import numpy as np
 
 from palpate.bench import Deviation
-from palpate.bench.photograph import set_scene, wrap_dots
-from palpate.built import PoseFitter, ToleranceSpec, learn_rest, model_unit
+from palpate.bench.photograph import build_scene, marker_outlines
+from palpate.built import PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import generator
 from palpate.design import MarkerSpec, place_markers, place_orientation_mark
 from palpate.fea import WallSpec, solve_press
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import RigSpec, Unit, open_sensor
+from palpate.sensor import SensorSpec, Unit, open_sensor
 from palpate.twin import read_twin
 
 PRINTS = 6
@@ -65,13 +65,15 @@ def main() -> None:
         x, y = bend_print(designed, float(np.hypot(*layout.positions[:, :2].T).max()), rng).T
         printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
         scene = replace(
-            set_scene(skin, layout, deviation, nominal, LIGHT), edges=wrap_dots(skin, printed, layout.diameter)
+            build_scene(skin, layout, deviation, nominal, LIGHT),
+            edges=marker_outlines(skin, printed, layout.diameter),
         )
         unit = Unit(skin, layout, nominal=nominal, tolerance=TOLERANCE)
-        sensor = open_sensor([scene.at_rest()], unit, twin, RigSpec())
+        sensor = open_sensor([scene.at_rest()], unit, twin, SensorSpec())
         rest = scene.camera.project(layout.positions)  # the control: as if the print were the design's
         control = PoseFitter(
-            model_unit(twin, layout, learn_rest(twin, layout, nominal, rest, TOLERANCE, 0.02), TOLERANCE), 0.02
+            build_unit_model(twin, layout, infer_from_rest(twin, layout, nominal, rest, TOLERANCE, 0.02), TOLERANCE),
+            0.02,
         )
         for press, (tilt, turn) in zip(presses, WALLS, strict=True):
             truth = tilt * np.cos(np.radians(turn)), tilt * np.sin(np.radians(turn))

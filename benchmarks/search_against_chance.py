@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.cli.progress import Lines
-from palpate.optimise import Front, RequirementsSpec, TriedSkin, optimise_design, read_requirements
+from palpate.optimise import Front, RequirementsSpec, SkinTrial, optimise_design, read_requirements
 from palpate.optimise.draw_front import draw_search
 from palpate.optimise.front import coarse_errors
 
@@ -33,7 +33,7 @@ def task(seed: int, skins: int) -> RequirementsSpec:
     return wanted.model_copy(update={**other, "finalists": 0, "grid": None, "rival": None, "hours": 1e4})
 
 
-def least_so_far(tried: Sequence[TriedSkin], markers: int) -> np.ndarray:
+def least_so_far(tried: Sequence[SkinTrial], markers: int) -> np.ndarray:
     """Least error (n,) of 19 of 20 units among the first skins that meet the limits, degrees."""
     errors = dict(coarse_errors(tried, markers, meets=True))
     return np.minimum.accumulate([errors.get(one.number, np.inf) for one in tried])

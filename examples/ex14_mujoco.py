@@ -11,7 +11,7 @@ import palpate as pp
 from palpate.camera import build_camera
 from palpate.fea import Press
 from palpate.mechanics import SolverSpec
-from palpate.robot import tilt_of
+from palpate.robot import tilt_from_normal
 from palpate.simulator import AssetFormat, build_asset, export_asset
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
@@ -47,7 +47,7 @@ def run(model: mujoco.MjModel, twin: Twin) -> tuple[float, np.ndarray]:
         data.mocap_quat[0] = [np.cos(lean / 2), np.sin(lean / 2), 0.0, 0.0]
         mujoco.mj_step(model, data)
         depth = 1e3 * data.sensordata[0]
-        rx, ry = tilt_of(data.xmat[model.body("wall").id].reshape(3, 3)[:, 2])
+        rx, ry = tilt_from_normal(data.xmat[model.body("wall").id].reshape(3, 3)[:, 2])
         seen.append(camera.project(dots.move(np.array([rx, ry, depth]), slip=0.0).positions))
     return depth, np.array(seen)
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from palpate.bench import set_scene
-from palpate.built import ToleranceSpec, draw_deviation
+from palpate.bench import build_scene
+from palpate.built import ToleranceSpec, sample_deviation
 from palpate.camera import CameraSpec, RenderSpec, render
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec, solve_press
@@ -48,8 +48,8 @@ def make_recording(folder: Path) -> None:
     write_table(
         folder.parent / "layout.csv", "x_mm,y_mm,z_mm", ([f"{x:.4f}" for x in row] for row in layout.positions)
     )
-    deviation = draw_deviation(ToleranceSpec(), SEED, 1)
-    scene = set_scene(skin, layout, deviation, CameraSpec(), LIGHT)
+    deviation = sample_deviation(ToleranceSpec(), SEED, 1)
+    scene = build_scene(skin, layout, deviation, CameraSpec(), LIGHT)
     mesh, material = mesh_skin(skin, MeshSpec()), get_material("zaid_2024_ecoflex_00_30")
     solved = [
         solve_press(mesh, material, WallSpec(tilt_deg=tilt, depth=5.6, image_step=0.8, contact=FRICTION))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from palpate.bench import Bench, VirtualBenchSpec
+from palpate.bench import VirtualBench, VirtualBenchSpec
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore
 from palpate.dataset import DatasetSpec, generate_dataset
@@ -53,7 +53,7 @@ def write_small_twin(path):
 def small_bench(folder, model, **spec):
     chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "image_step": 0.9}
     chosen |= {"cells": CELLS, "least_depth": 2.0} | spec
-    return Bench(
+    return VirtualBench(
         VirtualBenchSpec(**chosen), DOME, MARKERS, MATERIAL, CameraSpec(), model, ArtefactStore(folder / "store")
     )
 

@@ -17,7 +17,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from palpate.camera import build_camera
-from palpate.camera import preset as camera_preset
+from palpate.camera import camera_preset as camera_preset
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import get_material

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from errors import check_values
-from palpate.bench import Bench, VirtualBenchSpec, run_bench
+from palpate.bench import VirtualBench, VirtualBenchSpec, run_bench
 from palpate.bench.result import pool_units
 from palpate.camera import CameraSpec
 from palpate.core import ArtefactStore
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.material import get_material
-from palpate.optimise import optimise_design, propose, prove, prove_front, read_requirements, write_front
-from palpate.study import find_made, read_study
+from palpate.optimise import optimise_design, propose, prove, read_requirements, validate_front, write_front
+from palpate.study import find_artefact, read_study
 
 pytest.importorskip("optuna")
 pytest.importorskip("torch")
@@ -120,11 +120,11 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     small = partial(VirtualBenchSpec, cells=5, tilts=2, azimuths=2)
     monkeypatch.setattr(prove, "VirtualBenchSpec", small)
     monkeypatch.setattr(prove, "UNITS", 3)
-    monkeypatch.setattr(prove, "plan_proposal", lambda *design, full: propose.plan_proposal(*design))
+    monkeypatch.setattr(prove, "plan_skin_evaluation", lambda *design, full: propose.plan_skin_evaluation(*design))
     text = WANTED.replace("skins: 5", "skins: 1").replace("[2, 3]", "[2.5, 3]").replace("known: 2", "known: 0")
     wanted.write_text(text + "proof: trained\nrival: {thickness: 3, markers: {count: 19}}\n")
     spec, out = read_requirements(wanted), tmp_path / "out"
-    front = prove_front(optimise_design(spec, out, workers=2), out, workers=2)
+    front = validate_front(optimise_design(spec, out, workers=2), out, workers=2)
     made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
     proof = front.proof
     assert proof is not None, front.shortfall
@@ -146,14 +146,14 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     write_front(out, front, "palpate optimise")
     page = (out / "report.md").read_text()
     check_values(page, "winner", "rival", "RMSE")
-    assert prove_front(optimise_design(spec, out, workers=1), out, workers=1).proof == proof
+    assert validate_front(optimise_design(spec, out, workers=1), out, workers=1).proof == proof
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is played twice"
     # the same units by the bench itself
-    twin = find_made(
+    twin = find_artefact(
         ArtefactStore(out / "store"),
-        prove.plan_proposal(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
+        prove.plan_skin_evaluation(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
     )
-    bench = Bench(
+    bench = VirtualBench(
         small(units=3, max_tilt_deg=9.0, depth=3.0, least_depth=1.0),
         DomeSpec(thickness=3.0),
         MarkerSpec(count=19),

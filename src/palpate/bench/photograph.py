@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.built import Deviation
-from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, render, tangent_pair, wrap_dots
+from palpate.camera import Camera, CameraSpec, RenderSpec, build_camera, marker_outlines, render, tangent_pair
 from palpate.core import BoolArray, FloatArray, child_seed, generator
 from palpate.design import MarkerLayout, Skin, place_orientation_mark, turn_about_axis
 from palpate.fea import Press
@@ -52,7 +52,9 @@ class Scene:
         return render(self.camera, edges, self.render.model_copy(update={"noise_seed": noise}))
 
 
-def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec) -> Scene:
+def build_scene(
+    skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: CameraSpec, spec: RenderSpec
+) -> Scene:
     """Print the dots of one unit and mount its camera.
 
     Parameters
@@ -71,7 +73,7 @@ def set_scene(skin: Skin, layout: MarkerLayout, deviation: Deviation, nominal: C
     points = _misprint(skin, points, deviation, rng)
     there = np.ones(len(points), bool)
     there[:-1] = rng.permutation(len(layout)) >= round(deviation.missing * len(layout))  # the mark is looked at
-    edges = wrap_dots(skin, points, layout.diameter)[there]
+    edges = marker_outlines(skin, points, layout.diameter)[there]
     return Scene(edges, build_camera(deviation.camera(nominal)), spec, there[:-1])
 
 

@@ -11,18 +11,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.built import Deviation, Identified, ToleranceSpec
+from palpate.built import Deviation, IdentificationResult, ToleranceSpec
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.sensor import TouchZero
+from palpate.sensor import DepthZero
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
-TOLD = (*POSE, "force_n", "slip")
+MEASURANDS = (*POSE, "force_n", "slip")
 """What an image tells: pose, force along the wall's normal, 1/µ. The last two are NaN where a network reads."""
-COLUMNS = ("press", "flagged", "latency_ms", *TOLD, *(f"{n}_read" for n in TOLD), *(f"{n}_half" for n in TOLD))
+COLUMNS = (
+    "press",
+    "flagged",
+    "latency_ms",
+    *MEASURANDS,
+    *(f"{n}_read" for n in MEASURANDS),
+    *(f"{n}_half" for n in MEASURANDS),
+)
 """Columns of the table of images: the truth of what is told, what was read, and half-widths of its 90 % intervals."""
 
 
-class ToldNumber(NamedTuple):
+class ParameterEstimate(NamedTuple):
     """One number of a unit that known presses told.
 
     Attributes
@@ -45,7 +52,7 @@ class ToldNumber(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Played:
+class UnitTrial:
     """What one unit's images gave.
 
     Attributes
@@ -65,8 +72,8 @@ class Played:
 
     deviation: Deviation
     images: FloatArray
-    zero: TouchZero | None = None
-    learnt: tuple[ToldNumber, ...] = ()
+    zero: DepthZero | None = None
+    learnt: tuple[ParameterEstimate, ...] = ()
     failure: str = ""
 
     def column(self, *names: str) -> FloatArray:
@@ -98,7 +105,7 @@ class Played:
         """(n,) from image to pose."""
         return self.column("latency_ms")[:, 0]
 
-    def perfect(self) -> Played:
+    def perfect(self) -> UnitTrial:
         """The same images, as if their poses had been read without an error."""
         images = self.images.copy()
         images[:, [COLUMNS.index(f"{name}_read") for name in POSE]] = self.truth
@@ -109,7 +116,7 @@ class Played:
         return self.estimates + np.array([0.0, 0.0, self.zero.offset if self.zero else 0.0])
 
 
-def write_played(path: Path, played: Played) -> None:
+def write_trial(path: Path, played: UnitTrial) -> None:
     """Write what a unit gave; what is not a number becomes ``null``."""
     data = {
         "columns": COLUMNS,
@@ -121,21 +128,21 @@ def write_played(path: Path, played: Played) -> None:
     path.write_text(json.dumps(data), encoding="utf-8")
 
 
-def read_played(path: Path, deviation: Deviation) -> Played:
-    """Read what `write_played` wrote of a unit."""
+def read_trial(path: Path, deviation: Deviation) -> UnitTrial:
+    """Read what `write_trial` wrote of a unit."""
     data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return Played(
+    return UnitTrial(
         deviation=deviation,
         images=np.array(data["images"], float).reshape(-1, len(COLUMNS)),
-        zero=TouchZero(**data["zero"]) if data["zero"] else None,
-        learnt=tuple(ToldNumber(**each) for each in data["learnt"]),
+        zero=DepthZero(**data["zero"]) if data["zero"] else None,
+        learnt=tuple(ParameterEstimate(**each) for each in data["learnt"]),
         failure=data["failure"],
     )
 
 
-def list_learnt(
-    found: Identified, deviation: Deviation, slip: float, tolerance: ToleranceSpec
-) -> Iterator[ToldNumber]:
+def compare_parameters(
+    found: IdentificationResult, deviation: Deviation, slip: float, tolerance: ToleranceSpec
+) -> Iterator[ParameterEstimate]:
     """What known presses told of a unit that slips by 1/µ = `slip`, beside what it is."""
     for row in found.rows(tolerance):
         name = row["name"]
@@ -145,17 +152,18 @@ def list_learnt(
             truth = deviation.touch - deviation.thickness
         else:
             truth = 1.0 + deviation.modulus if name == "stiffness" else float(getattr(deviation, name))
-        yield ToldNumber(name, truth, row["mean"], row["sd"], row["before"])
+        yield ParameterEstimate(name, truth, row["mean"], row["sd"], row["before"])
 
 
-def cover(errors: FloatArray, half_widths: FloatArray) -> float:
+def covered_share(errors: FloatArray, half_widths: FloatArray) -> float:
     """Share of errors within their intervals; NaN without any."""
     known = np.isfinite(errors) & np.isfinite(half_widths)
     return float((np.abs(errors) <= half_widths)[known].mean()) if known.any() else math.nan
 
 
-def gather(played: Sequence[Played], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Truth, error and half-width (n,) of what all images of some units tell by one of `TOLD`, where they do."""
+def collect_estimates(played: Sequence[UnitTrial], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Truth, error and half-width (n,) of what all images of some units tell by one of `MEASURANDS`, where they
+    do."""
     rows = np.concatenate([each.column(name, f"{name}_read", f"{name}_half") for each in played])
     rows = rows[np.isfinite(rows[:, 1])]
     return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2]

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench.bench import Bench, play_unit
-from palpate.bench.played import POSE, TOLD, Played, ToldNumber, cover, gather
+from palpate.bench.bench import VirtualBench, run_unit_trial
+from palpate.bench.played import MEASURANDS, POSE, ParameterEstimate, UnitTrial, collect_estimates, covered_share
 from palpate.bench.spec import VirtualBenchSpec
-from palpate.built import Deviation, ToleranceSpec, draw_deviation
+from palpate.built import Deviation, ToleranceSpec, sample_deviation
 from palpate.core import parameters
-from palpate.sensor import PAPER_TABLE_3, Score, made_by, score_readings, table_lines, write_report
+from palpate.sensor import PAPER_TABLE_3, Score, markdown_table, provenance_line, score_readings, write_report
 
 WANTED_RMSE_DEG, WANTED_MAX_DEG = 0.58, 1.64
 """Roll and pitch of a unit that is as good as the paper's sensor."""
@@ -37,7 +37,7 @@ class UnitResult:
     """
 
     number: int
-    played: Played
+    played: UnitTrial
     scores: tuple[Score, ...]
 
     @property
@@ -54,7 +54,7 @@ class UnitResult:
         return all(error.rmse <= WANTED_RMSE_DEG and error.max <= WANTED_MAX_DEG for error in angles)
 
 
-def run_bench(bench: Bench) -> Iterator[UnitResult]:
+def run_bench(bench: VirtualBench) -> Iterator[UnitResult]:
     """Play the nominal unit and then the sampled ones, as far as they are not in the store.
 
     Raises
@@ -64,11 +64,11 @@ def run_bench(bench: Bench) -> Iterator[UnitResult]:
     """
     bench.check()
     for number in range(bench.spec.units + 1):
-        deviation = draw_deviation(bench.spec.tolerance, bench.spec.seed, number) if number else Deviation()
-        yield score_unit(number, play_unit(bench, deviation))
+        deviation = sample_deviation(bench.spec.tolerance, bench.spec.seed, number) if number else Deviation()
+        yield score_unit(number, run_unit_trial(bench, deviation))
 
 
-def score_unit(number: int, played: Played) -> UnitResult:
+def score_unit(number: int, played: UnitTrial) -> UnitResult:
     """Score what a unit's images gave."""
     if not np.isfinite(played.estimates).all(axis=1).any():
         return UnitResult(number, played, ())
@@ -90,7 +90,7 @@ def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple
     return score_readings(truth[kept], estimates[kept], press[kept]) if kept.any() else ()
 
 
-def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any]:
+def describe_bench(bench: VirtualBench, results: Sequence[UnitResult]) -> dict[str, Any]:
     """The bench as JSON data: what was chosen, versions, and every unit."""
     sampled = [result for result in results if result.number]
     return {
@@ -103,7 +103,7 @@ def describe_bench(bench: Bench, results: Sequence[UnitResult]) -> dict[str, Any
     }
 
 
-def write_bench(folder: Path, bench: Bench, results: Sequence[UnitResult]) -> None:
+def write_bench(folder: Path, bench: VirtualBench, results: Sequence[UnitResult]) -> None:
     """Write ``bench.json``, ``bench.csv`` and ``bench.md`` into a folder.
 
     Raises
@@ -137,7 +137,7 @@ def unit_name(number: int) -> str:
     return str(number) if number else "nominal"
 
 
-def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
+def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> str:
     """The bench as a Markdown page."""
     spec, sampled = bench.spec, [result for result in results if result.number]
     lines = [
@@ -147,7 +147,7 @@ def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
         f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
         f"{spec.solver}; seed {spec.seed}. {_beforehand(spec)}",
         "",
-        *table_lines(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
+        *markdown_table(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
         "",
         f"{sum(result.as_good for result in sampled)} of {len(sampled)} sampled units have RMSE ≤ {WANTED_RMSE_DEG}° "
         f"and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
@@ -156,14 +156,14 @@ def bench_page(bench: Bench, results: Sequence[UnitResult]) -> str:
         *_single_lines(sampled, known=bool(spec.known)),
         "## Every unit",
         "",
-        *table_lines(COLUMNS, [row for result in results for row in unit_rows(result)]),
+        *markdown_table(COLUMNS, [row for result in results for row in unit_rows(result)]),
         *[f"\nUnit {result.number}: {result.played.failure}" for result in results if result.played.failure],
         "",
         "## Tolerances",
         "",
-        *table_lines(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
+        *markdown_table(("what", "either way", "unit"), tolerance_rows(spec.tolerance)),
         "",
-        made_by(),
+        provenance_line(),
         "",
     ]
     return "\n".join(lines)
@@ -196,7 +196,7 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
 
 def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
     """What known presses told of the units, against what they are."""
-    told: dict[str, list[ToldNumber]] = {}
+    told: dict[str, list[ParameterEstimate]] = {}
     for learnt in (each for result in sampled for each in result.played.learnt):
         told.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
     if not told:
@@ -206,20 +206,27 @@ def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
         table = np.array([one[1:] for one in each])
         error, sd = table[:, 1] - table[:, 0], table[:, 2]
         figures = (np.sqrt((error**2).mean()), np.abs(error).max(), sd.mean(), table[:, 3].mean())
-        share = cover(error, NormalDist().inv_cdf(0.95) * sd)
+        share = covered_share(error, NormalDist().inv_cdf(0.95) * sd)
         rows.append([name, str(len(each)), *(f"{value:.4f}" for value in figures), f"{share:.0%}"])
     head = ("number", "of", "rms error", "max", "said (sd)", "before (sd)", "in the 90 % interval")
-    return ["## What known presses told", "", "In mm, degrees, px, shares and 1/µ.", "", *table_lines(head, rows), ""]
+    return [
+        "## What known presses told",
+        "",
+        "In mm, degrees, px, shares and 1/µ.",
+        "",
+        *markdown_table(head, rows),
+        "",
+    ]
 
 
 def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
     """How well single images tell force and friction, and how often intervals hold."""
     played = [result.played for result in sampled if result.scores]
-    if not played or not np.isfinite(gather(played, "force_n")[1]).any():
+    if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
         return []
     rows = []
-    for name in TOLD:
-        truth, error, half = gather(played, name)
+    for name in MEASURANDS:
+        truth, error, half = collect_estimates(played, name)
         if name in POSE and not known:
             continue  # those of a unit whose seating is not known are of its own frame
         share = np.abs(error) / np.maximum(np.abs(truth), 1e-9)
@@ -227,9 +234,11 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
         figures = (np.sqrt((error**2).mean()), np.abs(error).max())
         shares = (np.sqrt((share**2).mean()), share.max()) if name == "force_n" else ()
         cells = [*(f"{value:.3f}" for value in figures), *(f"{value:.2%}" for value in shares)]
-        rows.append([name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{cover(error, half):.0%}"])
+        rows.append(
+            [name, str(len(error)), *cells, *[""] * (4 - len(cells)), small, f"{covered_share(error, half):.0%}"]
+        )
     head = ("", "images", "rms", "max", "rms share", "max share", "≤ 2 % or 0.01 N", "in the 90 % interval")
-    return ["## What single images tell", "", *table_lines(head, rows), ""]
+    return ["## What single images tell", "", *markdown_table(head, rows), ""]
 
 
 def _beforehand(spec: VirtualBenchSpec) -> str:

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.photograph import set_scene
+from palpate.bench.photograph import build_scene
 from palpate.built import Deviation
 from palpate.camera import CameraSpec, RenderSpec, Source, render
 from palpate.core import FloatArray, child_seed, generator
@@ -41,7 +41,7 @@ class SimulatedSource(Source):
     def __init__(self, unit: Unit, touches: Iterable[Press]) -> None:
         self._touches = touches
         camera = unit.lens or unit.nominal or CameraSpec()
-        self._scene = set_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
+        self._scene = build_scene(unit.skin, unit.layout, Deviation(), camera, LIGHT)
         self._truth: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     @property
@@ -104,7 +104,7 @@ def simulate_sensor(
     return SimulatedSource(unit, presses * [press])
 
 
-def draw_touches(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
+def sample_presses(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
     """Solved presses of half a dome in random order without an end, each by a wall of random azimuth."""
     rng = generator(seed, "touches")
     while True:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
 
-from palpate.built import RobotSpec, ToleranceSpec
+from palpate.built import RobotUncertainty, ToleranceSpec
 from palpate.camera import RenderSpec
 from palpate.core import Spec, parameter
 from palpate.fea import check_contact
@@ -46,10 +46,18 @@ class VirtualBenchSpec(Spec):
         0, unit="1", meaning="units, the last ones, whose skin stands in its other state while it is read", ge=0
     )
     robot_tilt_deg: float = parameter(
-        RobotSpec.tilt_deg, unit="deg", meaning="standard deviation of the robot's tilts in known presses", gt=0, le=5
+        RobotUncertainty.tilt_deg,
+        unit="deg",
+        meaning="standard deviation of the robot's tilts in known presses",
+        gt=0,
+        le=5,
     )
     robot_depth: float = parameter(
-        RobotSpec.depth, unit="mm", meaning="standard deviation of the robot's depths in known presses", gt=0, le=5
+        RobotUncertainty.depth,
+        unit="mm",
+        meaning="standard deviation of the robot's depths in known presses",
+        gt=0,
+        le=5,
     )
     zero: bool = parameter(
         True, unit="", meaning="whether the depth's zero is found by a first press before those that count"

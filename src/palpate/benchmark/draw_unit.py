@@ -13,17 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import resample
 
-from palpate.bench import Deviation, Scene, set_scene
+from palpate.bench import Deviation, Scene, build_scene
 from palpate.benchmark.spec import BenchmarkDesign, BenchmarkSpec
 from palpate.benchmark.unit_images import LABELS, UnitImages
-from palpate.built import draw_deviation
-from palpate.camera import render, trace_dots
+from palpate.built import sample_deviation
+from palpate.camera import project_markers, render
 from palpate.core import FloatArray, IntArray, child_seed, generator
 from palpate.design import build_skin, place_markers, wall_normal
-from palpate.twin import PrintedTwin, Twin
+from palpate.twin import MarkerTwin, Twin
 
 _CORNERS = 32
-"""Corners of an outline, as `palpate.camera.dot_edges` has them."""
+"""Corners of an outline, as `palpate.camera.flat_marker_outlines` has them."""
 _CARRIED = 8
 """Points of it that are carried by the surface."""
 _DIGITS = 4
@@ -42,7 +42,7 @@ class UnitPress(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class DrawnUnit:
+class BenchmarkUnit:
     """One unit of a design, ready to be pressed.
 
     Attributes
@@ -60,16 +60,16 @@ class DrawnUnit:
     deviation: Deviation
     scene: Scene
     printed: NDArray[np.bool_]
-    flat: PrintedTwin
-    inverted: PrintedTwin | None
+    flat: MarkerTwin
+    inverted: MarkerTwin | None
 
 
 def deviation_of(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int) -> Deviation:
     """How unit 1, 2, … of a design is built."""
-    return draw_deviation(spec.tolerance, _seed_of(spec, design, unit), unit)
+    return sample_deviation(spec.tolerance, _seed_of(spec, design, unit), unit)
 
 
-def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> UnitImages:
+def simulate_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> UnitImages:
     """All images of one unit.
 
     Parameters
@@ -79,17 +79,17 @@ def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twi
     twin
         Of the design's skin.
     """
-    drawn, seed = build_unit(spec, design, unit, twin), _seed_of(spec, design, unit)
-    presses = draw_presses(spec, twin, seed, unit)
+    drawn, seed = build_benchmark_unit(spec, design, unit, twin), _seed_of(spec, design, unit)
+    presses = draw_unit_presses(spec, twin, seed, unit)
     outlines, rows, numbers = [], [], []
     for number, press in enumerate(presses):
         for depth in press.depths:
             outline, label = press_unit(drawn, press, float(depth))
-            outlines.append(trace_dots(drawn.scene.camera, outline[:-1]).centres)
+            outlines.append(project_markers(drawn.scene.camera, outline[:-1]).centres)
             rows.append(label)
             numbers.append(number)
     noise = generator(seed, "noise", unit)
-    rest = trace_dots(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1]).centres
+    rest = project_markers(drawn.scene.camera, _outline(drawn.scene.edges[:, :: _CORNERS // _CARRIED])[:-1]).centres
     seen = np.full((len(rows) + 1, len(drawn.printed), 2), np.nan)
     seen[:, drawn.printed] = np.array([*outlines, rest])
     seen += spec.noise_px * noise.standard_normal(seen.shape)
@@ -106,19 +106,19 @@ def draw_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twi
     )
 
 
-def build_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> DrawnUnit:
-    """Build one unit; parameters are those of `draw_unit`."""
+def build_benchmark_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> BenchmarkUnit:
+    """Build one unit; parameters are those of `simulate_unit`."""
     skin = build_skin(design.skin)
     layout = place_markers(skin, design.print)
     deviation = deviation_of(spec, design, unit)
     light = spec.render.model_copy(update={"seed": child_seed(_seed_of(spec, design, unit), "light", unit)})
-    scene = set_scene(skin, layout, deviation, spec.camera, light)
+    scene = build_scene(skin, layout, deviation, spec.camera, light)
     edges_mm = scene.edges[:, :: _CORNERS // _CARRIED].reshape(-1, 3)
     other = None if twin.inverted is None else twin.inverted.print_dots(edges_mm)
-    return DrawnUnit(deviation, scene, scene.printed, twin.print_dots(edges_mm), other)
+    return BenchmarkUnit(deviation, scene, scene.printed, twin.print_dots(edges_mm), other)
 
 
-def draw_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[UnitPress]:
+def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[UnitPress]:
     """Walls of one unit: even over the disc of tilts, friction within the tolerance, a depth in each equal part."""
     rng, found = generator(seed, "poses", unit), []
     for _ in range(spec.presses):
@@ -139,7 +139,7 @@ def draw_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[
     return found
 
 
-def press_unit(drawn: DrawnUnit, press: UnitPress, depth: float) -> tuple[FloatArray, tuple[float, ...]]:
+def press_unit(drawn: BenchmarkUnit, press: UnitPress, depth: float) -> tuple[FloatArray, tuple[float, ...]]:
     """Outlines (m, k, 3) mm of a pressed unit's dots, and its `LABELS`."""
     dots = drawn.inverted if press.inverted and drawn.inverted is not None else drawn.flat
     moved = dots.move(np.array([press.rx, press.ry, depth]), press.slip, drawn.deviation.thickness)
@@ -166,7 +166,7 @@ def _outline(carried: FloatArray) -> FloatArray:
 
 
 def _pictures(
-    spec: BenchmarkSpec, drawn: DrawnUnit, presses: list[UnitPress], chosen: IntArray, seed: int
+    spec: BenchmarkSpec, drawn: BenchmarkUnit, presses: list[UnitPress], chosen: IntArray, seed: int
 ) -> NDArray[np.uint8]:
     """Pictures (k + 1, h, w) at rest and of the chosen images."""
     if not spec.pictures:

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_of, read_predictions
+from palpate.benchmark.predictions import FORCE, POSE, Predictions, half_width_column, read_predictions
 from palpate.benchmark.read_set import BenchmarkSet, SplitTable
 from palpate.benchmark.unit_images import LABELS
 from palpate.core import BoolArray, FloatArray, PalpateError
@@ -122,11 +122,13 @@ def score_predictions(benchmark: BenchmarkSet, predictions: Predictions, track: 
     PalpateError
         If images are missing, there twice or unknown, or the labels cannot be read.
     """
-    truth = choose_track(benchmark.table("test"), track)
+    truth = select_track(benchmark.table("test"), track)
     found = predictions.rows(truth.image, f"the track {track}")
     columns = {name: truth.labels[:, LABELS.index(name)] for name in (*POSE, FORCE)}
     errors = {name: found.values[name] - columns[name] for name in columns if name in found.values}
-    halves = {name: found.values[half_of(name)] for name in errors if half_of(name) in found.values}
+    halves = {
+        name: found.values[half_width_column(name)] for name in errors if half_width_column(name) in found.values
+    }
     lines = []
     for by, name, rows in _groups(truth):
         parts = {
@@ -138,7 +140,7 @@ def score_predictions(benchmark: BenchmarkSet, predictions: Predictions, track: 
     return BenchmarkScore(track, tuple(lines))
 
 
-def choose_track(truth: SplitTable, track: Track) -> SplitTable:
+def select_track(truth: SplitTable, track: Track) -> SplitTable:
     """The rows of a track.
 
     Raises

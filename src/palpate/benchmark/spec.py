@@ -12,7 +12,7 @@ from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import Spec, parameter
 from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import check_contact
-from palpate.learn import TrainSpec, paper_training
+from palpate.learn import TrainingSpec, paper_training
 
 Contact = Annotated[str | float, BeforeValidator(check_contact)]
 Split = Literal["train", "calibrate", "test"]
@@ -153,8 +153,8 @@ class BaselineSpec(Spec):
 
     seed: int = parameter(0, unit="1", meaning="seed of weights and batches", ge=0)
     jitter_px: float = parameter(0.1, unit="px", meaning="jitter that networks on dots are trained with", ge=0, le=20)
-    network: TrainSpec = TrainSpec(epochs=40, repeats=3)
-    paper: TrainSpec = paper_training(4, 256, 0.0).model_copy(update={"epochs": 60, "repeats": 1})
+    network: TrainingSpec = TrainingSpec(epochs=40, repeats=3)
+    paper: TrainingSpec = paper_training(4, 256, 0.0).model_copy(update={"epochs": 60, "repeats": 1})
     picture_px: int = parameter(128, unit="px", meaning="longer side of what the picture network sees", ge=32, le=512)
     picture_epochs: int = parameter(30, unit="1", meaning="passes over the pictures to learn from", ge=1, le=100_000)
     twin: TwinPressSpec = TwinPressSpec(cells=10, contacts=("no-slip", 1.0, 0.5, 0.3))
@@ -176,7 +176,7 @@ TINY = BenchmarkSpec(
 PRESETS = {"full": BenchmarkSpec(), "tiny": TINY}
 """The published set, and one of seconds for tests and first looks, all of it without slip."""
 TINY_BASELINES = BaselineSpec(
-    network=TrainSpec(epochs=3, repeats=1, layers=1, width=16),
+    network=TrainingSpec(epochs=3, repeats=1, layers=1, width=16),
     paper=paper_training(1, 16, 0.0).model_copy(update={"epochs": 2, "repeats": 1}),
     picture_px=64,
     picture_epochs=1,

@@ -154,13 +154,13 @@ IMPERFECTIONS = (
 )
 
 
-def draw_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
+def sample_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviation:
     """Draw unit 1, 2, …: every deviation evenly within its tolerance, friction between the least and the greatest.
 
     Examples
     --------
-    >>> deviation = draw_deviation(ToleranceSpec(), seed=0, unit=1)
-    >>> abs(deviation.thickness) <= 0.05, deviation == draw_deviation(ToleranceSpec(), seed=0, unit=1)
+    >>> deviation = sample_deviation(ToleranceSpec(), seed=0, unit=1)
+    >>> abs(deviation.thickness) <= 0.05, deviation == sample_deviation(ToleranceSpec(), seed=0, unit=1)
     (True, True)
     """
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", unit), "unit": unit}

@@ -14,17 +14,17 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.built.force import Force, ForceScale, expect_scale, scale_force
+from palpate.built.force import Force, StiffnessScale, prior_stiffness_scale, scale_force
 from palpate.built.mounting import Mounting
-from palpate.built.noise import weigh_dots
-from palpate.built.pose_fit import TOUCH, BranchState, FitState, Linear, PoseFit
+from palpate.built.noise import robust_weights
+from palpate.built.pose_fit import CONTACT_STATE, BranchState, FitState, Linear, PoseFit
 from palpate.built.scale import model_px, size_scale, touch_scale
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import UNKNOWN, Look, UnitModel
+from palpate.built.unit_model import UNIT_PARAMETERS, PredictedImage, UnitModel
 from palpate.core import FloatArray
 from palpate.design import Skin, wall_normal
 
-SLIP_MOST = 5.0
+MAX_INVERSE_FRICTION = 5.0
 """Greatest 1/µ; more has not been met."""
 TILT_SD_DEG = 20.0
 """Standard deviation of a tilt before its image is seen."""
@@ -44,7 +44,7 @@ _TRUST = np.array([4.0, 4.0, 1.5, 1.5, 1.5, 0.5, 0.5, 2.0])
 """Longest step."""
 _NEAR = np.array([0.4, 0.4, 0.2, 0.3, 1.0, 0.3, 0.3, 1.0])
 """Change of a touch within which the image depends on the unit, and traces lie about their dots, as before."""
-TWIN_SD = np.array([0.015, 0.015, 0.004, 0.03])
+TWIN_ERROR_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
 
 This and the other numbers of a touch are of a skin of the size in `palpate.built.scale`."""
@@ -83,23 +83,23 @@ class PoseFitter:
     model: UnitModel
     noise_px: float
     mounting: Mounting | None = None
-    scale: ForceScale | None = None
+    scale: StiffnessScale | None = None
 
     def __post_init__(self) -> None:
-        self._sd = touch_sd(self.model.tolerance)
+        self._sd = contact_prior_sd(self.model.tolerance)
         skin = self.model.dots.twin.skin
         self._size, units = size_scale(skin), touch_scale(skin)
         self._near, self._trust, self._small = _NEAR * units, _TRUST * units, _SMALL * units
         self._variance = 2.0 * self.noise_px**2 + model_px(skin, self.model.belief.nominal) ** 2
-        self._mean = np.zeros(len(TOUCH))
+        self._mean = np.zeros(len(CONTACT_STATE))
         self._mean[3] = self.model.tolerance.slip[0]
         slips = self.model.dots.twin.slips
-        self._slips = float(slips[0]), min(float(slips[-1]), SLIP_MOST)
+        self._slips = float(slips[0]), min(float(slips[-1]), MAX_INVERSE_FRICTION)
         self._free = np.flatnonzero(
-            (self._sd > 0) & ((len(slips) > 1) | (np.arange(len(TOUCH)) != TOUCH.index("slip")))
+            (self._sd > 0) & ((len(slips) > 1) | (np.arange(len(CONTACT_STATE)) != CONTACT_STATE.index("slip")))
         )
         self._drifts = bool((self._sd[_DRIFT:] > 0).any())
-        self.scale = self.scale or expect_scale(self.model.tolerance)
+        self.scale = self.scale or prior_stiffness_scale(self.model.tolerance)
         self._tables()
         self.state = FitState()
 
@@ -244,7 +244,7 @@ class PoseFitter:
         away = np.nansum((self._shown - seen_px) ** 2, axis=(1, 2))
         return np.array([*self._starts[int(away.argmin())], *self._mean[3:]])
 
-    def _look(self, theta: FloatArray, known: Linear | None) -> tuple[Look, Linear]:
+    def _look(self, theta: FloatArray, known: Linear | None) -> tuple[PredictedImage, Linear]:
         """What is seen at a pose and 1/µ, and where it was last linearised in the unit, which is kept nearby."""
         if known is not None and (np.abs(theta - known[0]) > self._near).any():
             known = None
@@ -253,7 +253,7 @@ class PoseFitter:
         looked = self.model.look(theta[:3], float(theta[3]), drift, float(theta[_BEND]), near=near)
         if known is None:
             assert looked.by_unit is not None
-            known = theta.copy(), looked, looked.by_unit @ self._unit_spread[: len(UNKNOWN)]
+            known = theta.copy(), looked, looked.by_unit @ self._unit_spread[: len(UNIT_PARAMETERS)]
         return looked, known
 
     def _fit(self, seen_px: FloatArray, begin: FloatArray, near: Linear | None) -> tuple[PoseFit, Linear]:
@@ -269,7 +269,7 @@ class PoseFitter:
             looked, near = self._look(theta, near)
             by_unit = near[2][there].reshape(-1, len(z))
             left = (seen_px - looked.pixels)[there].reshape(-1) - by_unit @ z
-            weight = weigh_dots(left, self._variance)
+            weight = robust_weights(left, self._variance)
             jacobian = np.hstack([looked.by_pose[there][..., free].reshape(-1, known), by_unit])
             weighted = jacobian * weight[:, None]
             normal = weighted.T @ jacobian
@@ -305,14 +305,14 @@ class PoseFitter:
             steps=step,
             theta=theta,
             cost=float(0.5 * (np.minimum(left**2 / self._variance, _OUTLIER).sum() + z @ z)),
-            unit=(self._unit_spread @ z)[: len(UNKNOWN)],
+            unit=(self._unit_spread @ z)[: len(UNIT_PARAMETERS)],
         )
         return found, near
 
     def _solve(self, normal: FloatArray, gradient: FloatArray, theta: FloatArray) -> FloatArray:
         """The Gauss-Newton step that leaves 1/µ within what was pressed."""
         change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
-        for column in np.flatnonzero(self._free == TOUCH.index("slip")):
+        for column in np.flatnonzero(self._free == CONTACT_STATE.index("slip")):
             slip = theta[3] + change[column]
             held = min(max(slip, self._slips[0]), self._slips[1]) - theta[3]
             if held != change[column]:
@@ -321,10 +321,10 @@ class PoseFitter:
                 change[others], change[column] = np.linalg.solve(normal[np.ix_(others, others)], pull), held
         return change
 
-    def _force(self, looked: Look, theta: FloatArray, whole: FloatArray) -> Force:
+    def _force(self, looked: PredictedImage, theta: FloatArray, whole: FloatArray) -> Force:
         """Force on the wall, and its covariance from that of all unknowns."""
         assert self.scale is not None
-        by_thickness = self._unit_spread[len(UNKNOWN) - 1]
+        by_thickness = self._unit_spread[len(UNIT_PARAMETERS) - 1]
         by_all = np.hstack([looked.force_by[:, self._free], np.outer(looked.force_thicker, by_thickness)])
         vector, covariance = scale_force(looked.force, by_all @ whole @ by_all.T, self.scale)
         return Force(vector, covariance, wall_normal(*np.radians(theta[:2])))
@@ -337,7 +337,7 @@ class PoseFitter:
                 by[number, column] = 1.0
         pose = theta[:3]
         if self.mounting is not None:
-            mounting = self._unit_spread[len(UNKNOWN) :]
+            mounting = self._unit_spread[len(UNIT_PARAMETERS) :]
             by[:2, :2] = self.mounting.turn
             by[:3, free:] = self.mounting.by_mounting(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
@@ -358,9 +358,9 @@ class PoseFitter:
 
 def twin_sd(skin: Skin) -> FloatArray:
     """What the twin of a skin is off in pose (degrees, mm) and 1/µ (4,)."""
-    return TWIN_SD * touch_scale(skin)[:4]
+    return TWIN_ERROR_SD * touch_scale(skin)[:4]
 
 
-def touch_sd(tolerance: ToleranceSpec) -> FloatArray:
-    """Standard deviations (8,) of `TOUCH` before an image is seen; 0 for what does not happen."""
+def contact_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
+    """Standard deviations (8,) of `CONTACT_STATE` before an image is seen; 0 for what does not happen."""
     return np.array([TILT_SD_DEG, TILT_SD_DEG, _DEPTH_SD, tolerance.slip[1], tolerance.bend_sd, *tolerance.drift_sd])

@@ -6,8 +6,8 @@ each of many poses the image of such a unit is read by the fit of the twin, in i
     error = [H⁻¹ (Jᵀ R⁻¹ (J_q δq + e + n))]_pose,    H = Jᵀ R⁻¹ J + prior,    J = (J_pose, J_q),
 
 with the unit's numbers δq and the errors e of its dots in the image at rest, the same in all its images, and noise n
-of its own in each. Known presses take e for something of the unit (−T e, see `TaughtUnit`), so that a part of it
-cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
+of its own in each. Known presses take e for something of the unit (−T e, see `PredictedPosterior`), so that a part of
+it cancels in what is read afterwards. A fit believes less, since its twin may be off; what that makes of poses is no
 part of δq, as it is measured whole. How the unit sits on the robot is added, and what the twin itself is off: by
 presses that it lacks (`measure_twin_error`), or without them `twin_sd`, from the bench of one design.
 
@@ -23,15 +23,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import touch_sd, twin_sd
-from palpate.built.learn_presses import learn_presses
-from palpate.built.mounting import Mounting, mount_unit
+from palpate.built.fit_pose import contact_prior_sd, twin_sd
+from palpate.built.learn_presses import predict_posterior
+from palpate.built.mounting import Mounting, prior_mounting
 from palpate.built.noise import NOISE_PX, layout_noise
-from palpate.built.robot_press import KNOWN_TILTS, KNOWN_TURN_DEG, RobotPress, RobotSpec
+from palpate.built.robot_press import CALIBRATION_TILTS, CALIBRATION_TURN_DEG, CalibrationPress, RobotUncertainty
 from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.twin_error import TwinChecks, measure_twin_error
-from palpate.built.unit_model import UNKNOWN, UnitModel, learn_rest, model_unit
+from palpate.built.twin_error import ValidationPresses, measure_twin_error
+from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, build_unit_model, infer_from_rest
 from palpate.camera import Camera
 from palpate.core import FloatArray, generator
 from palpate.design import MarkerLayout
@@ -39,7 +39,7 @@ from palpate.twin import Twin
 
 
 @dataclass(frozen=True)
-class ForeseeSpec:
+class AccuracySpec:
     """What is foreseen.
 
     Attributes
@@ -50,7 +50,7 @@ class ForeseeSpec:
         Working range, mm and degrees.
     noise_px, by_size
         Standard deviation of a dot's coordinate; with `by_size`, that of a dot of `NOISE_DOT_PX`, of which those of
-        others follow by their size in the image (`size_noise`).
+        others follow by their size in the image (`noise_by_diameter`).
     known
         Known presses of each unit.
     robot
@@ -66,12 +66,12 @@ class ForeseeSpec:
     noise_px: float = NOISE_PX
     by_size: bool = False
     known: int = 0
-    robot: RobotSpec = field(default_factory=RobotSpec)
+    robot: RobotUncertainty = field(default_factory=RobotUncertainty)
     seed: int = 0
 
 
 @dataclass(frozen=True)
-class BuiltFigure:
+class PredictedAccuracy:
     """How good units will be.
 
     Attributes
@@ -109,14 +109,14 @@ class PoseGain(NamedTuple):
     alone: FloatArray
 
 
-def foresee(
+def predict_accuracy(
     twin: Twin,
     layout: MarkerLayout,
     camera: Camera,
     tolerance: ToleranceSpec,
-    spec: ForeseeSpec | None = None,
-    checks: Sequence[TwinChecks] = (),
-) -> BuiltFigure:
+    spec: AccuracySpec | None = None,
+    checks: Sequence[ValidationPresses] = (),
+) -> PredictedAccuracy:
     """Foresee the errors of built units of a design.
 
     Parameters
@@ -135,17 +135,17 @@ def foresee(
     PalpateError
         If the known presses among `checks` contradict the twin.
     """
-    spec = spec or ForeseeSpec()
+    spec = spec or AccuracySpec()
     rest = camera.project(layout.positions)
-    belief = learn_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
-    noise = dot_noise(twin, layout, camera, spec)
-    model = model_unit(twin, layout, replace(belief, mean=np.zeros(len(UNKNOWN))), tolerance)
-    mounting = mount_unit(belief, tolerance)
-    known = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
-    learnt = learn_presses(model, mounting, known, noise, spec.robot)
+    belief = infer_from_rest(twin, layout, camera.spec, rest, tolerance, spec.noise_px)
+    noise = marker_noise(twin, layout, camera, spec)
+    model = build_unit_model(twin, layout, replace(belief, mean=np.zeros(len(UNIT_PARAMETERS))), tolerance)
+    mounting = prior_mounting(belief, tolerance)
+    known = simulate_calibration_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
+    learnt = predict_posterior(model, mounting, known, noise, spec.robot)
     mounting = replace(mounting, covariance=learnt.covariance)
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
-    places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
+    places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     gains = [pose_gain(model, mounting, spread, *place, noise) for place in places]
     if checks:
         off = measure_twin_error(model, checks, spec.known, spec.least_depth)
@@ -161,7 +161,7 @@ def foresee(
     errors = (drawn @ np.linalg.cholesky(covariance).T).reshape(spec.units, -1, 3)
     errors[..., 2] -= np.median(errors[..., 2], axis=1, keepdims=True)
     worst = np.abs(errors[..., :2]).max(axis=(1, 2))
-    return BuiltFigure(
+    return PredictedAccuracy(
         known=spec.known,
         rmse_deg=float(np.sqrt(np.mean(np.diag(covariance).reshape(-1, 3)[:, :2]))),
         worst_deg=float(np.quantile(worst, 0.95)),
@@ -170,7 +170,7 @@ def foresee(
     )
 
 
-def dot_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: ForeseeSpec) -> FloatArray:
+def marker_noise(twin: Twin, layout: MarkerLayout, camera: Camera, spec: AccuracySpec) -> FloatArray:
     """Standard deviations (m,) px of a coordinate of every dot of a layout."""
     if spec.by_size:
         return layout_noise(twin.skin, layout, camera, spec.noise_px)
@@ -201,8 +201,8 @@ def _over_images(gains: list[PoseGain], unknown: FloatArray, taken: FloatArray, 
     return np.asarray(found, float)
 
 
-def draw_places(
-    twin: Twin, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
+def sample_working_range(
+    twin: Twin, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
 ) -> list[tuple[FloatArray, float]]:
     """Poses (3,) and 1/µ over the working range, as far as the twin reaches."""
     found: list[tuple[FloatArray, float]] = []
@@ -222,21 +222,21 @@ def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -
     return float(np.clip(slip, twin.slips[0], twin.slips[-1]))
 
 
-def known_presses(
-    model: UnitModel, spec: ForeseeSpec, tolerance: ToleranceSpec, rng: np.random.Generator
-) -> list[tuple[RobotPress, float]]:
+def simulate_calibration_presses(
+    model: UnitModel, spec: AccuracySpec, tolerance: ToleranceSpec, rng: np.random.Generator
+) -> list[tuple[CalibrationPress, float]]:
     """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""
     twin, found = model.dots.twin, []
     first, slip = 2 * np.pi * rng.uniform(), _draw_slip(twin, tolerance, rng)
     for number in range(spec.known):
         tilt, turn = (
-            KNOWN_TILTS[number % len(KNOWN_TILTS)] * spec.max_tilt_deg,
-            first + np.radians(KNOWN_TURN_DEG) * number,
+            CALIBRATION_TILTS[number % len(CALIBRATION_TILTS)] * spec.max_tilt_deg,
+            first + np.radians(CALIBRATION_TURN_DEG) * number,
         )
         depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), 8)
         poses = np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
         pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
-        found.append((RobotPress(poses, pixels), slip))
+        found.append((CalibrationPress(poses, pixels), slip))
     return found
 
 
@@ -247,13 +247,13 @@ def pose_gain(
 
     `noise` is the standard deviation of a dot's coordinate in px, or (m,) of each.
     """
-    sd, slips = touch_sd(model.tolerance), len(model.dots.twin.slips) > 1
+    sd, slips = contact_prior_sd(model.tolerance), len(model.dots.twin.slips) > 1
     which = [k for k in range(len(sd)) if sd[k] > 0 and (slips or k != 3)]
     looked, seen = model.look(pose, slip, np.zeros(3) if which[-1] > 4 else None), model.seen
     assert looked.by_unit is not None
     free = len(which)
     by_pose = looked.by_pose[seen][..., which].reshape(-1, free)
-    by_unit = looked.by_unit[seen].reshape(-1, len(UNKNOWN)) @ spread[: len(UNKNOWN)]
+    by_unit = looked.by_unit[seen].reshape(-1, len(UNIT_PARAMETERS)) @ spread[: len(UNIT_PARAMETERS)]
     own = np.repeat(np.broadcast_to(noise, len(seen))[seen], 2)
     variance = 2.0 * own**2 + model_px(model.dots.twin.skin, model.belief.nominal) ** 2
     weighted = np.hstack([by_pose, by_unit]) / variance[:, None]
@@ -261,10 +261,12 @@ def pose_gain(
     prior = np.concatenate([sd[which] ** -2.0, np.ones(spread.shape[1])])
     gain = np.linalg.solve(weighted.T @ jacobian + np.diag(prior), weighted.T)
     # a unit's numbers are fitted along, and move what the mounting is taken for
-    to_robot = np.hstack([np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]])
+    to_robot = np.hstack(
+        [np.eye(3), np.zeros((3, free - 3)), mounting.by_mounting(pose) @ spread[len(UNIT_PARAMETERS) :]]
+    )
     by_noise = to_robot @ gain
     known = np.linalg.inv(weighted[:, :free].T @ by_pose + np.diag(prior[:free]))
-    truth = mounting.by_mounting(pose) @ spread[len(UNKNOWN) :]
+    truth = mounting.by_mounting(pose) @ spread[len(UNIT_PARAMETERS) :]
     alone = np.sqrt(np.diag(known)[:3] * np.mean(2.0 * own**2 / variance))
     nuisance = [column for column, k in enumerate(which) if k > 3]  # motion and curvature of the wall
     drift = by_noise @ by_pose[:, nuisance] * sd[[which[column] for column in nuisance]]

@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.built.fit_pose import SLIP_MOST, PoseFitter
-from palpate.built.force import ForceScale, expect_scale
-from palpate.built.mounting import MOUNTING, Mounting, mount_unit, mounting_sd
-from palpate.built.noise import weigh_dots
-from palpate.built.robot_press import RobotPress, RobotSpec
+from palpate.built.fit_pose import MAX_INVERSE_FRICTION, PoseFitter
+from palpate.built.force import StiffnessScale, prior_stiffness_scale
+from palpate.built.mounting import MOUNTING_PARAMETERS, Mounting, mounting_prior_sd, prior_mounting
+from palpate.built.noise import robust_weights
+from palpate.built.robot_press import CalibrationPress, RobotUncertainty
 from palpate.built.scale import model_px, pixel_scale, size_scale
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import UNKNOWN, UnitBelief, UnitModel, prior_sd
+from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, unit_prior_sd
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Skin
 
@@ -49,14 +49,14 @@ _FAR = 5.0
 
 
 class ToldUnit(NamedTuple):
-    """Mean (15,) and covariance (15, 15) of the numbers of `UNKNOWN` and `MOUNTING`."""
+    """Mean (15,) and covariance (15, 15) of the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`."""
 
     mean: FloatArray
     covariance: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Identified:
+class IdentificationResult:
     """What presses told about a unit.
 
     Attributes
@@ -74,23 +74,23 @@ class Identified:
     scale
         Its stiffness over the design's.
     told
-        The numbers of `UNKNOWN` and `MOUNTING` themselves. `belief` and `mounting` have those with which the twin
-        explains the images best, and reads others, whatever of them is the twin's own error.
+        The numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS` themselves. `belief` and `mounting` have those with
+        which the twin explains the images best, and reads others, whatever of them is the twin's own error.
     """
 
-    belief: UnitBelief
+    belief: UnitPosterior
     mounting: Mounting
     slips: FloatArray
     slips_sd: FloatArray
     misfit: float
     robot_off: FloatArray
-    scale: ForceScale
+    scale: StiffnessScale
     told: ToldUnit
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
-        before = [*prior_sd(tolerance), *mounting_sd(tolerance), expect_scale(tolerance).sd]
-        means, names = [*self.told.mean, self.scale.mean], (*UNKNOWN, *MOUNTING, "stiffness")
+        before = [*unit_prior_sd(tolerance), *mounting_prior_sd(tolerance), prior_stiffness_scale(tolerance).sd]
+        means, names = [*self.told.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
         spread = [*np.sqrt(np.diag(self.told.covariance)), self.scale.sd]
         found: list[dict[str, Any]] = [
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
@@ -109,14 +109,14 @@ class Identified:
 
 
 def identify(
-    model: UnitModel, presses: Sequence[RobotPress], noise_px: float, robot: RobotSpec | None = None
-) -> Identified:
+    model: UnitModel, presses: Sequence[CalibrationPress], noise_px: float, robot: RobotUncertainty | None = None
+) -> IdentificationResult:
     """Learn a unit and its mounting from known presses.
 
     Parameters
     ----------
     model
-        The unit, as the image at rest told it (`learn_rest`).
+        The unit, as the image at rest told it (`infer_from_rest`).
     presses
         At least one; three of different directions tell the mounting.
     noise_px
@@ -135,21 +135,22 @@ def identify(
             "Press at least once, better three times, at known poses.",
             code="calibration-press-missing",
         )
-    return UnitFit(model, presses, noise_px, robot or RobotSpec()).run(model)
+    return UnitFit(model, presses, noise_px, robot or RobotUncertainty()).run(model)
 
 
-def twin_off_sd(skin: Skin) -> FloatArray:
-    """What the twin is off (15,) in the numbers of `UNKNOWN` and `MOUNTING`, as presses tell them."""
-    return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNKNOWN, *MOUNTING)])
+def twin_error_sd(skin: Skin) -> FloatArray:
+    """What the twin is off (15,) in the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as presses tell
+    them."""
+    return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)])
 
 
 def _lens_sd(skin: Skin) -> FloatArray:
-    """What the numbers of `UNKNOWN` (11,) are told wrong by besides."""
+    """What the numbers of `UNIT_PARAMETERS` (11,) are told wrong by besides."""
     sizes = {"distance": size_scale(skin)}
-    return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNKNOWN])
+    return np.array([sizes.get(name, 1.0) * _LENS_SD.get(name, 0.0) for name in UNIT_PARAMETERS])
 
 
-class UnitNormal(NamedTuple):
+class NormalEquations(NamedTuple):
     """What all dots say of the n unknowns.
 
     Attributes
@@ -179,7 +180,11 @@ class UnitFit:
     """
 
     def __init__(
-        self, model: UnitModel, presses: Sequence[RobotPress], noise_px: float | FloatArray, robot: RobotSpec
+        self,
+        model: UnitModel,
+        presses: Sequence[CalibrationPress],
+        noise_px: float | FloatArray,
+        robot: RobotUncertainty,
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
         self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
@@ -191,19 +196,19 @@ class UnitFit:
         drift_px = _DRIFT_PX * pixel_scale(skin, camera)
         self.shared_variance = noise**2 + model_px(skin, camera) ** 2 + self.drifts * drift_px**2
         self.variance = noise**2 + self.shared_variance
-        self.shared, self.own = len(UNKNOWN) + 4, 7 if self.drifts else 4
+        self.shared, self.own = len(UNIT_PARAMETERS) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
         self.slip, self.slip_sd = len(self.twin.slips) > 1, model.tolerance.slip[1]
         self.slips = slice(self.shared, None, self.own)
 
-    def run(self, model: UnitModel) -> Identified:
+    def run(self, model: UnitModel) -> IdentificationResult:
         """Iterate to the maximum of the posterior."""
-        belief, prior = model.belief, mount_unit(model.belief, model.tolerance)
+        belief, prior = model.belief, prior_mounting(model.belief, model.tolerance)
         information = self.information(prior)
         before = np.zeros(self.size)
         before[self.slips] = model.tolerance.slip[0] if self.slip else self.twin.slips[0]
         values, now = self._begin(model, before), belief
-        mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
+        mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
         for iteration in range(_ITERATIONS):
             model = model.believing(now)
             found = self.assemble(model, mounting, values)
@@ -214,24 +219,26 @@ class UnitFit:
             change = np.zeros(self.size)
             change[free] = np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
             values = values + change
-            values[self.slips] = np.clip(values[self.slips], self.twin.slips[0], min(self.twin.slips[-1], SLIP_MOST))
-            now = replace(belief, mean=belief.mean + values[: len(UNKNOWN)])
-            mounting = Mounting(values[len(UNKNOWN) : self.shared], prior.covariance)
+            values[self.slips] = np.clip(
+                values[self.slips], self.twin.slips[0], min(self.twin.slips[-1], MAX_INVERSE_FRICTION)
+            )
+            now = replace(belief, mean=belief.mean + values[: len(UNIT_PARAMETERS)])
+            mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
             if iteration > _FIRST and (np.abs(change) < _SMALL * spread).all():
                 break
         covariance = self.covariance(found, information)
         off = values[self.shared :].reshape(-1, self.own)[:, 1:4] / self.robot_sd
-        believable = np.hypot(prior_sd(model.tolerance), _lens_sd(self.twin.skin))
+        believable = np.hypot(unit_prior_sd(model.tolerance), _lens_sd(self.twin.skin))
         _refuse(now.mean / believable, found.misfit, off)
         shared = covariance[: self.shared, : self.shared]
-        return Identified(
-            belief=replace(now, covariance=shared[: len(UNKNOWN), : len(UNKNOWN)]),
+        return IdentificationResult(
+            belief=replace(now, covariance=shared[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)]),
             mounting=replace(mounting, covariance=shared),
             slips=values[self.slips],
             slips_sd=np.sqrt(np.diag(covariance)[self.slips]),
             misfit=found.misfit,
             robot_off=off,
-            scale=expect_scale(model.tolerance),
+            scale=prior_stiffness_scale(model.tolerance),
             told=self._tell(belief, found, information, values - before),
         )
 
@@ -264,9 +271,9 @@ class UnitFit:
     def _mounted(self) -> IntArray:
         """Numbers of the unknowns that are the mounting's, of 1/µ and of drift."""
         every = np.arange(self.shared, self.size).reshape(-1, self.own)
-        return np.concatenate([np.arange(len(UNKNOWN), self.shared), every[:, 0], every[:, 4:].ravel()])
+        return np.concatenate([np.arange(len(UNIT_PARAMETERS), self.shared), every[:, 0], every[:, 4:].ravel()])
 
-    def covariance(self, found: UnitNormal, information: FloatArray) -> FloatArray:
+    def covariance(self, found: NormalEquations, information: FloatArray) -> FloatArray:
         """Covariance of all unknowns.
 
         What is wrong about a dot at rest, and about the twin, is so in every image: it does not average out.
@@ -274,12 +281,14 @@ class UnitFit:
         inverse = np.asarray(np.linalg.inv(found.normal + information), float)
         together = inverse @ found.common
         covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
-        off = np.concatenate([twin_off_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
+        off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
         off[self.slips] = _TWIN_SD["slip"]
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
 
-    def _tell(self, belief: UnitBelief, found: UnitNormal, information: FloatArray, moved: FloatArray) -> ToldUnit:
+    def _tell(
+        self, belief: UnitPosterior, found: NormalEquations, information: FloatArray, moved: FloatArray
+    ) -> ToldUnit:
         """The unit's own numbers, by Bayes' rule from those (n,) that the fit found beyond what was known before.
 
         With the curvature N of all dots, the information Λ before the presses and the numbers q, the fit finds
@@ -294,10 +303,10 @@ class UnitFit:
         which no error of the twin makes wider than what was known before.
         """
         normal, whole = found.normal, found.normal + information
-        off = np.concatenate([twin_off_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
+        off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
         off[self.slips] = _TWIN_SD["slip"]
         lens = np.zeros(self.size)
-        lens[: len(UNKNOWN)] = _lens_sd(self.twin.skin)
+        lens[: len(UNIT_PARAMETERS)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
         error = found.noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
         # in standard deviations before the presses; what is not told at all has no error
@@ -307,7 +316,7 @@ class UnitFit:
         covariance = np.linalg.inv(information * np.outer(scale, scale) + told @ normal)
         mean = scale * (covariance @ (told @ (scale * (whole @ moved))))
         shared = slice(self.shared)
-        before = np.concatenate([belief.mean, np.zeros(len(MOUNTING))])
+        before = np.concatenate([belief.mean, np.zeros(len(MOUNTING_PARAMETERS))])
         return ToldUnit(before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared])
 
     def look(
@@ -330,7 +339,7 @@ class UnitFit:
         )
         return looked.pixels, np.concatenate(parts, axis=-1)
 
-    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> UnitNormal:
+    def assemble(self, model: UnitModel, mounting: Mounting, values: FloatArray) -> NormalEquations:
         """What all dots say."""
         normal, noise = np.zeros((2, self.size, self.size))
         gradient = np.zeros(self.size)
@@ -345,14 +354,14 @@ class UnitFit:
                 left = (seen - pixels)[there].reshape(-1)
                 jacobian = slopes[there].reshape(len(left), -1)
                 variance = self.variance[there]
-                weight = weigh_dots(left, variance)
+                weight = robust_weights(left, variance)
                 weighted = jacobian * weight[:, None]
                 normal[np.ix_(columns, columns)] += weighted.T @ jacobian
                 noise[np.ix_(columns, columns)] += (weighted.T * np.repeat(self.noise[there], 2) ** 2) @ weighted
                 gradient[columns] += weighted.T @ left
                 common[np.ix_(columns, np.flatnonzero(np.repeat(there, 2)))] += weighted.T
                 squares, count = squares + float(left @ (left / np.repeat(variance, 2))), count + len(left)
-        return UnitNormal(normal, gradient, noise, common, squares / max(count, 1))
+        return NormalEquations(normal, gradient, noise, common, squares / max(count, 1))
 
 
 class ContradictionError(PalpateError):
@@ -378,7 +387,8 @@ def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
     far = np.abs(unit)
     if far.max() > _FAR:
         raise ContradictionError(
-            f"The unit's {UNKNOWN[far.argmax()]} would be {far.max():.0f} standard deviations off its design.",
+            f"The unit's {UNIT_PARAMETERS[far.argmax()]} would be {far.max():.0f} standard deviations "
+            "off its design.",
             "Check that the presses are of this unit, or widen the tolerance.",
             code="unit-far-off-design",
         )

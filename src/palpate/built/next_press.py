@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built.foresee import ForeseeSpec, pose_gain
-from palpate.built.learn_presses import learn_presses
+from palpate.built.foresee import AccuracySpec, pose_gain
+from palpate.built.learn_presses import predict_posterior
 from palpate.built.mounting import Mounting
-from palpate.built.robot_press import RobotPress
+from palpate.built.robot_press import CalibrationPress
 from palpate.built.unit_model import UnitModel
 from palpate.core import FloatArray
 
@@ -37,8 +37,8 @@ class NextPress(NamedTuple):
     rmse_deg: float
 
 
-def rank_presses(
-    model: UnitModel, mounting: Mounting, slip: float, spec: ForeseeSpec
+def rank_next_presses(
+    model: UnitModel, mounting: Mounting, slip: float, spec: AccuracySpec
 ) -> tuple[float, tuple[NextPress, ...]]:
     """Expected errors now, and after each of some presses, the best first.
 
@@ -63,14 +63,14 @@ def rank_presses(
             tilt = share * spec.max_tilt_deg
             poses = _deepening(model, spec, tilt, turn_deg, slip)
             pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
-            known = [(RobotPress(poses, pixels), slip)]
-            learnt = learn_presses(model, mounting, known, spec.noise_px, spec.robot)
+            known = [(CalibrationPress(poses, pixels), slip)]
+            learnt = predict_posterior(model, mounting, known, spec.noise_px, spec.robot)
             after = replace(mounting, covariance=learnt.covariance)
             found.append(NextPress(tilt, float(turn_deg), _rmse(model, after, slip, places, spec.noise_px)))
     return now, tuple(sorted(found, key=lambda press: press.rmse_deg))
 
 
-def _tilted(spec: ForeseeSpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
+def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_deg: int) -> list[FloatArray]:
     """Poses over the working range."""
     deepest = float(model.dots.twin.depths_mm[-1])
     turns = np.radians(np.arange(0, 360, turn_deg))
@@ -82,7 +82,7 @@ def _tilted(spec: ForeseeSpec, model: UnitModel, shares: Sequence[float], turn_d
     ]
 
 
-def _deepening(model: UnitModel, spec: ForeseeSpec, tilt: float, turn_deg: float, slip: float) -> FloatArray:
+def _deepening(model: UnitModel, spec: AccuracySpec, tilt: float, turn_deg: float, slip: float) -> FloatArray:
     turn, twin = np.radians(turn_deg), model.dots.twin
     depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), _IMAGES)
     return np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from palpate.built.force import LEVEL_90, Force
-from palpate.built.unit_model import Look
+from palpate.built.unit_model import PredictedImage
 from palpate.core import FloatArray
 
-TOUCH = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
+CONTACT_STATE = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
 """What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
-Linear = tuple[FloatArray, Look, FloatArray]
+Linear = tuple[FloatArray, PredictedImage, FloatArray]
 """A touch, what is seen there, and how it depends on the unit."""
 
 
@@ -41,7 +41,7 @@ class PoseFit:
     steps
         Gauss–Newton steps taken.
     theta
-        (8,) `TOUCH`, in the dome's frame.
+        (8,) `CONTACT_STATE`, in the dome's frame.
     cost
         Half the weighted squares of what is left, and of what was fitted against its prior.
     unit
@@ -86,8 +86,8 @@ class BranchState:
     """
 
     last: FloatArray | None = None
-    moved: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
-    motion: FloatArray = field(default_factory=lambda: np.zeros(len(TOUCH)))
+    moved: FloatArray = field(default_factory=lambda: np.zeros(len(CONTACT_STATE)))
+    motion: FloatArray = field(default_factory=lambda: np.zeros(len(CONTACT_STATE)))
     near: Linear | None = None
 
     def after(self, theta: FloatArray, near: Linear, scale: FloatArray) -> BranchState:
@@ -95,9 +95,9 @@ class BranchState:
 
         `scale` (8,) is the change of a touch within which images are alike.
         """
-        moved = np.zeros(len(TOUCH)) if self.last is None else theta - self.last
+        moved = np.zeros(len(CONTACT_STATE)) if self.last is None else theta - self.last
         turned, far = (float(np.linalg.norm((each / scale)[:3])) for each in (moved - self.moved, moved))
-        return BranchState(theta, moved, moved if turned < 0.5 * far else np.zeros(len(TOUCH)), near)
+        return BranchState(theta, moved, moved if turned < 0.5 * far else np.zeros(len(CONTACT_STATE)), near)
 
 
 @dataclass(frozen=True, eq=False)

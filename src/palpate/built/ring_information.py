@@ -13,16 +13,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.built.fit_pose import TWIN_SD, touch_sd
-from palpate.built.foresee import ForeseeSpec, dot_noise, draw_places, known_presses
-from palpate.built.groups import add_up
-from palpate.built.identify import twin_off_sd
+from palpate.built.fit_pose import TWIN_ERROR_SD, contact_prior_sd
+from palpate.built.foresee import AccuracySpec, marker_noise, sample_working_range, simulate_calibration_presses
+from palpate.built.groups import sum_by_group
+from palpate.built.identify import twin_error_sd
 from palpate.built.learn_presses import PressInformation, press_information
-from palpate.built.mounting import Mounting, mounting_sd
+from palpate.built.mounting import Mounting, mounting_prior_sd
 from palpate.built.noise import layout_noise
 from palpate.built.scale import model_px
 from palpate.built.tolerance import ToleranceSpec
-from palpate.built.unit_model import CAMERA, UNKNOWN, UnitBelief, model_unit, prior_sd, rest_slopes
+from palpate.built.unit_model import (
+    CAMERA_PARAMETERS,
+    UNIT_PARAMETERS,
+    UnitPosterior,
+    build_unit_model,
+    rest_jacobian,
+    unit_prior_sd,
+)
 from palpate.camera import Camera
 from palpate.core import BoolArray, FloatArray, IntArray, generator
 from palpate.design import MarkerLayout, Skin
@@ -30,7 +37,7 @@ from palpate.twin import Twin
 
 _MARGIN_PX = 5.0
 """Distance of a dot's centre from the edge of the image."""
-_UNIT = len(UNKNOWN)
+_UNIT = len(UNIT_PARAMETERS)
 _SHARED = _UNIT + 4
 
 
@@ -58,13 +65,13 @@ class RingInformation:
     inside
         (g,) whether the dots of a group are in the image at all of these poses.
     unit_sd, mounting_sd
-        (11,) and (4,) standard deviations of `UNKNOWN` and of the mounting beforehand.
+        (11,) and (4,) standard deviations of `UNIT_PARAMETERS` and of the mounting beforehand.
     noise_px
         (g,) standard deviation of a dot's coordinate in an image.
     model_px
         The same of what a fit takes the twin to be off.
     twin_off
-        (15,) the same of what known presses take the twin to be off in `UNKNOWN` and `MOUNTING`.
+        (15,) the same of what known presses take the twin to be off in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`.
     """
 
     rest: FloatArray
@@ -163,14 +170,18 @@ class RingInformation:
             crossed = np.einsum("g,pgij->pij", part * own, self.crossed[:, on], optimize=True) @ carry
             again = by_unit @ np.linalg.solve(spread, taken) @ crossed
             found = found - 2.0 * np.einsum("pai,pai->pa", again, gain)
-        return float(found.mean() + np.mean(TWIN_SD[:2] ** 2))
+        return float(found.mean() + np.mean(TWIN_ERROR_SD[:2] ** 2))
 
     def _learn(self, on: IntArray, part: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray | None]:
         """Covariance (15, 15) of unit and mounting that is believed before an image is read, how much of it is not by
         chance, and what known presses make (15, n) of the gradient."""
         rest = np.linalg.inv(np.diag(self.rest_prior) + np.einsum("g,gij->ij", part, self.rest[on]))
-        covariance = np.diag(np.concatenate([np.zeros(len(CAMERA)), self.unit_sd[-1:], self.mounting_sd]) ** 2)
-        covariance[: len(CAMERA), : len(CAMERA)] = rest[: len(CAMERA), : len(CAMERA)]
+        covariance = np.diag(
+            np.concatenate([np.zeros(len(CAMERA_PARAMETERS)), self.unit_sd[-1:], self.mounting_sd]) ** 2
+        )
+        covariance[: len(CAMERA_PARAMETERS), : len(CAMERA_PARAMETERS)] = rest[
+            : len(CAMERA_PARAMETERS), : len(CAMERA_PARAMETERS)
+        ]
         known = self.presses
         if known is None:
             return covariance, 0.0 * covariance, None
@@ -194,13 +205,13 @@ class RingInformation:
         return np.asarray(learnt + off, float), np.asarray(excess + off, float), inverse[:_SHARED]
 
 
-def measure_rings(
+def compute_ring_information(
     twin: Twin,
     layout: MarkerLayout,
     group: IntArray,
     camera: Camera,
     tolerance: ToleranceSpec,
-    spec: ForeseeSpec | None = None,
+    spec: AccuracySpec | None = None,
 ) -> RingInformation:
     """Information of every group of dots that might be printed.
 
@@ -213,22 +224,22 @@ def measure_rings(
     camera, tolerance, spec
         As for `foresee`; ``spec.units`` is not used.
     """
-    spec = spec or ForeseeSpec()
+    spec = spec or AccuracySpec()
     rest_px = camera.project(layout.positions)
-    sd = prior_sd(tolerance)
-    belief = UnitBelief(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
-    model = model_unit(twin, layout, belief, tolerance)
-    slopes, spread = rest_slopes(twin, layout, camera, tolerance, spec.noise_px)
-    places = draw_places(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
-    touch = touch_sd(tolerance)
+    sd = unit_prior_sd(tolerance)
+    belief = UnitPosterior(camera.spec, rest_px, np.zeros(_UNIT), np.diag(sd**2))
+    model = build_unit_model(twin, layout, belief, tolerance)
+    slopes, spread = rest_jacobian(twin, layout, camera, tolerance, spec.noise_px)
+    places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
+    touch = contact_prior_sd(tolerance)
     if len(twin.slips) == 1:
         touch[3] = 0.0
-    mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_sd(tolerance)]) ** 2))
+    mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_prior_sd(tolerance)]) ** 2))
     inside = np.ones(group.max() + 1, dtype=np.bool_)
     _leave(inside, group, camera, rest_px)
-    noise = _by_group(dot_noise(twin, layout, camera, spec), group)
+    noise = _by_group(marker_noise(twin, layout, camera, spec), group)
     variance = (2.0 * noise**2 + model_px(twin.skin, camera.spec) ** 2)[group, None, None]
-    presses = known_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
+    presses = simulate_calibration_presses(model, spec, tolerance, generator(spec.seed, "foresee", "known presses"))
     known = press_information(model, mounting, presses, group, noise, spec.robot) if presses else None
     alike = known.by_dot if known else np.zeros((len(group), 2, 0))
     reads, crossed = [], []
@@ -239,26 +250,26 @@ def measure_rings(
         rows[..., : looked.by_pose.shape[-1]] = looked.by_pose
         rows[..., len(touch) :] = looked.by_unit
         _leave(inside, group, camera, looked.pixels)
-        reads.append(add_up(rows, rows / variance, group))
-        crossed.append(add_up(alike, rows / variance, group))
+        reads.append(sum_by_group(rows, rows / variance, group))
+        crossed.append(sum_by_group(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch**-2.0
     pad = np.full(2, max(tolerance.pad, 1e-6) / np.sqrt(3.0))
     return RingInformation(
-        rest=add_up(slopes, slopes / spread**2, group),
-        rest_prior=np.concatenate([sd[: len(CAMERA)], pad]) ** -2.0,
+        rest=sum_by_group(slopes, slopes / spread**2, group),
+        rest_prior=np.concatenate([sd[: len(CAMERA_PARAMETERS)], pad]) ** -2.0,
         presses=known,
-        common=add_up(alike, alike, group),
+        common=sum_by_group(alike, alike, group),
         crossed=np.array(crossed),
         reads=np.array(reads),
         touch_prior=touch_prior,
         by_mounting=np.array([mounting.by_mounting(pose) for pose, _ in places]),
         inside=inside,
         unit_sd=sd,
-        mounting_sd=mounting_sd(tolerance),
+        mounting_sd=mounting_prior_sd(tolerance),
         noise_px=noise,
         model_px=model_px(twin.skin, camera.spec),
-        twin_off=twin_off_sd(twin.skin),
+        twin_off=twin_error_sd(twin.skin),
     )
 
 

@@ -14,9 +14,9 @@ import numpy as np
 from palpate.built.fit_pose import PoseFitter
 from palpate.built.identify import identify
 from palpate.built.noise import NOISE_PX
-from palpate.built.robot_press import KNOWN_TURN_DEG, RobotPress
+from palpate.built.robot_press import CALIBRATION_TURN_DEG, CalibrationPress
 from palpate.built.unit_model import UnitModel
-from palpate.camera import trace_dots
+from palpate.camera import project_markers
 from palpate.core import FloatArray
 from palpate.fea import Branch, Press
 
@@ -29,7 +29,7 @@ _NEAR = np.array([0.25, 0.125])
 
 
 @dataclass(frozen=True, eq=False)
-class TwinChecks:
+class ValidationPresses:
     """Presses of one friction that a twin is held against, of half models in one direction.
 
     Attributes
@@ -75,7 +75,9 @@ class TwinError:
         return np.asarray(np.sqrt(weight @ self.squares / weight.sum())[[0, 0, 1]])
 
 
-def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: int, least_depth: float) -> TwinError:
+def measure_twin_error(
+    model: UnitModel, checks: Sequence[ValidationPresses], count: int, least_depth: float
+) -> TwinError:
     """Errors of a unit as designed that its twin reads from presses which the twin lacks.
 
     Parameters
@@ -104,11 +106,13 @@ def measure_twin_error(model: UnitModel, checks: Sequence[TwinChecks], count: in
 
 
 def _read_checks(
-    model: UnitModel, checks: TwinChecks, count: int, least_depth: float
+    model: UnitModel, checks: ValidationPresses, count: int, least_depth: float
 ) -> tuple[FloatArray, FloatArray]:
     """Poses and errors (n, 3) of the images of presses of one friction that are read."""
     told = [
-        see_press(model, checks.known[number % len(checks.known)], KNOWN_TURN_DEG * number, least_depth)
+        simulate_exact_markers(
+            model, checks.known[number % len(checks.known)], CALIBRATION_TURN_DEG * number, least_depth
+        )
         for number in range(count)
     ]
     fitter = PoseFitter(model, NOISE_PX)
@@ -117,7 +121,7 @@ def _read_checks(
         fitter = PoseFitter(model.believing(unit.belief), NOISE_PX, unit.mounting)
     poses, errors = [], []
     for number, press in enumerate(press for press in checks.read for _ in range(_READ_TURNS)):
-        seen = see_press(model, press, _READ_TURN_DEG * number)
+        seen = simulate_exact_markers(model, press, _READ_TURN_DEG * number)
         found = np.array([fitter.fit(pixels).pose for pixels in seen.pixels])
         counts = seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)
         poses.append(seen.poses[counts])
@@ -125,7 +129,9 @@ def _read_checks(
     return np.concatenate(poses), np.concatenate(errors)
 
 
-def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0) -> RobotPress:
+def simulate_exact_markers(
+    model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0
+) -> CalibrationPress:
     """Poses and exact dots of a press before it jumps, deeper than at rest, with its wall turned about the axis."""
     turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
     azimuth = np.radians(turned.wall.turn_deg)
@@ -134,8 +140,8 @@ def see_press(model: UnitModel, press: Press, azimuth_deg: float, least_depth: f
     tilt = press.wall.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
     poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
     edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.seen), -1, 3)
-    pixels = np.array([trace_dots(model.camera, each).centres for each in edges])
-    return RobotPress(poses, np.where(model.seen[:, None], pixels, np.nan))
+    pixels = np.array([project_markers(model.camera, each).centres for each in edges])
+    return CalibrationPress(poses, np.where(model.seen[:, None], pixels, np.nan))
 
 
 def _least(depths: FloatArray, least_depth: float) -> float:

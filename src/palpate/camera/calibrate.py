@@ -25,7 +25,7 @@ _CELLS = (6, 8)
 _OUTLIER, _OUTLIER_PX = 4.0, 1.0
 
 
-class CalibrateSpec(Spec):
+class CalibrationSpec(Spec):
     """How a camera is calibrated."""
 
     board: BoardSpec = BoardSpec()
@@ -57,7 +57,7 @@ class _Found:
 
 
 def calibrate_camera(
-    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrateSpec | None = None
+    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec | None = None
 ) -> Calibration:
     """Calibrate a camera.
 
@@ -73,7 +73,7 @@ def calibrate_camera(
     PalpateError
         If too few images show the board, or the fit fails.
     """
-    spec = spec or CalibrateSpec()
+    spec = spec or CalibrationSpec()
     views, rejected, size = _find_views(images, spec)
     _refuse_few(views, rejected, spec)
     lens = _fit(views, size, spec)
@@ -103,7 +103,7 @@ def calibrate_camera(
 
 
 def _find_views(
-    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrateSpec
+    images: Iterable[tuple[str, NDArray[Any] | str]], spec: CalibrationSpec
 ) -> tuple[list[_View], list[tuple[str, str]], tuple[int, int]]:
     points = board_points(spec.board)
     views: list[_View] = []
@@ -125,7 +125,7 @@ def _find_views(
     return views, rejected, size
 
 
-def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrateSpec) -> None:
+def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrationSpec) -> None:
     if len(views) < spec.least_images:
         first = f" {rejected[0][0]}: {rejected[0][1]}." if rejected else ""
         raise PalpateError(
@@ -136,7 +136,7 @@ def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: Calib
         )
 
 
-def _fit(views: list[_View], size: tuple[int, int], spec: CalibrateSpec) -> _Found:
+def _fit(views: list[_View], size: tuple[int, int], spec: CalibrationSpec) -> _Found:
     cv2 = load_opencv()
     points = [view.points.astype(np.float32).reshape(-1, 1, 3) for view in views]
     pixels = [view.pixels.astype(np.float32).reshape(-1, 1, 2) for view in views]

@@ -108,7 +108,7 @@ def make_lens(name: str, coefficients: Sequence[float]) -> Lens:
     return lens
 
 
-def lens_of_model(model: str) -> type[Lens] | None:
+def lens_from_model(model: str) -> type[Lens] | None:
     """The lens of a model's name in a calibration file; `None` where there is none."""
     wanted = _ALIASES.get(model, model)
     return next((lens for _, lens in LENSES.loadable() if wanted == (lens.model or lens.name)), None)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from palpate.core import PalpateError, Registry
 
-Item = NDArray[Any] | PalpateError
+ImageOrError = NDArray[Any] | PalpateError
 
 
 class Source(ABC):
@@ -58,7 +58,7 @@ class Source(ABC):
         return time.monotonic if self.live else None
 
     @abstractmethod
-    def images(self) -> Iterator[Item]:
+    def images(self) -> Iterator[ImageOrError]:
         """The images, (h, w) or (h, w, 3) blue, green, red; an error in the place of one that cannot be read."""
 
     def close(self) -> None:

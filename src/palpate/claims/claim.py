@@ -61,7 +61,7 @@ class ClaimFinding:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ClaimAnswer:
     """A claim with the finding of one source.
 
     Attributes

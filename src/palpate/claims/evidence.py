@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from palpate.core import PalpateError
-from palpate.grid import Cell, Row, SpecificationGrid, rows_of
+from palpate.grid import Cell, Row, SpecificationGrid, rows_for_design
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
 """The paper's designs (mm, mm, 1)."""
@@ -101,7 +101,7 @@ class Evidence:
     def branches(self, domes: Iterable[Dome]) -> dict[Dome, list[tuple[float, str]]]:
         """Tilt (degrees) and branch at full depth of every press of each dome; errors: see `figures`."""
         numbers = {id(row): number for number, row in enumerate(self.grid.designs)}
-        found = self._of_domes(lambda row: rows_of(self.grid.presses, numbers[id(row)]) or None, domes)
+        found = self._of_domes(lambda row: rows_for_design(self.grid.presses, numbers[id(row)]) or None, domes)
         return {
             dome: [(_number(row["tilt_deg"]), str(row["branch"])) for row in rows] for dome, rows in found.items()
         }

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from palpate.claims.claim import CLAIMS, Answer, ClaimFinding, Verdict
+from palpate.claims.claim import CLAIMS, ClaimAnswer, ClaimFinding, Verdict
 from palpate.claims.evidence import Evidence, MissingEvidenceError, read_built
 from palpate.claims.judge_errors import judge_best, judge_height, judge_line, judge_markers, judge_thickness
 from palpate.claims.judge_material import CONVERGENCE, judge_law, judge_mesh
@@ -20,7 +20,7 @@ from palpate.claims.judge_presses import (
 )
 from palpate.grid import read_grid
 
-JUDGES: dict[str, Callable[[Evidence], ClaimFinding]] = {
+ASSESSMENTS: dict[str, Callable[[Evidence], ClaimFinding]] = {
     "C3": judge_stress,
     "C4": judge_deformation,
     "C5": judge_inversion,
@@ -61,7 +61,7 @@ def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[
     return grids, tuple(path for paths in meshes.values() for path in paths)
 
 
-def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[Answer, ...]:
+def assess_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tuple[ClaimAnswer, ...]:
     """Answer every claim.
 
     Parameters
@@ -77,16 +77,16 @@ def judge_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tupl
         By claim, then in the order of the grids. A claim whose designs a grid does not have is not decided, and
         the answer names them.
     """
-    answers = [Answer(CLAIMS["C1"], "Table 2", judge_law())]
-    answers += [Answer(CLAIMS["C2"], _name_meshes(path), judge_mesh(path)) for path in meshes]
+    answers = [ClaimAnswer(CLAIMS["C1"], "Table 2", judge_law())]
+    answers += [ClaimAnswer(CLAIMS["C2"], _name_meshes(path), judge_mesh(path)) for path in meshes]
     if not meshes:
-        answers.append(Answer(CLAIMS["C2"], "no mesh study", NO_MESHES))
+        answers.append(ClaimAnswer(CLAIMS["C2"], "no mesh study", NO_MESHES))
     names = name_sources(grids)
-    for claim, judge in JUDGES.items():
+    for claim, judge in ASSESSMENTS.items():
         for evidence, name in zip(grids, names, strict=True):
-            answers.append(Answer(CLAIMS[claim], name, _judge(judge, evidence)))
+            answers.append(ClaimAnswer(CLAIMS[claim], name, _judge(judge, evidence)))
         if not grids:
-            answers.append(Answer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.OPEN, "", "needs a grid")))
+            answers.append(ClaimAnswer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.OPEN, "", "needs a grid")))
     return tuple(answers)
 
 

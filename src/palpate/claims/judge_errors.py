@@ -18,7 +18,7 @@ BEST: Design = (20.0, 2.0, 169)
 """The paper's best design."""
 PRINTED_RMSE_DEG, PRINTED_MAX_DEG = 0.3, 0.8
 OF_PRINTED = "which jittered images at full depth reproduce (docs/published/paper_protocol.md)"
-LINE_DEG = 2.0
+AEROSPACE_LIMIT_DEG = 2.0
 """The aerospace line."""
 
 CLEAN, JITTERED = "rmse_deg", "rmse_jitter_deg"
@@ -100,7 +100,7 @@ def judge_line(evidence: Evidence) -> ClaimFinding:
     counts = []
     for column in ("max_error_deg", "max_error_jitter_deg"):
         cells = [evidence.rows[design].get(column) for design in there]
-        counts.append(sum(isinstance(cell, int | float) and cell < LINE_DEG for cell in cells))
+        counts.append(sum(isinstance(cell, int | float) and cell < AEROSPACE_LIMIT_DEG for cell in cells))
     figures = (
         f"{name_design(BEST)}: {clean:.2f}° clean, {jittered:.2f}° with jitter; below 2°: {counts[0]} of "
         f"{len(there)} designs clean, {counts[1]} with jitter"
@@ -109,9 +109,9 @@ def judge_line(evidence: Evidence) -> ClaimFinding:
         if evidence.has(column):
             worst = evidence.figures(column)
             figures += f"; 19 of 20 units, {words}: {worst[BEST]:.2f}°, below 2°: "
-            figures += f"{sum(error < LINE_DEG for error in worst.values())}"
-    why = "" if jittered < LINE_DEG else "with the jitter of the training it is above the line"
-    return ClaimFinding.of(clean < LINE_DEG, figures, why)
+            figures += f"{sum(error < AEROSPACE_LIMIT_DEG for error in worst.values())}"
+    why = "" if jittered < AEROSPACE_LIMIT_DEG else "with the jitter of the training it is above the line"
+    return ClaimFinding.of(clean < AEROSPACE_LIMIT_DEG, figures, why)
 
 
 def name_design(design: Design) -> str:

@@ -15,11 +15,11 @@ from palpate.cli.unit import DesignFlags, ModelFlags
 from palpate.core import PalpateError
 from palpate.design import build_skin, place_markers
 from palpate.robot import (
+    AlignmentScenario,
+    AlignmentTrial,
     AlignSpec,
-    Play,
-    PlayedUnit,
-    PlayedWall,
     SimulatedRobotSpec,
+    VirtualUnit,
     describe_wall,
     list_touches,
     write_alignments,
@@ -83,7 +83,7 @@ def align(
             code="network-no-force",
         )
     check_model(twin, Unit(skin, layout))
-    play = Play(
+    play = AlignmentScenario(
         twin,
         layout,
         design.skin_spec(),
@@ -93,7 +93,7 @@ def align(
         known=run.known,
         seed=run.seed,
     )
-    unit = PlayedUnit(play, run.unit_number)
+    unit = VirtualUnit(play, run.unit_number)
     print(
         f"Tool's offset told by {unit.offset_touches} touches; it is off by {unit.offset_error_deg:.3f}°.",
         file=sys.stderr,
@@ -118,7 +118,7 @@ def align(
     _print(walls)
 
 
-def _print(walls: list[PlayedWall]) -> None:
+def _print(walls: list[AlignmentTrial]) -> None:
     rows = [
         [str(number), *(_text(row[name]) for name in _SHOWN)]
         for number, wall in enumerate(walls, start=1)

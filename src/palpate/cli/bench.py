@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from palpate.bench import ToleranceSpec, VirtualBenchSpec
-from palpate.built import ForeseeSpec, foresee_budget
+from palpate.built import AccuracySpec, predict_budget
 from palpate.camera import CameraSpec, RenderSpec, build_camera
 from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import RESULTS, check_folder, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.unit import DesignFlags, ModelFlags
-from palpate.core import ArtefactStore, PalpateError, written_whole
+from palpate.core import ArtefactStore, PalpateError, atomic_write
 from palpate.twin import Twin, twin_path
 
 if TYPE_CHECKING:
-    from palpate.bench import Bench
+    from palpate.bench import VirtualBench
 
 _OUT = "Folder for tables and presses; the same command goes on where it was stopped."
 _TOLERANCE = "Tolerances as NAME=VALUE: " + ", ".join(ToleranceSpec.model_fields) + "."
@@ -58,13 +58,13 @@ def bench(
     json: JsonFlag = False,
 ) -> None:
     """Play the paper's experiment on built units that deviate from the design within a workshop's tolerances."""
-    from palpate.bench import Bench
+    from palpate.bench import VirtualBench
 
     check_folder(out)
     chosen, design, material = flags.chosen(), flags.design, flags.reads.material.material()
     model = _model(flags)
     store = ArtefactStore(out / "store")
-    played = Bench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
+    played = VirtualBench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
     announce_compilation()
     if budget and isinstance(played.reads_with, Twin):
@@ -75,14 +75,14 @@ def bench(
 
 def _model(flags: BenchFlags) -> Path:
     """What reads, as `palpate live` finds it; a bench presses anyway, so a twin that is not there is made first."""
-    from palpate.study import keep_twins, run_twins, study_of
+    from palpate.study import export_twins, run_twins, single_design_study
 
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
         _say(f"{error.what} It is made first, in some 3 minutes of one core, and kept.")
     skin = flags.design.skin_spec()
-    study = study_of(skin, flags.design.markers, flags.reads.material)
+    study = single_design_study(skin, flags.design.markers, flags.reads.material)
     made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
     if made.twin is None:
         raise PalpateError(
@@ -90,11 +90,11 @@ def _model(flags: BenchFlags) -> Path:
             "Give a network by --model.",
             code="twin-not-made",
         )
-    keep_twins(RESULTS / study.name, [(made.skin, made.twin)])
+    export_twins(RESULTS / study.name, [(made.skin, made.twin)])
     return twin_path(RESULTS / study.name, skin.build())
 
 
-def _units(played: Bench, out: Path, json: bool) -> None:
+def _units(played: VirtualBench, out: Path, json: bool) -> None:
     from palpate.bench import describe_bench, run_bench, write_bench
 
     results = []
@@ -112,16 +112,16 @@ def _units(played: Bench, out: Path, json: bool) -> None:
     print(f"\nTables: {out}")
 
 
-def _foreseen(played: Bench, twin: Twin, out: Path, json: bool) -> None:
+def _foreseen(played: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
     """The budget of units that are read by their twin, calculated instead of played."""
-    spec = ForeseeSpec(
+    spec = AccuracySpec(
         least_depth=played.spec.least_depth, max_tilt_deg=played.spec.max_tilt_deg, seed=played.spec.seed
     )
-    costs = foresee_budget(twin, played.layout, build_camera(played.camera), played.spec.tolerance, spec)
+    costs = predict_budget(twin, played.layout, build_camera(played.camera), played.spec.tolerance, spec)
     rows = [[cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}"] for cost in costs]
     names = ["imperfection", "tolerance", "alone_deg", "saved_deg"]
     out.mkdir(parents=True, exist_ok=True)
-    with written_whole(out / "budget.csv") as draft, draft.open("w", newline="") as file:
+    with atomic_write(out / "budget.csv") as draft, draft.open("w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([names, *rows])
     if json:
         print_json({"lines": [cost._asdict() for cost in costs]})
@@ -133,7 +133,7 @@ def _foreseen(played: Bench, twin: Twin, out: Path, json: bool) -> None:
     )
 
 
-def _budget(played: Bench, out: Path, json: bool) -> None:
+def _budget(played: VirtualBench, out: Path, json: bool) -> None:
     from palpate.bench import describe_budget, run_budget, write_budget
 
     lines = []

@@ -12,7 +12,7 @@ from palpate.cli.flag import JsonFlag
 from palpate.cli.output import check_file, check_folder, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
-from palpate.core import written_whole
+from palpate.core import atomic_write
 
 app = App(name="benchmark", help="An open set of images of built units, the judge of predictions, and baselines.")
 
@@ -83,7 +83,7 @@ def score(
     found = score_file(read_set(folder), predictions, track)
     rows = score_rows(found)
     if out is not None:
-        with written_whole(out) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        with atomic_write(out) as draft, draft.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([SCORE_COLUMNS, *rows])
     if json:
         print_json(found.as_dict())

@@ -21,7 +21,7 @@ from palpate.simulator import (
     AssetSpec,
     build_asset,
     check_asset,
-    check_wall,
+    check_force_curve_press,
     describe_asset,
     export_asset,
 )
@@ -55,7 +55,7 @@ def export(
 ) -> None:
     """Write a sensor as an asset: its mesh, mass, camera and frames, and how far it yields by a press of it."""
     check_asset(out)
-    check_wall(flags.wall)
+    check_force_curve_press(flags.wall)
     lens = read_calibration(flags.lens).camera_spec() if flags.lens else CameraSpec()
     mesh = mesh_skin(build_skin(read_skin(flags.skin, flags.dome)), flags.material.mesh(flags.mesh))
     announce_compilation()

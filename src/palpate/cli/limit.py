@@ -17,7 +17,7 @@ from palpate.core import PalpateError
 
 if TYPE_CHECKING:
     from palpate.grid import Row
-    from palpate.study import DesignLimits
+    from palpate.study import DesignBounds
 
 _SOURCE = "YAML file of a study, a preset (first, paper, best), or the result folder of a finished study."
 _COLUMNS = ["height mm", "thickness mm", "markers", "depth mm", "least squares deg", "Pitman deg", "floor deg"]
@@ -48,7 +48,7 @@ def limit(
 
 
 def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[str, Any]]:
-    from palpate.study import available_cores, read_study, run_limits
+    from palpate.study import available_cores, read_study, run_bounds
 
     study = read_study(source)
     if workers is not None and not 1 <= workers <= 1024:
@@ -57,13 +57,13 @@ def _compute(source: str, out: Path | None, workers: int | None) -> list[dict[st
             f"Give 1 to 1024; this machine has {available_cores()} cores.",
             code="option-out-of-bounds",
         )
-    return [_describe(design) for design in run_limits(study, out or RESULTS / study.name, workers, Lines())]
+    return [_describe(design) for design in run_bounds(study, out or RESULTS / study.name, workers, Lines())]
 
 
-def _describe(design: DesignLimits) -> dict[str, Any]:
-    from palpate.learn import pool_limits
+def _describe(design: DesignBounds) -> dict[str, Any]:
+    from palpate.learn import pool_bounds
 
-    pooled = pool_limits(design.limits)
+    pooled = pool_bounds(design.limits)
     return {
         "height_mm": design.skin.height,
         "base_radius_mm": design.skin.base_radius,
@@ -78,7 +78,7 @@ def _describe(design: DesignLimits) -> dict[str, Any]:
 
 def _read(folder: Path) -> list[dict[str, Any]]:
     """The limits that stand in the grid of a finished study."""
-    from palpate.grid import read_grid, rows_of
+    from palpate.grid import read_grid, rows_for_design
 
     grid = read_grid(folder)
     if all(row["limit_deg"] is None for row in grid.by_depth):
@@ -87,7 +87,7 @@ def _read(folder: Path) -> list[dict[str, Any]]:
             "Give the study's YAML file, or run it again.",
             code="grid-no-limits",
         )
-    return [_describe_row(row, rows_of(grid.by_depth, number)) for number, row in enumerate(grid.designs)]
+    return [_describe_row(row, rows_for_design(grid.by_depth, number)) for number, row in enumerate(grid.designs)]
 
 
 def _describe_row(row: Row, depths: Sequence[Row]) -> dict[str, Any]:

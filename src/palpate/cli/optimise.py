@@ -78,8 +78,8 @@ def optimise(
     from palpate.optimise import (
         describe_front,
         optimise_design,
-        prove_front,
         read_requirements,
+        validate_front,
         write_front,
         write_packs,
     )
@@ -93,7 +93,7 @@ def optimise(
     workers = hands.workers
     front = optimise_design(spec, folder, workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
     write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
-    front = prove_front(front, folder, workers, Lines(), hands.cluster or "")
+    front = validate_front(front, folder, workers, Lines(), hands.cluster or "")
     if front.proof is not None:
         write_front(folder, front, command)
     if search.packs:

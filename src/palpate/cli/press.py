@@ -13,7 +13,7 @@ from palpate.cli.compiling import announce_compilation
 from palpate.cli.flag import JsonFlag, flags_of
 from palpate.cli.output import print_json, print_table
 from palpate.cli.unit import DomeFlags, MaterialFlags, SkinFlag
-from palpate.core import FloatArray, PalpateError, flag_of
+from palpate.core import FloatArray, PalpateError, flag_name
 from palpate.design import DomeSpec, Skin, build_skin, read_points, read_skin
 from palpate.fea import (
     PRESS_SOLVERS,
@@ -103,7 +103,7 @@ class SolveFlags:
                 code="option-not-for-solver",
             )
         if self.advanced.model_fields_set:
-            chosen = ", ".join(f"--{flag_of(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
+            chosen = ", ".join(f"--{flag_name(SolverSpec, name)}" for name in sorted(self.advanced.model_fields_set))
             raise PalpateError(
                 f"{chosen} say how palpate solves, not {self.solver}.",
                 "Leave them out, or --solver.",

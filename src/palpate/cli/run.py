@@ -18,7 +18,7 @@ from palpate.cli.output import RESULTS, print_json
 from palpate.cli.progress import Bars, Lines, make_progress
 from palpate.core import PalpateError
 from palpate.grid import evaluate_grid, write_grid
-from palpate.study import Study, StudyResult, available_cores, check_place, read_study, run_study
+from palpate.study import Study, StudyResult, available_cores, check_cluster_address, read_study, run_study
 
 MOST_WORKERS = 1024
 
@@ -54,7 +54,7 @@ class ClusterFlags(WorkerFlags):
         """Refuse what cannot be meant."""
         super().check()
         if self.cluster is not None:
-            check_place(self.cluster)
+            check_cluster_address(self.cluster)
             if self.workers is not None:
                 raise PalpateError(
                     "--workers and --cluster exclude each other.", "Give one of them.", code="options-exclusive"

@@ -21,13 +21,13 @@ from palpate.core import PalpateError
 from palpate.design import PoseSpace
 from palpate.markers import DetectSpec, prepare_detector
 from palpate.recording import RecordedModel, is_recorded_model, read_model
-from palpate.sensor import RigSpec
+from palpate.sensor import SensorSpec
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from palpate.material import Material
-    from palpate.sensor import KnownPress, Sensor, Unit
+    from palpate.sensor import ReferencePress, Sensor, Unit
 
 _FOLDER = "Folder of images."
 _SOURCE = (
@@ -72,7 +72,7 @@ class LiveFlags:
     """The unit, when its readings count, and a press with a known pose."""
 
     built: UnitFlags = UnitFlags()
-    rig: Annotated[RigSpec, flags_of(RigSpec, group="Readings")] = RigSpec()
+    rig: Annotated[SensorSpec, flags_of(SensorSpec, group="Readings")] = SensorSpec()
     press_image: Annotated[Path | None, Parameter(help=_PRESS_IMAGE)] = None
     press_pose: Annotated[tuple[float, float, float] | None, Parameter(help=_PRESS_POSE)] = None
     count: Annotated[int | None, Parameter(help=_COUNT)] = None
@@ -162,7 +162,7 @@ def _describe_rest(sensor: Sensor) -> str:
     )
 
 
-def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> KnownPress | None:
+def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> ReferencePress | None:
     if flags.press_image is None and flags.press_pose is None:
         return None
     if flags.press_image is None or flags.press_pose is None:
@@ -171,11 +171,11 @@ def _known_press(flags: LiveFlags, unit: Unit, material: Material) -> KnownPress
             "Give --press-image and --press-pose.",
             code="press-pose-incomplete",
         )
-    from palpate.sensor import KnownPress
+    from palpate.sensor import ReferencePress
 
     image = read_image(flags.press_image)
     announce_compilation()
-    return KnownPress.simulate(image, flags.press_pose, unit, material)
+    return ReferencePress.simulate(image, flags.press_pose, unit, material)
 
 
 def _at_rest(images: Iterator[NDArray[Any] | PalpateError], count: int) -> list[NDArray[Any]]:

@@ -17,11 +17,11 @@ from palpate.cli.output import RESULTS, print_json, print_table
 from palpate.cli.progress import Lines
 from palpate.cli.run import WorkerFlags
 from palpate.cli.unit import DesignFlags, MaterialFlags
-from palpate.core import PalpateError, written_whole
+from palpate.core import PalpateError, atomic_write
 from palpate.study import MaterialSpec
 
 if TYPE_CHECKING:
-    from palpate.study import BuiltDesign, Study
+    from palpate.study import DesignAccuracy, Study
 
 _SOURCE = "YAML file of a study, or a preset: first, paper, best; without it, the design of the flags."
 _OUT = "Result folder; without it, results/NAME, where `live`, `accept` and `bench` look for twins/."
@@ -54,10 +54,10 @@ class TwinFlags:
 
     def study(self, source: str | None) -> Study:
         """The study that is named, or that of these flags, with what is asked of built units."""
-        from palpate.study import BuiltSpec, read_study, study_of
+        from palpate.study import AsBuiltSpec, read_study, single_design_study
 
         if source is None:
-            study = study_of(self.design.skin_spec(), self.design.markers, self.material)
+            study = single_design_study(self.design.skin_spec(), self.design.markers, self.material)
         elif TwinFlags(self.design, self.material) == TwinFlags():
             study = read_study(source)
         else:
@@ -66,7 +66,7 @@ class TwinFlags:
                 "Give a study, or flags of a design.",
                 code="options-exclusive",
             )
-        asked = study.built or BuiltSpec()
+        asked = study.built or AsBuiltSpec()
         tolerance = read_tolerance(self.tolerance) if self.tolerance else asked.tolerance
         built = asked.model_copy(update={"known": self.known or asked.known, "tolerance": tolerance})
         return study.model_copy(update={"built": built})
@@ -127,7 +127,7 @@ def _off(path: Path) -> float:
     return read_twin(path).off_mm
 
 
-def _rows(design: BuiltDesign) -> list[dict[str, Any]]:
+def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
     return [
         {
             "height_mm": design.skin.height,
@@ -144,13 +144,13 @@ def _rows(design: BuiltDesign) -> list[dict[str, Any]]:
     ]
 
 
-def _keep(folder: Path, designs: tuple[BuiltDesign, ...], rows: list[dict[str, Any]]) -> None:
+def _keep(folder: Path, designs: tuple[DesignAccuracy, ...], rows: list[dict[str, Any]]) -> None:
     """The twins under names that people read, and the table."""
-    from palpate.study import keep_twins
+    from palpate.study import export_twins
 
     folder.mkdir(parents=True, exist_ok=True)
-    keep_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
-    with written_whole(folder / "built.csv") as draft, draft.open("w", newline="") as file:
+    export_twins(folder.parent, ((design.skin, design.twin) for design in designs if design.twin is not None))
+    with atomic_write(folder / "built.csv") as draft, draft.open("w", newline="") as file:
         table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
         table.writeheader()
         table.writerows(rows)

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from palpate.cli.flag import flags_of
 from palpate.cli.output import RESULTS
-from palpate.core import PalpateError, Spec, flag_of
+from palpate.core import PalpateError, Spec, flag_name
 from palpate.design import DomeSpec, MarkerSpec, SkinSpec, build_skin, place_markers, read_skin
 from palpate.study import MaterialSpec
 from palpate.twin import find_twin
@@ -139,7 +139,7 @@ def _words(spec: Spec, always: str = "") -> str:
         value = getattr(spec, name)
         if value != field.default or name in always.split():
             each = value if isinstance(value, tuple) else (value,)
-            said[flag_of(type(spec), name)] = " ".join(
+            said[flag_name(type(spec), name)] = " ".join(
                 f"{one:g}" if isinstance(one, float) else shlex.quote(str(one)) for one in each
             )
     return "".join(f"--{flag} {value} " for flag, value in said.items())

@@ -44,7 +44,7 @@ def parameter(
     source
         Where the default comes from, if it is not our own choice.
     flag
-        Name on the command line without its dashes, where it is not the field's own (`flag_of`).
+        Name on the command line without its dashes, where it is not the field's own (`flag_name`).
     **bounds
         Any of `gt`, `ge`, `lt`, `le`, in the same unit.
     """
@@ -78,7 +78,7 @@ class Spec(BaseModel):
 
 
 @dataclass(frozen=True)
-class ParameterNote:
+class ParameterDoc:
     """One row of a table of parameters, read from the field that declares it.
 
     Attributes
@@ -102,7 +102,7 @@ class ParameterNote:
     help: str
 
 
-def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
+def parameters(spec: type[BaseModel]) -> tuple[ParameterDoc, ...]:
     """Describe every field of `spec`, in the order of declaration.
 
     Examples
@@ -122,7 +122,7 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
             if getattr(item, bound, None) is not None
         ]
         notes.append(
-            ParameterNote(
+            ParameterDoc(
                 name=name,
                 meaning=str(extra.get("meaning", "")),
                 unit=str(extra.get("unit", "")),
@@ -135,14 +135,14 @@ def parameters(spec: type[BaseModel]) -> tuple[ParameterNote, ...]:
     return tuple(notes)
 
 
-def flag_of(spec: type[BaseModel], name: str) -> str:
+def flag_name(spec: type[BaseModel], name: str) -> str:
     """Name of a field on the command line, without dashes: its declared flag, or its name without the unit.
 
     Examples
     --------
     >>> class HoleSpec(Spec):
     ...     depth_deg: float = parameter(30.0, unit="deg", meaning="slope")
-    >>> flag_of(HoleSpec, "depth_deg")
+    >>> flag_name(HoleSpec, "depth_deg")
     'depth'
     """
     declared = str(_declared(spec, name).get("flag", ""))

@@ -11,8 +11,8 @@ import numpy as np
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, TextArray
 from palpate.dataset.normalise import Normalisation
 from palpate.dataset.spec import DatasetSpec
-from palpate.dataset.split import refuse_leakage
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.dataset.split import check_leakage
+from palpate.design import TILT_SPACE, PoseSpace
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Dataset:
     image_size_px: tuple[int, int]
     solved_presses: int
     dropped: Mapping[str, int]
-    space: PoseSpace = TILT_DEPTH
+    space: PoseSpace = TILT_SPACE
     forces: FloatArray | None = None
 
     def __post_init__(self) -> None:
@@ -80,7 +80,7 @@ class Dataset:
                 "Make the dataset again.",
                 code="dataset-not-finite",
             )
-        refuse_leakage(self.press, self.poses, self.validation, self.space)
+        check_leakage(self.press, self.poses, self.validation, self.space)
 
     @property
     def normalisation(self) -> Normalisation:

@@ -15,8 +15,8 @@ from palpate.dataset.dataset import Dataset
 from palpate.dataset.poses import sample_poses
 from palpate.dataset.spec import DatasetSpec
 from palpate.dataset.split import hold_out, number_presses
-from palpate.dataset.vary import VariedField, VariedPresses, vary_camera, vary_field
-from palpate.dataset.vary_forces import vary_forces
+from palpate.dataset.vary import PerturbedPresses, RandomisedField, randomise_camera, randomise_field
+from palpate.dataset.vary_forces import randomise_forces
 from palpate.design import MarkerLayout, Skin
 from palpate.fea import Press
 
@@ -28,7 +28,7 @@ def generate_dataset(
     markers: MarkerLayout,
     camera: Camera,
     spec: DatasetSpec = DatasetSpec(),  # noqa: B008  (a spec is frozen)
-    relatives: VariedPresses = VariedPresses(),  # noqa: B008  (frozen as well)
+    relatives: PerturbedPresses = PerturbedPresses(),  # noqa: B008  (frozen as well)
     forces: bool = False,
 ) -> Dataset:
     """Make the images of one design.
@@ -75,7 +75,7 @@ def generate_dataset(
     >>> dataset.images_px.shape, dataset.virtual_presses, int(dataset.validation.sum())
     ((50, 7, 2), 50, 10)
     """
-    field = vary_field(presses, markers, relatives, spec)
+    field = randomise_field(presses, markers, relatives, spec)
     base = field.base
     rotations = sample_poses(spec, base.offset, lies=base.space.lies, least=base.least)
     view = _View(camera, presses[0].mesh.skin, spec, base.rest)
@@ -85,7 +85,7 @@ def generate_dataset(
     images = range(spec.dropped_images, len(base.depths_mm))
     columns = [_images_at(field, image, rotations, view, dropped) for image in images]
     if forces:
-        pushes = vary_forces(presses, relatives, field.weights)
+        pushes = randomise_forces(presses, relatives, field.weights)
         for column, image in zip(columns, images, strict=True):
             column["forces"] = pushes.forces(rotations, np.asarray(column["row"], np.intp), image)
     if not columns or not sum(len(column["row"]) for column in columns):
@@ -131,14 +131,16 @@ class _View:
         moved = np.empty((*points.shape[:2], 2))
         for k, row in enumerate(rows):
             camera = (
-                vary_camera(self.camera, varied, self.spec.seed, int(row)) if varied.of_the_camera else self.camera
+                randomise_camera(self.camera, varied, self.spec.seed, int(row))
+                if varied.of_the_camera
+                else self.camera
             )
             moved[k] = camera.project(points[k]) - camera.project(rest[k])
         return self.camera.project(self.rest) + moved
 
 
 def _images_at(
-    field: VariedField, image: int, rotations: FloatArray, view: _View, dropped: Counter[str]
+    field: RandomisedField, image: int, rotations: FloatArray, view: _View, dropped: Counter[str]
 ) -> dict[str, NDArray[np.generic]]:
     """Columns of the images at one depth; `dropped` counts the others."""
     branch, reason = field.labels(rotations, image)

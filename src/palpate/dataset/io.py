@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.camera import Camera
-from palpate.core import PalpateError, refuse_outside_links, stage_version
+from palpate.core import PalpateError, reject_external_links, stage_version
 from palpate.dataset.dataset import Dataset
 from palpate.dataset.spec import DatasetSpec
 from palpate.design import PoseSpace
@@ -67,7 +67,7 @@ def read_dataset(path: Path) -> Dataset:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             version = file.attrs.get("palpate_dataset_version")
             if version != DATASET_FORMAT:
                 raise PalpateError(

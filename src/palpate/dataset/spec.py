@@ -11,7 +11,7 @@ from palpate.core import Spec, parameter
 from palpate.fea import check_contact
 
 
-class RandomiseSpec(Spec):
+class RandomisationSpec(Spec):
     """How the units behind the training images differ from the design, each virtual press another one.
 
     What is off is off as the sensor sees it: at rest it looks as designed, for the sensor reads how far the markers
@@ -94,7 +94,7 @@ class DatasetSpec(Spec):
         0.2, unit="1", meaning="share of the presses held out for validation", gt=0, lt=1
     )
     seed: int = parameter(0, unit="1", meaning="seed of poses and split", ge=0)
-    randomise: RandomiseSpec | None = None
+    randomise: RandomisationSpec | None = None
     """How the units behind the images differ from the design; nothing, if not given."""
 
     @model_serializer(mode="wrap")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError, generator
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.design import TILT_SPACE, PoseSpace
 
 SAME_POSE = 1e-6
 """Poses nearer than this are one, degrees or mm."""
@@ -65,7 +65,7 @@ def hold_out(press: IntArray, fraction: float, seed: int) -> BoolArray:
     return np.isin(press, chosen)
 
 
-def refuse_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, space: PoseSpace = TILT_DEPTH) -> None:
+def check_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, space: PoseSpace = TILT_SPACE) -> None:
     """Check that no press and no pose has images on both sides.
 
     Parameters

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from palpate.camera import Camera, build_camera
 from palpate.core import FloatArray, PalpateError, TextArray, generator
 from palpate.dataset.poses import sample_poses
-from palpate.dataset.spec import DatasetSpec, RandomiseSpec
+from palpate.dataset.spec import DatasetSpec, RandomisationSpec
 from palpate.design import MarkerLayout
 from palpate.fea import Press
 from palpate.twin import MarkerField, build_field
@@ -31,13 +31,13 @@ _STEP = 0.2
 
 
 @dataclass(frozen=True)
-class VariedPresses:
+class PerturbedPresses:
     """Presses of units that differ from the design.
 
     Attributes
     ----------
     frictions
-        Presses of the design with each of `RandomiseSpec.frictions`, in that order.
+        Presses of the design with each of `RandomisationSpec.frictions`, in that order.
     thicknesses
         Presses of a thinner and of a thicker wall, or none.
     """
@@ -52,7 +52,7 @@ class VariedPresses:
 
 
 @dataclass(frozen=True, eq=False)
-class VariedField:
+class RandomisedField:
     """Positions of the markers of another unit for every virtual press.
 
     Attributes
@@ -114,9 +114,9 @@ class VariedField:
         return np.asarray(sum(off[..., None] * (points - base) / _STEP for off, points in steps))
 
 
-def vary_field(
-    presses: Sequence[Press], layout: MarkerLayout, relatives: VariedPresses, spec: DatasetSpec
-) -> VariedField:
+def randomise_field(
+    presses: Sequence[Press], layout: MarkerLayout, relatives: PerturbedPresses, spec: DatasetSpec
+) -> RandomisedField:
     """Draw a unit for each virtual press.
 
     Parameters
@@ -133,7 +133,7 @@ def vary_field(
     PalpateError
         If the presses for a friction or thickness are missing, or have other depths than the design's.
     """
-    chosen, base = spec.randomise or RandomiseSpec(), build_field(presses, layout)
+    chosen, base = spec.randomise or RandomisationSpec(), build_field(presses, layout)
     _refuse_missing(chosen, relatives)
     others = tuple(build_field(group, layout) for group in (*relatives.frictions, *relatives.thicknesses))
     for other in others:
@@ -147,10 +147,12 @@ def vary_field(
     count = len(sample_poses(spec, base.offset))
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
     off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
-    return VariedField(base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off)
+    return RandomisedField(
+        base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off
+    )
 
 
-def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
+def _draw_weights(spec: RandomisationSpec, seed: int, count: int) -> FloatArray:
     """(count, frictions and thicknesses) shares of the others in every virtual press."""
     frictions = len(spec.frictions)
     weights = np.zeros((count, frictions + (2 if spec.thickness else 0)))
@@ -165,7 +167,7 @@ def _draw_weights(spec: RandomiseSpec, seed: int, count: int) -> FloatArray:
     return weights
 
 
-def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> Camera:
+def randomise_camera(camera: Camera, spec: RandomisationSpec, seed: int, press: int) -> Camera:
     """The camera under the unit of one virtual press."""
     rng, nominal = generator(seed, "camera", press), camera.spec
     ways = dict(zip(("offset_x", "offset_y", "tilt_x_deg", "tilt_y_deg"), rng.uniform(-1.0, 1.0, 4), strict=True))
@@ -177,7 +179,7 @@ def vary_camera(camera: Camera, spec: RandomiseSpec, seed: int, press: int) -> C
     return build_camera(nominal.model_copy(update=values))
 
 
-def _refuse_missing(spec: RandomiseSpec, relatives: VariedPresses) -> None:
+def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> None:
     wanted: Mapping[str, tuple[int, int]] = {
         "friction": (len(spec.frictions), len(relatives.frictions)),
         "thickness": (2 if spec.thickness else 0, len(relatives.thicknesses)),
@@ -191,7 +193,7 @@ def _refuse_missing(spec: RandomiseSpec, relatives: VariedPresses) -> None:
             )
 
 
-def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomiseSpec) -> tuple[MarkerField, ...]:
+def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomisationSpec) -> tuple[MarkerField, ...]:
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()

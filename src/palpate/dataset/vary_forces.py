@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray
-from palpate.dataset.vary import VariedPresses
+from palpate.dataset.vary import PerturbedPresses
 from palpate.fea import Press
 from palpate.twin import ForceField, build_force_field
 
 
 @dataclass(frozen=True, eq=False)
-class VariedForces:
+class RandomisedForces:
     """Force on the wall in every virtual press.
 
     Attributes
@@ -41,7 +41,7 @@ class VariedForces:
         return found
 
 
-def vary_forces(presses: Sequence[Press], relatives: VariedPresses, weights: FloatArray) -> VariedForces:
+def randomise_forces(presses: Sequence[Press], relatives: PerturbedPresses, weights: FloatArray) -> RandomisedForces:
     """The forces of units with these shares (n, k) of the differences that `relatives` have from the design."""
     others = (build_force_field(group) for group in (*relatives.frictions, *relatives.thicknesses))
-    return VariedForces(build_force_field(presses), tuple(others), weights)
+    return RandomisedForces(build_force_field(presses), tuple(others), weights)

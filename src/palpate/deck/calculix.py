@@ -26,7 +26,7 @@ from palpate.deck.spec import DeckSpec, Dialect
 from palpate.deck.write_deck import deck_depths, deck_text
 from palpate.fea import Branch, ObstacleSpec, Press, PressSolver, WallSpec
 from palpate.material import Material
-from palpate.mechanics import Ended, OuterSurface, SolverSpec, fill_nodes
+from palpate.mechanics import EndReason, OuterSurface, SolverSpec, fill_nodes
 from palpate.mesh import Mesh, gauss_points, shape_hexahedron
 
 PROGRAM = "ccx"
@@ -98,7 +98,7 @@ def solve_press_calculix(
         )
     unknowns, iterations = read_counts(folder / "press.log", folder / "press.cvg")
     ended, message = _reason(found, mesh, wall, folder)
-    if ended is not Ended.NOT_CONVERGED:
+    if ended is not EndReason.NOT_CONVERGED:
         shutil.rmtree(folder)
     fields = _fields(found, mesh, material, wall)
     inverted = fields["branch"] == str(Branch.INVERTED)
@@ -178,15 +178,21 @@ def _last_error(log: Path) -> str:
     return errors[-1].removeprefix("*ERROR").strip() if errors else "it says no reason"
 
 
-def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[Ended, str]:
+def _reason(found: CalculixIncrements, mesh: Mesh, wall: ObstacleSpec, folder: Path) -> tuple[EndReason, str]:
     goals = deck_depths(mesh, wall)
     last = float(found.depth[-1])
     if last < goals[-1] - 1e-4 * goals[-1]:
         why = _last_error(folder / "press.log")
-        return Ended.NOT_CONVERGED, f"CalculiX stopped after {last:.4g} mm: {why} Its deck and log are in {folder}."
+        return (
+            EndReason.NOT_CONVERGED,
+            f"CalculiX stopped after {last:.4g} mm: {why} Its deck and log are in {folder}.",
+        )
     if goals[-1] < wall.depth:
-        return Ended.WALL_AT_CLAMP, f"The wall reached the clamped rim at {goals[-1]:.3f} mm of {wall.depth:g} mm."
-    return Ended.DEPTH_REACHED, ""
+        return (
+            EndReason.WALL_AT_CLAMP,
+            f"The wall reached the clamped rim at {goals[-1]:.3f} mm of {wall.depth:g} mm.",
+        )
+    return EndReason.DEPTH_REACHED, ""
 
 
 def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: ObstacleSpec) -> dict[str, Any]:

@@ -42,7 +42,7 @@ class DeckWall:
     element: int
 
 
-def ascii_words(wall: ObstacleSpec) -> str:
+def ascii_label(wall: ObstacleSpec) -> str:
     """The obstacle in words that every program reads."""
     return wall.words.replace("°", " deg")
 
@@ -67,7 +67,7 @@ def deck_wall(mesh: Mesh, wall: ObstacleSpec, elements: int, dialect: Dialect) -
     if dialect is Dialect.CALCULIX:
         inner = points + 0.1 * min(half, np.ptp(points, axis=0).max()) * obstacle.gap(points).normal
         points, facets = np.concatenate([points, inner]), np.concatenate([facets, facets + len(points)], axis=1)
-    return DeckWall(ascii_words(wall), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
+    return DeckWall(ascii_label(wall), len(mesh.nodes) + np.arange(len(points)), points, facets, elements)
 
 
 def _farthest(mesh: Mesh, touched: FloatArray, way: FloatArray) -> float:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from palpate.core import PalpateError, provenance, written_whole
+from palpate.core import PalpateError, atomic_write, provenance
 from palpate.deck.material import material_lines
 from palpate.deck.mesh import deck_mesh, mesh_lines
 from palpate.deck.spec import DeckElement, DeckSpec, Dialect
-from palpate.deck.step import boundary_lines, image_lines, step_lines
-from palpate.deck.wall import ascii_words, contact_lines, deck_wall, wall_lines
+from palpate.deck.step import boundary_lines, step_lines, time_point_lines
+from palpate.deck.wall import ascii_label, contact_lines, deck_wall, wall_lines
 from palpate.fea import ObstacleSpec, increment_depths
 from palpate.material import Material
 from palpate.mesh import Mesh
@@ -36,7 +36,7 @@ def write_deck(path: Path, mesh: Mesh, material: Material, wall: ObstacleSpec, s
         raise PalpateError(
             f"The folder {path.parent} does not exist.", "Make it first, or name another file.", code="folder-missing"
         )
-    with written_whole(path, "Name another file.") as part:
+    with atomic_write(path, "Name another file.") as part:
         part.write_text(text)
 
 
@@ -78,7 +78,7 @@ def deck_text(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec
         *_sections(mesh, spec),
         *contact_lines(wall, spec),
         *boundary_lines(spec, half=not mesh.spec.whole),
-        *image_lines(depths),
+        *time_point_lines(depths),
         *step_lines(spec, depths, wall.way(mesh)),
     ]
     return "\n".join(lines) + "\n"
@@ -105,7 +105,7 @@ def _header(mesh: Mesh, material: Material, wall: ObstacleSpec, spec: DeckSpec) 
     yield f"** mesh: {mesh.spec.model_dump_json()}"
     yield f"** material: {material.name}"
     yield (
-        f"** obstacle: {ascii_words(wall)}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
+        f"** obstacle: {ascii_label(wall)}, turned by {wall.turn_deg:g} deg about z, depth {wall.depth:g} mm, "
         f"an image every {wall.image_step:g} mm, contact {wall.contact_text}"
     )
     if not mesh.spec.whole:

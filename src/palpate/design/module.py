@@ -24,7 +24,7 @@ from palpate.design.spec import MountSpec
 
 
 @dataclass(frozen=True)
-class Module:
+class ContactModule:
     """Dimensions of a contact module, mm, of its section along x.
 
     Attributes
@@ -118,7 +118,7 @@ class Module:
         return [*far, *skin.meridian(0.0, down=True), (self.opening_foot, self.foot), (0.0, self.foot)]
 
 
-def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
+def build_contact_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> ContactModule:
     """Lay out a module.
 
     Parameters
@@ -138,7 +138,7 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     Examples
     --------
     >>> from palpate.design import DomeSpec, build_skin
-    >>> module = build_module(build_skin(DomeSpec(height=20)), MountSpec())
+    >>> module = build_contact_module(build_skin(DomeSpec(height=20)), MountSpec())
     >>> module.foot, module.outline()[0]
     (-3.0, (0.0, 22.0))
     """
@@ -148,9 +148,9 @@ def build_module(skin: Skin, mount: MountSpec, scale: float = 1.0) -> Module:
     thickness = scale * mount.flange_thickness
     outer = skin.outer_base_radius + scale * mount.flange_width
     draft = thickness * float(np.tan(np.radians(mount.draft_deg)))
-    return Module(skin, thickness, outer, skin.base_radius, outer + draft, skin.base_radius + draft)
+    return ContactModule(skin, thickness, outer, skin.base_radius, outer + draft, skin.base_radius + draft)
 
 
-def build_solid(module: Module) -> CadSolid:
+def build_module_solid(module: ContactModule) -> CadSolid:
     """Build the body of a module."""
     return module.solid(module.outline())

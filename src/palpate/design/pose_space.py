@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from palpate.core import FloatArray, PalpateError
-from palpate.design.line_pose import LONGEST_DEG, direction_vector, find_line, line_error
+from palpate.design.line_pose import LONGEST_DEG, direction_vector, line_error, offset_and_angle
 from palpate.design.pose import rotation_vector
 
 
@@ -81,7 +81,7 @@ class PoseSpace:
         PalpateError
             If there are fewer than three, or a name is not an axis and a unit.
         """
-        for space in (TILT_DEPTH, OFFSET_DEPTH, _LINE_DEPTH):
+        for space in (TILT_SPACE, OFFSET_SPACE, _LINE_DEPTH):
             if space.names == tuple(names):
                 return space
         parts = [name.rpartition("_") for name in names]
@@ -114,12 +114,12 @@ class PoseSpace:
         """
         anything = (float("-inf"), float("inf"))
         components = tuple(PoseComponent(axis, unit, axis, anything) for axis, unit in parts)
-        return PoseSpace(components, OFFSET_DEPTH.polar, OFFSET_DEPTH.turn_deg)
+        return PoseSpace(components, OFFSET_SPACE.polar, OFFSET_SPACE.turn_deg)
 
     @property
     def tilts(self) -> bool:
         """Whether the first two components are those of a wall's rotation vector."""
-        return self.polar == TILT_DEPTH.polar
+        return self.polar == TILT_SPACE.polar
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -163,7 +163,7 @@ class PoseSpace:
             If the space is not that of lines.
         """
         self._refuse_no_line()
-        return find_line(poses)
+        return offset_and_angle(poses)
 
     def line_error(self, estimates: ArrayLike, poses: ArrayLike) -> FloatArray:
         """Errors (..., 2) of lines in offset (mm) and angle (degrees), of estimates and poses (..., 5).
@@ -190,7 +190,7 @@ class PoseSpace:
 
 
 _DEPTH = PoseComponent("depth", "mm", "depth", (0.0, 60.0))
-TILT_DEPTH = PoseSpace(
+TILT_SPACE = PoseSpace(
     (
         PoseComponent("rx", "deg", "roll", (-30.0, 30.0)),
         PoseComponent("ry", "deg", "pitch", (-30.0, 30.0)),
@@ -200,7 +200,7 @@ TILT_DEPTH = PoseSpace(
     turn_deg=0.0,
 )
 """A flat wall: the components of its rotation vector, and how far it came."""
-OFFSET_DEPTH = PoseSpace(
+OFFSET_SPACE = PoseSpace(
     (PoseComponent("x", "mm", "x", (-60.0, 60.0)), PoseComponent("y", "mm", "y", (-60.0, 60.0)), _DEPTH),
     "offset",
     turn_deg=-90.0,
@@ -212,14 +212,14 @@ _SIDE_DEPTH = PoseSpace(
         PoseComponent("ry", "deg", "pitch", (-120.0, 120.0)),
         _DEPTH,
     ),
-    TILT_DEPTH.polar,
-    TILT_DEPTH.turn_deg,
+    TILT_SPACE.polar,
+    TILT_SPACE.turn_deg,
     aside=True,
 )
 """A wall beside the axis; files name its components as those of any wall, and are read as such."""
 _LINE_DEPTH = PoseSpace(
     (
-        *OFFSET_DEPTH.components,
+        *OFFSET_SPACE.components,
         PoseComponent("cos2", "deg", "cos2", (-LONGEST_DEG, LONGEST_DEG)),
         PoseComponent("sin2", "deg", "sin2", (-LONGEST_DEG, LONGEST_DEG)),
     ),

@@ -6,7 +6,7 @@ import numpy as np
 
 from palpate.design import PRINT_TOLERANCE, MarkerLayout, Skin, place_orientation_mark
 from palpate.fabricate.enclosure import SCREWS
-from palpate.fabricate.frame import RODS, SCREW_LENGTH, Frame
+from palpate.fabricate.frame import RODS, SCREW_LENGTH, BarrelFrame
 from palpate.fabricate.mold import DOWEL_DIAMETER, Mold
 from palpate.fabricate.spec import ProcessSpec
 
@@ -26,7 +26,7 @@ def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold,
     ]
 
 
-def list_for_barrel(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -> list[str]:
+def barrel_bill_of_materials(mixed: float, mold: Mold, frame: BarrelFrame, spec: ProcessSpec) -> list[str]:
     """Write the bill: `mixed` mL of elastomer in all."""
     ink = mold.pins_mm3 / 1000
     return [
@@ -44,7 +44,7 @@ def list_for_barrel(mixed: float, mold: Mold, frame: Frame, spec: ProcessSpec) -
     ]
 
 
-def cast_barrel(mixed: float, mold: Mold, skin: Skin) -> list[str]:
+def barrel_casting_steps(mixed: float, mold: Mold, skin: Skin) -> list[str]:
     """Write the steps from the printed mold to the skin."""
     stretch, volume = skin.widest[0] / skin.base_radius, mold.hollow() / 1000
     return [
@@ -70,7 +70,7 @@ def cast_barrel(mixed: float, mold: Mold, skin: Skin) -> list[str]:
     ]
 
 
-def inspect_barrel(skin: Skin, layout: MarkerLayout) -> list[str]:
+def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
     """Write what is measured."""
     return [
         f"Thickness at four places around, halfway and near both ends: {skin.thickness:g} mm, "
@@ -83,7 +83,7 @@ def inspect_barrel(skin: Skin, layout: MarkerLayout) -> list[str]:
     ]
 
 
-def assemble_barrel(frame: Frame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
+def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     """Write how skin, rods and far end come onto the housing."""
     high = frame.module.top
     mark = place_orientation_mark(frame.module.dome, layout)

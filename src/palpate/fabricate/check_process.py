@@ -14,7 +14,7 @@ from palpate.design import (
     Skin,
     check_design,
 )
-from palpate.fabricate.artwork import flatten
+from palpate.fabricate.artwork import project_to_page
 from palpate.fabricate.spec import ProcessSpec
 from palpate.material import Material
 
@@ -192,7 +192,7 @@ def _check_pad(skin: Skin, layout: MarkerLayout, spec: ProcessSpec) -> Iterator[
             f"The lowest dots lie on a slope of {slope:.3g}°, a pad reaches {spec.steepest_deg:g}°.",
             f"Keep dots within {_reached(skin, spec.steepest_deg):.3g} mm of the axis.",
         )
-    page = flatten(skin, points, spec.mapping)
+    page = project_to_page(skin, points, spec.mapping)
     if len(page) > 1:
         distance = np.linalg.norm(page[:, None] - page[None], axis=-1)
         np.fill_diagonal(distance, np.inf)

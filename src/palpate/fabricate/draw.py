@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from palpate.cad import Arc, CadSolid, Outline, SmoothCurve
 from palpate.core import FloatArray
-from palpate.design import Module
+from palpate.design import ContactModule
 from palpate.fabricate.window_plate import WindowPlate
 
 _EYE = (300.0, -500.0, 400.0)
@@ -23,7 +23,7 @@ _ABREAST = 6
 SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf", "#dbe8ec"
 
 
-def draw_module_section(module: Module, window: WindowPlate | None = None) -> Figure:
+def draw_module_section(module: ContactModule, window: WindowPlate | None = None) -> Figure:
     """Draw the section of a module with its dimensions, and of a filled one gel and window."""
     figure, axis = blank_sheet((6.4, 4.6))
     skin, foot = module.dome, module.foot
@@ -56,7 +56,7 @@ def draw_module_section(module: Module, window: WindowPlate | None = None) -> Fi
     return figure
 
 
-def draw_mold_section(module: Module, radius: float, floor: float, plate: float) -> Figure:
+def draw_mold_section(module: ContactModule, radius: float, floor: float, plate: float) -> Figure:
     """Draw the closed mold in section, as it stands when it is poured: apex down."""
     figure, axis = blank_sheet((6.4, 4.6))
     foot, top = module.foot, module.dome.height + module.dome.thickness + floor

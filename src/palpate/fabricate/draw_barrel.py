@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from palpate.cad import CadSolid, box, gather
 from palpate.core import FloatArray
-from palpate.design import Module
+from palpate.design import ContactModule
 from palpate.fabricate.draw import CORE, PLASTIC, SILICONE, blank_sheet, draw_dimension, follow_outline
 from palpate.fabricate.mold import Mold
 
@@ -21,7 +21,7 @@ _FAR = 1e4
 """Half the edge of what is cut away, and how far off the eye is, mm."""
 
 
-def draw_barrel_section(module: Module) -> Figure:
+def draw_barrel_section(module: ContactModule) -> Figure:
     """Draw the section of a barrel's module with its dimensions."""
     figure, axis = blank_sheet(_SIZE)
     skin, side = module.dome, module.dome.outer_widest[0]

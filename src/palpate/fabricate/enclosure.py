@@ -26,8 +26,8 @@ import numpy as np
 
 from palpate.cad import CadSolid, box, cylinder, revolve
 from palpate.core import PalpateError
-from palpate.design import Module, rotation_vector, wall_normal
-from palpate.fabricate.frame import CAP_THREAD, Frame
+from palpate.design import ContactModule, rotation_vector, wall_normal
+from palpate.fabricate.frame import CAP_THREAD, BarrelFrame
 from palpate.fabricate.spec import CameraBody, ProcessSpec
 from palpate.fabricate.window_plate import WindowPlate
 
@@ -100,7 +100,7 @@ class Screw:
 M3, M2 = Screw(M3_CORE, M3_CLEAR, 6.2, WALL), Screw(1.6, 2.4, 4.4, 1.8)
 
 
-def _screw(module: Module) -> Screw:
+def _screw(module: ContactModule) -> Screw:
     return M2 if module.dome.hole else M3
 
 
@@ -134,15 +134,15 @@ class Enclosure:
     parts: dict[str, CadSolid]
     camera_distance: float
     ring: tuple[tuple[float, float], ...]
-    frame: Frame | None = None
+    frame: BarrelFrame | None = None
 
 
 def build_enclosure(
-    module: Module,
+    module: ContactModule,
     camera_distance: float,
     spec: ProcessSpec,
     window: WindowPlate | None = None,
-    frame: Frame | None = None,
+    frame: BarrelFrame | None = None,
 ) -> Enclosure:
     """Build the enclosure of a module for a camera whose pinhole is `camera_distance` mm below the base.
 
@@ -194,7 +194,7 @@ def build_enclosure(
     return Enclosure(parts, camera_distance, ring, frame)
 
 
-def free_travel(module: Module, enclosure: Enclosure, tilt_deg: float) -> float:
+def free_travel(module: ContactModule, enclosure: Enclosure, tilt_deg: float) -> float:
     """Travel in mm from first touch after which a wall inclined by `tilt_deg` meets the clamp ring.
 
     Along the axis; of a barrel's wall, inclined against the axis towards its nearer end, along the wall's normal.
@@ -215,7 +215,7 @@ def _circle(count: int, radius: float, first_deg: float = 0.0) -> list[tuple[flo
 
 
 def _housing(
-    module: Module, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
+    module: ContactModule, body: BodySizes, sizes: tuple[float, float, float, float], window: WindowPlate | None
 ) -> CadSolid:
     """Tube with a seat for the flange, a lip under it, a recess for the LEDs and a shelf for the camera."""
     bore, outer, shelf, low = sizes
@@ -246,11 +246,11 @@ def _housing(
     return tube.cut(*holes, *screws, *under, cable)
 
 
-def _screw_places(module: Module, outer: float) -> list[tuple[float, float]]:
+def _screw_places(module: ContactModule, outer: float) -> list[tuple[float, float]]:
     return _circle(SCREWS, (module.farthest * module.flange_foot + outer) / 2 + 0.25)
 
 
-def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
+def _clamp_ring(module: ContactModule, spec: ProcessSpec, outer: float) -> CadSolid:
     """Ring that lies on the housing around the flange and presses on its upper face."""
     edge = module.flange_foot + spec.clearance
     opening = _ring_opening(module)
@@ -278,12 +278,12 @@ def _clamp_ring(module: Module, spec: ProcessSpec, outer: float) -> CadSolid:
     return revolve(section).cut(module.solid(room), *screws, *heads)
 
 
-def _ring_opening(module: Module) -> float:
+def _ring_opening(module: ContactModule) -> float:
     """Reach of the clamp ring's opening along x, mm: two fifths of the flange's width beyond the dome."""
     return module.flange_radius - 0.6 * (module.flange_radius - module.widest)
 
 
-def _ring_top(module: Module) -> float:
+def _ring_top(module: ContactModule) -> float:
     """Radius to which the clamp ring is level, mm: that of its opening where it is round."""
     return module.farthest * _ring_opening(module) + (0.0 if module.dome.plan.is_round else _LAND)
 

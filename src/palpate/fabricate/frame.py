@@ -23,7 +23,7 @@ import numpy as np
 
 from palpate.cad import CadSolid, box, cylinder, gather
 from palpate.core import FloatArray, PalpateError
-from palpate.design import MarkerLayout, Module
+from palpate.design import ContactModule, MarkerLayout
 from palpate.fabricate.spec import ProcessSpec
 
 ROD, RODS = 5.0, 4
@@ -41,7 +41,7 @@ _FLOOR, _GAP, _LUG, _END = 1.0, 0.8, 3.0, 2.0
 
 
 @dataclass(frozen=True)
-class Frame:
+class BarrelFrame:
     """Rods, cap and sockets of a barrel, in the frame of its module.
 
     Attributes
@@ -52,7 +52,7 @@ class Frame:
         Of the rods, rad.
     """
 
-    module: Module
+    module: ContactModule
     azimuths: tuple[float, ...]
 
     @property
@@ -115,7 +115,7 @@ class Frame:
         return found
 
 
-def plan_frame(module: Module, layout: MarkerLayout) -> Frame:
+def plan_frame(module: ContactModule, layout: MarkerLayout) -> BarrelFrame:
     """Place the rods of a barrel where the dots leave the widest sectors next to 45°, 135°, 225° and 315°.
 
     Raises
@@ -139,4 +139,4 @@ def plan_frame(module: Module, layout: MarkerLayout) -> Frame:
     for wanted in np.pi / 4 + np.arange(RODS) * 2 * np.pi / RODS:
         away = np.abs((middles - wanted + np.pi) % (2 * np.pi) - np.pi)
         chosen.append(float(middles[away < away.min() + 1e-3][-1]))
-    return Frame(module, tuple(chosen))
+    return BarrelFrame(module, tuple(chosen))

@@ -28,7 +28,7 @@ import numpy as np
 
 from palpate.cad import CadSolid, Point, box, cylinder
 from palpate.core import PalpateError
-from palpate.design import Module
+from palpate.design import ContactModule
 from palpate.fabricate.spec import ProcessSpec
 
 PIN_AZIMUTHS_DEG = (30.0, 150.0, 280.0)
@@ -57,7 +57,7 @@ class Mold:
         Volume of the holes in the core that pins fill, or of a barrel's dimples, which ink fills.
     """
 
-    module: Module
+    module: ContactModule
     parts: dict[str, CadSolid]
     radius: float
     pins_mm3: float = 0.0
@@ -79,7 +79,7 @@ class Mold:
         return wall + (0.0 if module.dome.hole else self.pins_mm3)
 
 
-def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
+def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
     """Build the mold of a module that is already scaled for shrinkage, as its pins are.
 
     Raises
@@ -127,12 +127,12 @@ def build_mold(module: Module, spec: ProcessSpec, pins: Sequence[CadSolid] = ())
     return Mold(module, {"mold_core": core, **halves}, radius, whole - core.volume)
 
 
-def _pins(module: Module, spec: ProcessSpec) -> list[Point]:
+def _pins(module: ContactModule, spec: ProcessSpec) -> list[Point]:
     middle = module.flange_foot + spec.mold_wall / 2
     return [module.place(middle, azimuth) for azimuth in PIN_AZIMUTHS_DEG]
 
 
-def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
+def _build_cavity(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:
     top = module.top + spec.mold_floor
     block = module.prism(radius, module.foot, top).cut(module.solid(module.outside()))
     if module.dome.hole:
@@ -142,7 +142,7 @@ def _build_cavity(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
     return block.join(*pins)
 
 
-def _build_core(module: Module, spec: ProcessSpec, radius: float) -> CadSolid:
+def _build_core(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:
     foot, low = module.foot, module.foot - spec.plate
     core = module.prism(radius, low, foot).join(module.solid(module.inside()))
     if module.dome.hole:
@@ -163,7 +163,7 @@ def vent_azimuths(count: int) -> list[float]:
     return [POUR_AZIMUTH_DEG + 360.0 * (k + 1) / (count + 1) for k in range(count)]
 
 
-def _split(cavity: CadSolid, module: Module, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
+def _split(cavity: CadSolid, module: ContactModule, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
     """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
     low, high = module.foot - spec.pin_height, module.top + spec.mold_floor
     across = (module.dome.outer_widest[0] + radius) / 2

@@ -14,7 +14,7 @@ import numpy as np
 
 from palpate.cad import CadSolid
 from palpate.core import FloatArray, PalpateError
-from palpate.design import Module, Skin
+from palpate.design import ContactModule, Skin
 from palpate.fabricate.spec import ProcessSpec
 
 LEDGE = 1.5
@@ -58,7 +58,7 @@ class WindowPlate:
         return np.asarray(self.reach * self.skin.plan.edge(np.linspace(0, 2 * np.pi, _POINTS, endpoint=False))[0])
 
 
-def build_window(module: Module, thickness: float, spec: ProcessSpec) -> WindowPlate:
+def build_window(module: ContactModule, thickness: float, spec: ProcessSpec) -> WindowPlate:
     """Build the window of a module, of a thickness in mm.
 
     Raises

@@ -12,26 +12,26 @@ from matplotlib.figure import Figure
 
 from palpate.cad import CadSolid, SurfaceMesh, gather, write_step
 from palpate.camera import Camera, build_camera
-from palpate.core import PalpateError, new_folder, provenance
+from palpate.core import PalpateError, atomic_folder, provenance
 from palpate.design import (
+    ContactModule,
     Finding,
     MarkerLayout,
-    Module,
     Severity,
     Skin,
-    build_module,
+    build_contact_module,
+    build_module_solid,
     build_skin,
-    build_solid,
     place_markers,
-    refuse_errors,
+    raise_on_errors,
 )
 from palpate.fabricate.artwork import Artwork, draw_artwork
 from palpate.fabricate.check_parts import (
     check_enclosure,
     check_frame,
+    check_interference,
     check_mold,
     check_window,
-    refuse_interference,
 )
 from palpate.fabricate.check_process import check_process
 from palpate.fabricate.draw import draw_bodies, draw_module_section, draw_mold_section
@@ -64,7 +64,7 @@ class _Made:
 
     skin: Skin
     layout: MarkerLayout
-    module: Module
+    module: ContactModule
     mold: Mold
     enclosure: Enclosure
     artwork: Artwork | None
@@ -97,10 +97,10 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     skin = build_skin(spec.dome)
     layout = place_markers(skin, spec.markers)
     camera = build_camera(spec.camera)
-    build_module(skin, spec.mount)  # refuses what has none before anything is checked
+    build_contact_module(skin, spec.mount)  # refuses what has none before anything is checked
     findings = check_process(skin, layout, spec.material, camera, spec.process)
-    refuse_errors(findings)
-    with new_folder(folder) as work:
+    raise_on_errors(findings)
+    with atomic_folder(folder) as work:
         made = _make(spec, skin, layout, camera)
         findings = (
             *findings,
@@ -125,16 +125,16 @@ def _check_filling(made: _Made, process: ProcessSpec) -> tuple[Finding, ...]:
 
 
 def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _Made:
-    module = build_module(skin, spec.mount)
+    module = build_contact_module(skin, spec.mount)
     window = _build_window(spec, module)
     scale = 1 / (1 - spec.process.shrinkage_percent / 100)
     marked = spec.process.orientation_mark
-    scaled, depth = build_module(skin, spec.mount, scale), spec.process.dot_depth
+    scaled, depth = build_contact_module(skin, spec.mount, scale), spec.process.dot_depth
     holes = [*build_pins(skin, layout, scale, mark=marked), *build_dimples(skin, layout, depth, scale, mark=marked)]
     frame = plan_frame(module, layout) if skin.hole else None
     enclosure = build_enclosure(module, spec.camera.distance, spec.process, window, frame)
     mold = build_mold(scaled, spec.process, holes)
-    body = build_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
+    body = build_module_solid(module).join(*build_pins(skin, layout, 1.0, mark=marked))
     missed = mold.hollow() / scale**3 / body.volume - 1
     if abs(missed) > _HOLLOW:
         raise PalpateError(
@@ -142,15 +142,15 @@ def _make(spec: PackSpec, skin: Skin, layout: MarkerLayout, camera: Camera) -> _
             "Report this design.",
             code="mold-volume-off",
         )
-    refuse_interference(mold.parts)
-    refuse_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
+    check_interference(mold.parts)
+    check_interference({**enclosure.parts, "module": body}, intended=_CLAMPED)
     artwork = None if skin.hole else draw_artwork(skin, layout, spec.process.mapping, mark=marked)
     solids = {"module": body, **mold.parts, **enclosure.parts}
     gel = spec.material.gel.name if spec.material.gel else ""
     return _Made(skin, layout, module, mold, enclosure, artwork, camera, solids, gel, window)
 
 
-def _build_window(spec: PackSpec, module: Module) -> WindowPlate | None:
+def _build_window(spec: PackSpec, module: ContactModule) -> WindowPlate | None:
     """The window of a filled skin."""
     gel, window = spec.material.gel, spec.camera.window
     if gel is None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.design import turn_about_axis
-from palpate.fea.first_touch import touch_first
+from palpate.fea.first_touch import find_first_contact
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads, tangents
 from palpate.mesh import Mesh
@@ -98,4 +98,4 @@ class BallSpec(ObstacleSpec):
         if not mesh.spec.whole:
             middle[0] = 0.0
         middle[2] = self.radius + mesh.skin.outer_height
-        return touch_first(mesh, Ball(self.radius, middle))
+        return find_first_contact(mesh, Ball(self.radius, middle))

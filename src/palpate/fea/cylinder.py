@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.fea.ball import PATCH, round_gap
-from palpate.fea.lying import LyingSpec
+from palpate.fea.lying import LevelObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads
 
 
@@ -49,7 +49,7 @@ class Cylinder(Obstacle):
 
 
 @final
-class CylinderSpec(LyingSpec):
+class CylinderSpec(LevelObstacleSpec):
     """A rigid round bar parallel to the base, brought down along the skin's axis, beside it or on it."""
 
     kind: Literal["cylinder"] = "cylinder"

@@ -11,7 +11,7 @@ import numpy as np
 from palpate.core import FloatArray
 from palpate.fea.loaded_skin import clamp_skin, load_surface
 from palpate.fea.spec import ObstacleSpec
-from palpate.fea.variations import Made, vary
+from palpate.fea.variations import PathInputs, make_variations
 from palpate.material import Material
 from palpate.mechanics import ContactLoading, Continuation, Problem, Sensitivity, Solid, make_linear_solver
 from palpate.mesh import Mesh
@@ -89,7 +89,7 @@ def _prepare(
     loading, solid, problem = path.loading, path.problem.body, path.problem
     assert isinstance(loading, ContactLoading)
     assert isinstance(solid, Solid)
-    variations = vary(Made(mesh, material, wall, load, loading, solid), path.spec.derivatives)
+    variations = make_variations(PathInputs(mesh, material, wall, load, loading, solid), path.spec.derivatives)
     across = None
     if any(each.across for each in variations):
         other, linear = clamp_skin(mesh, material, across=True), make_linear_solver(path.spec.backend)

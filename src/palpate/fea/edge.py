@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
 from palpate.fea.ball import PATCH, round_gap
-from palpate.fea.lying import LyingSpec
+from palpate.fea.lying import LevelObstacleSpec
 from palpate.mechanics import Gap, Obstacle, grid_quads
 
 
@@ -80,7 +80,7 @@ class Edge(Obstacle):
 
 
 @final
-class EdgeSpec(LyingSpec):
+class EdgeSpec(LevelObstacleSpec):
     """A rigid edge parallel to the base, brought down along the skin's axis, beside it or on it."""
 
     kind: Literal["edge"] = "edge"

@@ -15,7 +15,7 @@ _EXACT = 1e-10
 """Penetration at first touch over the base radius."""
 
 
-def touch_first(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
+def find_first_contact(mesh: Mesh, obstacle: Obstacle) -> tuple[Obstacle, FloatArray]:
     """Move an obstacle along the axis until it just touches the outer surface.
 
     The travel is found by Newton's method on the greatest penetration of all points of the surface, each of which is

@@ -9,13 +9,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, refuse_outside_links
+from palpate.core import PalpateError, reject_external_links
 from palpate.design import build_skin, skin_from_data
 from palpate.fea.derivative import Derivative
 from palpate.fea.obstacles import obstacle_from_data
 from palpate.fea.press import Press
 from palpate.material import material_from_data
-from palpate.mechanics import Ended, SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
 
 _ARRAYS = {
@@ -76,7 +76,7 @@ def read_press(path: Path) -> Press:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             if file.attrs.get("kind") != "palpate press" or file.attrs["version"] != PRESS_FORMAT:
                 raise PalpateError(
                     f"{path} is no press of version {PRESS_FORMAT}.", "Solve it again.", code="press-version"
@@ -90,7 +90,7 @@ def read_press(path: Path) -> Press:
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),
                 **_read_arrays(file),
                 branch=np.array(file["branch"].asstr()[()], dtype=np.str_),
-                ended=Ended(file.attrs["ended"]),
+                ended=EndReason(file.attrs["ended"]),
                 message=str(file.attrs["message"]),
                 solved_by=str(
                     file.attrs.get("solved_by", "calculix" if '"calculix"' in file.attrs["solver"] else "palpate")

@@ -8,13 +8,13 @@ import numpy as np
 
 from palpate.core import FloatArray, parameter
 from palpate.design import PoseSpace, turn_about_axis
-from palpate.fea.first_touch import touch_first
+from palpate.fea.first_touch import find_first_contact
 from palpate.fea.spec import ObstacleSpec
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
 
-class LyingSpec(ObstacleSpec, ABC):
+class LevelObstacleSpec(ObstacleSpec, ABC):
     """A rigid obstacle parallel to the base, alike along its length, brought down along the skin's axis."""
 
     offset: float = parameter(0.0, unit="mm", meaning="distance of its axis from the skin's", ge=-60, le=60)
@@ -50,4 +50,4 @@ class LyingSpec(ObstacleSpec, ABC):
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
         middle = turn @ [0.0, self.offset, self.half_height + mesh.skin.outer_height]
-        return touch_first(mesh, self.lie(middle, turn[:, 0].copy()))
+        return find_first_contact(mesh, self.lie(middle, turn[:, 0].copy()))

@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray
-from palpate.mechanics import ContactLoading, Ended, Monitor, Solid, State, smallest_stretch
+from palpate.mechanics import ContactLoading, EndReason, Monitor, Solid, State, smallest_stretch
 
 _SECTORS = 6
 _MIDDLE = 0.9
@@ -105,14 +105,14 @@ class SkinMonitor(Monitor):
         dented: FloatArray = state.u - push * np.exp(-((away / width) ** 2))[:, None] * self.normal
         return dented
 
-    def fault(self, state: State) -> tuple[Ended, str] | None:
+    def fault(self, state: State) -> tuple[EndReason, str] | None:
         """Silicone that is squeezed so far that its free surface folds on itself."""
         stretch, place = smallest_stretch(self.solid, state)
         if stretch >= _FOLDING_STRETCH:
             return None
         where = ", ".join(f"{value:.1f}" for value in place)
         return (
-            Ended.FOLDED,
+            EndReason.FOLDED,
             f"where the silicone at ({where}) mm is squeezed to {stretch:.2f} of its length: below "
             f"{_FOLDING_STRETCH:g} a free surface folds",
         )

@@ -13,8 +13,8 @@ from palpate.core import FloatArray, IntArray, PalpateError, TextArray
 from palpate.fea.derivative import Derivative
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
-from palpate.mechanics import Ended, SolverSpec
-from palpate.mesh import Mesh, follow_marked, follow_rate, locate_inner, locate_nodes
+from palpate.mechanics import EndReason, SolverSpec
+from palpate.mesh import Mesh, locate_inner, locate_nodes, marker_displacement, marker_displacement_derivative
 
 
 class Branch(StrEnum):
@@ -106,7 +106,7 @@ class Press:
     apex_gap: FloatArray
     hold_tension: FloatArray
     negative_pivots: IntArray
-    ended: Ended
+    ended: EndReason
     ended_depth: float
     jump_depth: float
     cpu_s: float
@@ -146,7 +146,7 @@ class Press:
                 f"Ask for less than that: derivative('{name}', depth={0.99 * self.jump_depth:.3g}).",
                 code="derivative-beyond-jump",
             )
-        lost = self.ended not in (Ended.DEPTH_REACHED, Ended.WALL_AT_CLAMP)
+        lost = self.ended not in (EndReason.DEPTH_REACHED, EndReason.WALL_AT_CLAMP)
         if lost and depth >= self.ended_depth:
             raise PalpateError(
                 f"The press ended at {self.ended_depth:.3g} mm ({self.ended}): there it has no derivative.",
@@ -220,8 +220,10 @@ class Press:
         if by:
             rate = self.derivatives[by]
             side = -side if rate.across else side
-            moved = follow_rate(self.mesh, places, self.displacement, rate.displacement, across=rate.across)
+            moved = marker_displacement_derivative(
+                self.mesh, places, self.displacement, rate.displacement, across=rate.across
+            )
         else:
-            moved = follow_marked(self.mesh, places, self.displacement)
+            moved = marker_displacement(self.mesh, places, self.displacement)
         result: FloatArray = np.where(mirrored[:, None], moved * side, moved) @ turn.T
         return result

@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, PalpateError, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace
+from palpate.design import OFFSET_SPACE, PoseSpace
 from palpate.fea.spec import ObstacleSpec
 from palpate.fea.wall import Plane, refuse_rim_first
 from palpate.mechanics import Obstacle
@@ -108,7 +108,7 @@ class RouteSpec(ObstacleSpec):
 
     @property
     def pose_space(self) -> PoseSpace:
-        return OFFSET_DEPTH
+        return OFFSET_SPACE
 
     @property
     def radial(self) -> float:

@@ -10,18 +10,18 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.fea.derivative import differentiate_states, follow_derivatives, gather_derivatives
-from palpate.fea.inverted import RING_POINTS, doubt, follow_inverted, refine
+from palpate.fea.inverted import RING_POINTS, explain_rejection, follow_inverted, refine_mesh
 from palpate.fea.loaded_skin import POINTS_PER_SIDE, clamp_skin, load_surface
 from palpate.fea.monitor import SkinMonitor
 from palpate.fea.press import NEITHER, Branch, IncrementFields, Press
-from palpate.fea.spec import ObstacleSpec, refuse_half
+from palpate.fea.spec import ObstacleSpec, check_half_model
 from palpate.fea.wall import WallSpec
 from palpate.fea.work import integrate_force
 from palpate.material import Material
 from palpate.mechanics import (
     BASE_RADIUS,
     Continuation,
-    Ended,
+    EndReason,
     Increment,
     Problem,
     SolverSpec,
@@ -77,7 +77,7 @@ def solve_press(
     """
     wall, solver = wall or WallSpec(), solver or SolverSpec()
     started = time.process_time()
-    refuse_half(mesh, wall)
+    check_half_model(mesh, wall)
     if branch is Branch.INVERTED and mesh.filling:
         raise PalpateError("A filled skin has no inverted state.", "Press it from rest.", code="inverted-state-gel")
     if branch is Branch.INVERTED and mesh.skin.hole:
@@ -90,7 +90,7 @@ def solve_press(
         raise PalpateError(
             "The inverted state is not followed along a route.", "Press it from rest.", code="inverted-state-route"
         )
-    mesh = refine(mesh) if branch is Branch.INVERTED else mesh
+    mesh = refine_mesh(mesh) if branch is Branch.INVERTED else mesh
     mesh = centre_mesh(mesh, wall.at_touch(mesh)[1]) if wall.axisymmetric else mesh
     reachable = wall.clamp_depth(mesh)
     goals = increment_depths(wall, min(wall.depth, reachable))
@@ -102,12 +102,12 @@ def solve_press(
         path = start_press(mesh, material, wall, solver)
         followed = follow_derivatives(path, mesh, material, wall)
         increments = _press_down(path, goals, wall.stops, observe)
-        if wall.unload and path.ended is Ended.DEPTH_REACHED:
+        if wall.unload and path.ended is EndReason.DEPTH_REACHED:
             increments += _draw_back(path, goals, wall.stops)
     derivatives = gather_derivatives(followed, increments, mesh, wall)
     ended, message = path.ended, path.message
-    if ended is Ended.DEPTH_REACHED and reachable < wall.depth:
-        ended = Ended.WALL_AT_CLAMP
+    if ended is EndReason.DEPTH_REACHED and reachable < wall.depth:
+        ended = EndReason.WALL_AT_CLAMP
         message = f"The wall reached the clamped rim at {reachable:.3f} mm of {wall.depth:g} mm."
     fields = _fields(path, increments, mesh, wall)
     jumps = [increment.depth for increment in path.increments if increment.jumped]
@@ -229,7 +229,7 @@ def _label(monitor: SkinMonitor, point: Increment) -> str:
     """Branch of an increment, or `NEITHER`."""
     if not monitor.inverted(point.depth, point.state):
         return str(Branch.FLAT)
-    return NEITHER if doubt(monitor, point) else str(Branch.INVERTED)
+    return NEITHER if explain_rejection(monitor, point) else str(Branch.INVERTED)
 
 
 def _work(points: list[Increment]) -> FloatArray:

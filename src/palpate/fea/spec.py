@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from palpate.core import FloatArray, PalpateError, Spec, parameter
-from palpate.design import OFFSET_DEPTH, PoseSpace, Rim, Skin, Symmetry, turn_about_axis
+from palpate.design import OFFSET_SPACE, PoseSpace, Rim, Skin, Symmetry, turn_about_axis
 from palpate.mechanics import Obstacle
 from palpate.mesh import Mesh
 
@@ -107,7 +107,7 @@ class ObstacleSpec(Spec, ABC):
     @property
     def pose_space(self) -> PoseSpace:
         """What a sensor may estimate of it: its place, unless an obstacle says otherwise."""
-        return OFFSET_DEPTH
+        return OFFSET_SPACE
 
     @property
     @abstractmethod
@@ -131,7 +131,7 @@ class ObstacleSpec(Spec, ABC):
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         """The obstacle at a depth in mm: moved against its way, unless it says otherwise."""
-        return partial(advanced, self.at_touch(mesh)[0], self.way(mesh))
+        return partial(translate_obstacle, self.at_touch(mesh)[0], self.way(mesh))
 
     def way(self, mesh: Mesh) -> FloatArray:
         """Unit vector (3,) against which it moves, in the frame of the mesh: the skin's axis by default."""
@@ -158,11 +158,11 @@ class ObstacleSpec(Spec, ABC):
         PalpateError
             If half a skin was meshed that is not symmetric about the obstacle's plane.
         """
-        refuse_half(mesh, self)
+        check_half_model(mesh, self)
         return np.eye(3) if mesh.spec.whole else turn_about_axis(np.radians(self.turn_deg))
 
 
-def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
+def check_half_model(mesh: Mesh, obstacle: ObstacleSpec) -> None:
     """Refuse, with a `PalpateError`, a skin that an obstacle cannot come to, or half a one not symmetric about it."""
     obstacle.refuse_skin(mesh.skin, mesh.spec.rim)
     symmetry, name = mesh.skin.symmetry, mesh.skin.name
@@ -176,6 +176,6 @@ def refuse_half(mesh: Mesh, obstacle: ObstacleSpec) -> None:
         )
 
 
-def advanced(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
+def translate_obstacle(obstacle: Obstacle, way: FloatArray, depth: float) -> Obstacle:
     """An obstacle that touches the skin, moved by a depth in mm against a unit vector (3,)."""
     return obstacle.moved(-depth * way)

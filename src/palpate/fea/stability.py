@@ -17,7 +17,7 @@ from palpate.fea.press import Branch, Press
 from palpate.fea.solve_press import solve_press
 from palpate.fea.spec import ObstacleSpec
 from palpate.material import Material
-from palpate.mechanics import Ended, SolverSpec
+from palpate.mechanics import EndReason, SolverSpec
 from palpate.mesh import Mesh
 
 
@@ -74,7 +74,7 @@ def find_stability(
     depth = np.union1d(np.round(flat.depth[1:], 9), np.round(inverted.depth[inverted.depth > 0], 9))
     found = inverted.branch == Branch.INVERTED
     start = float(inverted.depth[found].min()) if found.any() else float("nan")
-    lost = np.isfinite(flat.jump_depth) or flat.ended not in (Ended.DEPTH_REACHED, Ended.WALL_AT_CLAMP)
+    lost = np.isfinite(flat.jump_depth) or flat.ended not in (EndReason.DEPTH_REACHED, EndReason.WALL_AT_CLAMP)
     end = float(np.nanmin([flat.jump_depth, flat.ended_depth])) if lost else float("nan")
     return Stability(
         wall=flat.wall,

@@ -32,7 +32,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError
 from palpate.design import build_skin, rotation_vector, skin_from_data, turn_about_axis, wall_normal
-from palpate.fea.spec import ObstacleSpec, advanced
+from palpate.fea.spec import ObstacleSpec, translate_obstacle
 from palpate.fea.wall import Plane, WallSpec, drifting, slope_ways
 from palpate.material import Material, material_from_data
 from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
@@ -48,7 +48,7 @@ _BEND_STEP = 3e-6
 
 
 @dataclass(frozen=True)
-class Made:
+class PathInputs:
     """What a path is made of.
 
     Attributes
@@ -69,7 +69,7 @@ class Made:
     solid: Solid
 
 
-def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, ...]:
+def parameter_names(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, ...]:
     """Names by which a press may be differentiated."""
     if wall.sideways:
         return tuple(material.key_data()["constants"])
@@ -81,7 +81,7 @@ def names_of(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, .
     return (*contact, *skin, *material.key_data()["constants"])
 
 
-def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
+def make_variations(made: PathInputs, names: Sequence[str]) -> tuple[Variation, ...]:
     """Variations of these names.
 
     Raises
@@ -89,7 +89,7 @@ def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
     PalpateError
         If the press cannot be differentiated by a name.
     """
-    known = names_of(made.mesh, made.material, made.wall)
+    known = parameter_names(made.mesh, made.material, made.wall)
     unknown = [name for name in names if name not in known]
     if unknown:
         raise PalpateError(
@@ -100,7 +100,7 @@ def vary(made: Made, names: Sequence[str]) -> tuple[Variation, ...]:
     return tuple(_vary(made, name) for name in names)
 
 
-def _vary(made: Made, name: str) -> Variation:
+def _vary(made: PathInputs, name: str) -> Variation:
     if name in made.material.key_data()["constants"]:
         return _vary_material(made, name)
     if name in made.mesh.skin.spec_data:
@@ -139,7 +139,7 @@ def _twisted(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> 
     return plane.twisted(by)
 
 
-def _vary_drift(made: Made, name: str) -> Variation:
+def _vary_drift(made: PathInputs, name: str) -> Variation:
     """The wall that drifts more, or less, on its way."""
     assert isinstance(made.wall, WallSpec)
     touched = made.loading.obstacle(0.0)
@@ -155,7 +155,7 @@ def _vary_drift(made: Made, name: str) -> Variation:
     return Variation(name, _STEP, high, low, across=half and name != "drift", sideways=True)
 
 
-def _vary_bend(made: Made) -> Variation:
+def _vary_bend(made: PathInputs) -> Variation:
     """The wall more, or less, curved."""
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
@@ -172,7 +172,7 @@ def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obs
     return replace(plane, bend=plane.bend + by)
 
 
-def _vary_wall(made: Made, name: str) -> Variation:
+def _vary_wall(made: PathInputs, name: str) -> Variation:
     """The wall under another tilt, from first touch on."""
     assert isinstance(made.wall, WallSpec)
     across = name == "across_deg"
@@ -183,11 +183,11 @@ def _vary_wall(made: Made, name: str) -> Variation:
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
         touched = Plane(normal, made.mesh.skin.touch(normal), bend=1e-3 * made.wall.bend)
-        sides.append(replace(made.loading, obstacle=partial(advanced, touched, made.wall.way(made.mesh))))
+        sides.append(replace(made.loading, obstacle=partial(translate_obstacle, touched, made.wall.way(made.mesh))))
     return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
 
 
-def _vary_skin(made: Made, name: str) -> Variation:
+def _vary_skin(made: PathInputs, name: str) -> Variation:
     """A skin of another shape, meshed alike; its wall touches it anew."""
     sides = []
     for by in (_STEP, -_STEP):
@@ -198,7 +198,7 @@ def _vary_skin(made: Made, name: str) -> Variation:
     return Variation(name, _STEP, high, low, solids)
 
 
-def _vary_material(made: Made, name: str) -> Variation:
+def _vary_material(made: PathInputs, name: str) -> Variation:
     """A silicone with another constant; the penalty of contact goes with its stiffness."""
     data = made.material.key_data()
     step = _STEP * abs(float(data["constants"][name]))

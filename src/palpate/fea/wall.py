@@ -17,8 +17,8 @@ from pydantic import SerializerFunctionWrapHandler, model_serializer
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray, IntArray, PalpateError, kernel, parameter
-from palpate.design import TILT_DEPTH, PoseSpace, rotation_vector, wall_normal
-from palpate.fea.spec import ObstacleSpec, advanced
+from palpate.design import TILT_SPACE, PoseSpace, rotation_vector, wall_normal
+from palpate.fea.spec import ObstacleSpec, translate_obstacle
 from palpate.mechanics import Gap, Obstacle, tangents
 from palpate.mesh import Mesh
 
@@ -64,7 +64,7 @@ class WallSpec(ObstacleSpec):
 
     @property
     def pose_space(self) -> PoseSpace:
-        return TILT_DEPTH
+        return TILT_SPACE
 
     @property
     def radial(self) -> float:
@@ -81,7 +81,7 @@ class WallSpec(ObstacleSpec):
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         touched, _ = self.at_touch(mesh)
-        down = partial(advanced, touched, self.way(mesh))
+        down = partial(translate_obstacle, touched, self.way(mesh))
         if not self.drifts:
             return down
         if not mesh.spec.whole and (self.drift_across or self.twist_rate_deg):

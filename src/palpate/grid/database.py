@@ -97,7 +97,7 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
         marks = [database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version")]
         if marks[0] != APPLICATION:
             raise ValueError("it is no grid")
-        refuse_older(path, marks[1], SCHEMA_VERSION)
+        check_schema_version(path, marks[1], SCHEMA_VERSION)
         designs = [dict(row) for row in database.execute("SELECT * FROM design ORDER BY design")]
         for number, row in enumerate(designs):
             if row.pop("design") != number:
@@ -116,7 +116,7 @@ def _read(path: Path, mode: str) -> SpecificationGrid:
     return SpecificationGrid(tuple(designs), *(tuple(table) for table in tables))
 
 
-def refuse_older(path: Path, version: Any, known: int) -> None:
+def check_schema_version(path: Path, version: Any, known: int) -> None:
     """Refuse a grid that another version of palpate wrote, with a `PalpateError` that says what to do."""
     if version != known:
         older = isinstance(version, int) and version < known

@@ -9,10 +9,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 
-from palpate.built import BuiltFigure
-from palpate.design import TILT_DEPTH
+from palpate.built import PredictedAccuracy
+from palpate.design import TILT_SPACE
 from palpate.grid.grid import Cell, Row, SpecificationGrid
-from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_limit, pool_limits
+from palpate.learn import Coverage, DepthErrors, Metrics, TiltErrors, compare_with_bound, pool_bounds
 from palpate.study import DesignResult, PressSummary
 
 Part = DepthErrors | TiltErrors
@@ -129,7 +129,7 @@ def _errors(metrics: Metrics | Part | None, suffix: str) -> dict[str, Cell]:
     }
 
 
-def _built(figures: Sequence[BuiltFigure]) -> dict[str, Cell]:
+def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
     """What built units will be: as they come, and once known presses have told each."""
     if not figures:
         return {}
@@ -155,8 +155,8 @@ def _spread(design: DesignResult) -> dict[str, Cell]:
 
 def _limits(design: DesignResult) -> dict[str, Cell]:
     """Bounds on the jittered RMSE and how near it comes, over all depths."""
-    judged = compare_with_limit(design.jittered, design.limits) if design.jittered else None
-    pooled = judged[0] if judged else pool_limits(design.limits)
+    judged = compare_with_bound(design.jittered, design.limits) if design.jittered else None
+    pooled = judged[0] if judged else pool_bounds(design.limits)
     return {
         "limit_deg": pooled.least_squares_deg if pooled else None,
         "limit_pitman_deg": pooled.pitman_deg if pooled else None,
@@ -182,7 +182,7 @@ def _details(metrics: Metrics | None, suffix: str) -> dict[str, Cell]:
     if metrics is None:
         return {}
     found: dict[str, Cell] = {}
-    for axis, _, unit in TILT_DEPTH.errors:
+    for axis, _, unit in TILT_SPACE.errors:
         summary = metrics.by_axis[axis]
         for figure in ("rmse", "mae", "max", "sd", "bias"):
             if axis == "angle" and figure in ("rmse", "max"):

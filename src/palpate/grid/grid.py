@@ -111,28 +111,28 @@ class SpecificationGrid:
         return SpecificationGrid(tuple(designs), *tables)
 
 
-def rows_of(table: Sequence[Row], design: int) -> tuple[Row, ...]:
+def rows_for_design(table: Sequence[Row], design: int) -> tuple[Row, ...]:
     """The rows of `by_depth`, `by_tilt` or `presses` of one design, by its number in the grid."""
     return tuple(row for row in table if row["design"] == design)
 
 
-def name_row(row: Row) -> str:
+def design_label(row: Row) -> str:
     """Name of a design in words, e.g. ``"H20 T2, 169 markers"``.
 
     Examples
     --------
-    >>> name_row({"height_mm": 20.0, "thickness_mm": 2.0, "markers": 169})
+    >>> design_label({"height_mm": 20.0, "thickness_mm": 2.0, "markers": 169})
     'H20 T2, 169 markers'
     """
     return f"H{row['height_mm']:g} T{row['thickness_mm']:g}, {row['markers']} markers"
 
 
-def unit_of(column: str) -> str:
+def column_unit(column: str) -> str:
     """Unit of a column by its suffix; empty for a pure number or a word.
 
     Examples
     --------
-    >>> unit_of("rmse_depth_mm"), unit_of("markers")
+    >>> column_unit("rmse_depth_mm"), column_unit("markers")
     ('mm', '')
     """
     return next((unit for suffix, unit in UNITS.items() if column.endswith(suffix)), "")

@@ -58,7 +58,7 @@ class Coverage:
     false_alarm: float
 
 
-def calibrate(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimator:
+def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) -> Estimator:
     """Give an estimator its interval, from some of the held-out presses; its estimates stay as they are.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 from palpate.core import generator
 from palpate.dataset import Dataset
 from palpate.learn.metrics import Metrics, measure_errors
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 from palpate.learn.train import train_on
 
 
@@ -36,7 +36,7 @@ class SplitComparison:
 
 def compare_splits(
     dataset: Dataset,
-    spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
+    spec: TrainingSpec = TrainingSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
 ) -> SplitComparison:
     """Train once on presses and once on images drawn at random, as many, and measure what the second flatters.
@@ -78,6 +78,6 @@ def shuffle_labels(dataset: Dataset, seed: int = 0) -> Dataset:
     return replace(dataset, poses=poses)
 
 
-def _errors(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int) -> Metrics:
+def _errors(kept: Dataset, held: Dataset, spec: TrainingSpec, seed: int) -> Metrics:
     estimates = train_on(kept, held, spec, seed).predict(held.images_px)
     return measure_errors(estimates, held.poses, held.space)

@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, PalpateError, stage_version
 from palpate.dataset import Normalisation
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.design import TILT_SPACE, PoseSpace
 from palpate.learn.interval import Interval, Prediction
 
 
@@ -64,7 +64,7 @@ class Estimator:
     repeat_rmse_deg: tuple[float, ...] = ()
     interval: Interval | None = None
     version: str = field(default_factory=lambda: stage_version("estimator"))
-    space: PoseSpace = TILT_DEPTH
+    space: PoseSpace = TILT_SPACE
 
     @property
     def members(self) -> int:

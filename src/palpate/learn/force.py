@@ -20,13 +20,13 @@ from palpate.dataset import Dataset, draw_jitter, hold_out
 from palpate.learn.calibrate import DRAWS, LEVEL, MOST_IMAGES, SHARE
 from palpate.learn.estimator import Estimator
 from palpate.learn.interval import press_quantile
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 from palpate.learn.train import train_targets
 
 FORCE_AXES = ("along_x_n", "along_y_n", "normal_n")
 """Components of a force in the wall's axes, N: in its plane, where the dome's x and y are turned to, and along its
 outward normal."""
-_NETWORK = TrainSpec(repeats=1)
+_NETWORK = TrainingSpec(repeats=1)
 _LEAST_N = 1e-6
 
 

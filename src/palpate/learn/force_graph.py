@@ -28,7 +28,7 @@ _OWN = "force/"
 """What the head's names in the graph begin with."""
 
 
-def learn_forces(estimator: Path, dataset: Dataset, path: Path, seed: int = 0, device: str = "cpu") -> None:
+def train_force_output(estimator: Path, dataset: Dataset, path: Path, seed: int = 0, device: str = "cpu") -> None:
     """Train forces and write an estimator's file anew to `path`, telling them; their errors stand in its metadata.
 
     Parameters

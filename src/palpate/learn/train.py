@@ -12,7 +12,7 @@ from palpate.dataset import Dataset, draw_jitter
 from palpate.learn.components import find_components
 from palpate.learn.estimator import Estimator
 from palpate.learn.metrics import Metrics, measure_errors
-from palpate.learn.spec import TrainSpec
+from palpate.learn.spec import TrainingSpec
 
 if TYPE_CHECKING:
     from palpate.learn.network import TrainedNetwork
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 def train(
     dataset: Dataset,
-    spec: TrainSpec = TrainSpec(),  # noqa: B008  (a spec is frozen)
+    spec: TrainingSpec = TrainingSpec(),  # noqa: B008  (a spec is frozen)
     seed: int = 0,
     device: str = "cpu",
 ) -> Estimator:
@@ -52,7 +52,7 @@ def train(
     return train_on(dataset.part(validation=False), dataset.part(validation=True), spec, seed, device)
 
 
-def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, device: str = "cpu") -> Estimator:
+def train_on(kept: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, device: str = "cpu") -> Estimator:
     """Train on the images of `kept` and judge epochs and repeats by those of `held`; for the rest see `train`.
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
@@ -66,7 +66,7 @@ def train_on(kept: Dataset, held: Dataset, spec: TrainSpec, seed: int = 0, devic
 
 
 def train_targets(
-    kept: Dataset, held: Dataset, targets: tuple[FloatArray, FloatArray], spec: TrainSpec, seed: int, device: str
+    kept: Dataset, held: Dataset, targets: tuple[FloatArray, FloatArray], spec: TrainingSpec, seed: int, device: str
 ) -> tuple[Estimator, TrainedNetwork]:
     """Train on any targets (n, 3) of the images of `kept`; those of `held` choose epochs. All repeats are kept."""
     from palpate.learn.network import TrainingData, train_network

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from palpate.core import FloatArray, PalpateError
-from palpate.markers.name_markers import Naming
+from palpate.markers.name_markers import MarkerAssignment
 
 _GAINS = np.linspace(0.5, 1.5, 15)
 """Factors on the motion: a touch point 1 mm off at 4 mm depth is a quarter."""
@@ -50,13 +50,15 @@ class PressFit:
         Factor on the motion for which the best numbering fits: far from 1, the depth was another.
     """
 
-    naming: Naming
+    naming: MarkerAssignment
     misfit_px: FloatArray
     sureness: FloatArray
     gain: float
 
 
-def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray, spacing_px: float) -> PressFit:
+def disambiguate_by_press(
+    naming: MarkerAssignment, motions_px: FloatArray, pressed_px: FloatArray, spacing_px: float
+) -> PressFit:
     """Choose among the numberings that fit the image at rest.
 
     Parameters
@@ -115,7 +117,7 @@ def name_by_press(naming: Naming, motions_px: FloatArray, pressed_px: FloatArray
     return PressFit(replace(choices[best], alternatives=others), misfit, sureness, gain)
 
 
-def _by_dot(choice: Naming, values: FloatArray) -> FloatArray:
+def _by_dot(choice: MarkerAssignment, values: FloatArray) -> FloatArray:
     """(n, 2) values of the found markers in the order of their dots, which is the same under every numbering."""
     return np.asarray(values[choice.found][np.argsort(choice.blob[choice.found])])
 

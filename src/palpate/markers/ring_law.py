@@ -197,7 +197,7 @@ class Profile:
 
 
 @dataclass(frozen=True, eq=False)
-class RingLaw:
+class RingModel:
     """Centres and radii of the rings of a print, and what they say of another ring.
 
     Attributes
@@ -248,7 +248,9 @@ class RingLaw:
         return np.asarray(self.drift[0] + self.zoom * self.profile.scale(rho) * self.drift[1])
 
 
-def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray) -> RingLaw:
+def fit_ring_model(
+    rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray, design_rho: FloatArray
+) -> RingModel:
     """The law of some rings, from the innermost, the middle left out.
 
     `nominal_px` and `design_rho` are the design's radii (k,) in px of the nominal image and in mm.
@@ -262,7 +264,7 @@ def learn_law(rings: Sequence[RingFit], profile: Profile, nominal_px: FloatArray
     bent = float(np.abs(rho / design_rho - 1.0).max())
     drift, sd = _drift(centres, scale, np.sqrt(rho / rho.max()), min(bent, _BENT) * _OFF)
     left = centres - drift[0] - scale[:, None] * drift[1]
-    return RingLaw(profile, zoom, rho, drift, left, sd)
+    return RingModel(profile, zoom, rho, drift, left, sd)
 
 
 def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: float) -> tuple[FloatArray, float]:
@@ -282,7 +284,7 @@ def _drift(centres: FloatArray, scale: FloatArray, weight: FloatArray, off_mm: f
     return drift, float(1.0 / np.sqrt(spread / sd**2 + 1.0 / _ASIDE_MM**2))
 
 
-def continue_rings(law: RingLaw, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float, float]:
+def extrapolate_ring(law: RingModel, outer: RingFit, design: tuple[float, float]) -> tuple[FloatArray, float, float]:
     """A ring outside the outermost one, as its own shape goes on.
 
     Parameters

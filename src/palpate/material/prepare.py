@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.core import FloatArray, PalpateError
-from palpate.material.loading import take_loading
+from palpate.material.loading import loading_branch
 from palpate.material.sample import Loading, Sample
 from palpate.material.spec import PrepareSpec
 
@@ -60,7 +60,7 @@ def prepare_sample(sample: Sample, spec: PrepareSpec) -> Sample:
     notes = list(sample.notes)
     read = len(sample.stretch)
     if spec.until_break:
-        sample = take_loading(sample)
+        sample = loading_branch(sample)
         if len(sample.stretch) < read:
             notes.append(f"{read - len(sample.stretch)} rows after break or unloading left out")
     if spec.toe == "auto":

@@ -53,7 +53,7 @@ class Ranked:
 
 
 @dataclass(frozen=True)
-class UnseenError:
+class ModeExtrapolation:
     """What a fit may miss in a mode that was not measured.
 
     Attributes
@@ -128,7 +128,7 @@ def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:
     return float(np.sqrt(np.mean(squares)))
 
 
-def predict_unseen(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]) -> tuple[UnseenError, ...]:
+def extrapolate_modes(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]) -> tuple[ModeExtrapolation, ...]:
     """Predict how far a fit may be off in the modes that were not measured.
 
     Models that describe the measured modes about as well and are stable differ where nothing was measured. Since most
@@ -167,7 +167,7 @@ def predict_unseen(fit: Fit, ranked: Sequence[Ranked], samples: Sequence[Sample]
         between = float(np.median(distances)) if known else float("nan")
         relative = float(np.hypot(_SHARE * between, _BENCHES))
         names = tuple(peer.model.name for peer in peers)
-        found.append(UnseenError(mode, high, between, relative, _UPPER * relative, names))
+        found.append(ModeExtrapolation(mode, high, between, relative, _UPPER * relative, names))
     return tuple(found)
 
 

@@ -47,7 +47,7 @@ _STRAIN_UNITS = ", ".join(StrainUnit)
 _STRESS_UNITS = ", ".join(StressUnit)
 
 
-class BenchSpec(Spec):
+class TestFileSpec(Spec):
     """How the files of a test bench are to be read; what is left open is found in the file or asked for."""
 
     loading: Loading | None = parameter(None, unit="", meaning="the test; empty: as file name or preamble say")

@@ -75,20 +75,20 @@ class ContactHistory(NamedTuple):
     stabilisation: FloatArray
 
 
-class Met(NamedTuple):
+class ContactPair(NamedTuple):
     """Contact points (n_points, 3) mm and the obstacle that they meet."""
 
     points: FloatArray
     obstacle: Obstacle
 
 
-def untouched(points: int) -> ContactHistory:
+def empty_history(points: int) -> ContactHistory:
     """Nothing has touched yet."""
     return ContactHistory(np.zeros((points, 3)), np.zeros((points, 3)), np.zeros(points), np.zeros(points))
 
 
 def correct_history(
-    law: ContactLaw, history: ContactHistory, before: Met, after: Met, area: FloatArray
+    law: ContactLaw, history: ContactHistory, before: ContactPair, after: ContactPair, area: FloatArray
 ) -> ContactHistory:
     """Correct sticking places and limits by a solution in which points that touch anew slid freely.
 
@@ -121,7 +121,7 @@ def arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatAr
     return share
 
 
-def return_to_limit(law: ContactLaw, history: ContactHistory, at: Met) -> ContactHistory:
+def return_to_limit(law: ContactLaw, history: ContactHistory, at: ContactPair) -> ContactHistory:
     """What the points keep of an equilibrium: where they stick, after any slip (return mapping)."""
     reach, place = at.obstacle.foot(at.points)
     spring = np.where(history.limit[:, None] > 0, place - history.anchor, 0.0)
@@ -132,7 +132,7 @@ def return_to_limit(law: ContactLaw, history: ContactHistory, at: Met) -> Contac
     return ContactHistory(anchor, at.obstacle.normal_at(anchor), limit, history.stabilisation)
 
 
-def dissipated(law: ContactLaw, history: ContactHistory, at: Met, weight: FloatArray) -> float:
+def dissipated(law: ContactLaw, history: ContactHistory, at: ContactPair, weight: FloatArray) -> float:
     """Work in mJ of friction in the increment that ends here: traction times slip, over areas (n_points,) mm²."""
     if not 0 < law.friction < np.inf:
         return 0.0

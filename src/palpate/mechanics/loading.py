@@ -14,11 +14,11 @@ from palpate.mechanics.contact import Contact
 from palpate.mechanics.friction import (
     ContactHistory,
     ContactLaw,
-    Met,
+    ContactPair,
     correct_history,
     dissipated,
+    empty_history,
     return_to_limit,
-    untouched,
 )
 from palpate.mechanics.obstacle import Obstacle
 from palpate.mechanics.solid import State
@@ -117,7 +117,7 @@ class ContactLoading(PathLoading):
         return float(share * edge * np.sqrt(2.0 * at / radius))
 
     def start(self) -> ContactHistory:
-        return untouched(len(self.surface.points))
+        return empty_history(len(self.surface.points))
 
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
         return (self.contact(at, history),)
@@ -152,9 +152,9 @@ class ContactLoading(PathLoading):
         lost = dissipated(self.law, history, met, self.surface.faces.weight.ravel())
         return return_to_limit(self.law, history, met), lost
 
-    def meet(self, at: float, state: State) -> Met:
+    def meet(self, at: float, state: State) -> ContactPair:
         """Contact points of a state and the obstacle at a depth in mm."""
-        return Met(self.surface.interpolate(self.nodes + state.u), self.obstacle(at))
+        return ContactPair(self.surface.interpolate(self.nodes + state.u), self.obstacle(at))
 
     def reach(self, at: float, state: State) -> FloatArray:
         """Penetration (n_points,) mm of a state into the obstacle at a depth in mm."""
@@ -184,7 +184,7 @@ class DeadLoading(PathLoading):
         return np.inf
 
     def start(self) -> ContactHistory:
-        return untouched(0)
+        return empty_history(0)
 
     def terms(self, at: float, history: ContactHistory) -> tuple[Term, ...]:
         return (replace(self.load, factor=at),)

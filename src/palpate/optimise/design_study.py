@@ -13,7 +13,7 @@ from palpate.camera import CameraSpec
 from palpate.design import MarkerSpec, MountSpec, SkinSpec
 from palpate.fabricate import FabricationPack, PackSpec, write_pack
 from palpate.material import get_material
-from palpate.optimise.front import Entry, Front
+from palpate.optimise.front import DesignCandidate, Front
 from palpate.optimise.spec import RequirementsSpec
 from palpate.study import Study
 
@@ -21,7 +21,7 @@ PACKS = "packs"
 """Folder of the packs in that of a search."""
 
 
-def camera_of(spec: RequirementsSpec, entry: Entry) -> CameraSpec:
+def camera_of(spec: RequirementsSpec, entry: DesignCandidate) -> CameraSpec:
     """The camera of a design, at its distance."""
     camera = next(choice.camera for choice in spec.cameras if choice.name == entry.option.camera)
     return camera.model_copy(update={"distance": entry.option.distance})
@@ -34,7 +34,7 @@ def design_study(
     return Study.model_validate(_study_data(spec, name, skin, material, markers, camera))
 
 
-def winner_study(front: Front, winner: Entry) -> str:
+def winner_study(front: Front, winner: DesignCandidate) -> str:
     """A study of the winner alone as YAML: `palpate run`, `palpate make` and `palpate twin` go on from it."""
     proposal, spec = winner.tried.known, front.spec
     study = _study_data(
@@ -50,7 +50,7 @@ def winner_study(front: Front, winner: Entry) -> str:
     return text.getvalue()
 
 
-def pack_name(entry: Entry) -> str:
+def pack_name(entry: DesignCandidate) -> str:
     """Name of a design's pack."""
     return f"skin{entry.tried.number}_{entry.option.markers.count}"
 

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from palpate.camera import CameraSpec, build_camera, render, wrap_dots
+from palpate.camera import CameraSpec, build_camera, marker_outlines, render
 from palpate.design import MarkerLayout, Skin, place_markers, place_orientation_mark
-from palpate.optimise.front import Entry, Front, TriedSkin, coarse_errors, find_least
+from palpate.optimise.front import DesignCandidate, Front, SkinTrial, coarse_errors, find_best
 
 UNITS = {"error": "deg", "force": "N", "markers": "", "price": "", "size": "mm"}
 """Units of the objectives."""
@@ -28,7 +28,7 @@ def draw_search(front: Front) -> Figure:
             axis.plot(*np.array(found).T, "o", ms=4, color=colour, label=words)
     _step(axis, front.tried, most, _BLUE, "least so far")
     _step(axis, control.chance, most, _ORANGE, "least by chance")
-    rival = find_least(control.grid, most)
+    rival = find_best(control.grid, most)
     if rival is not None:
         words = f"best of the grid: {rival.tried.proposal.skin.build().name}, {rival.option.markers.count} dots"
         axis.axhline(rival.value("error"), color=_GREEN, lw=1.0, ls="-.", label=words)
@@ -41,7 +41,7 @@ def draw_search(front: Front) -> Figure:
     return figure
 
 
-def _step(axis: Axes, skins: Sequence[TriedSkin], markers: int, colour: str, words: str) -> None:
+def _step(axis: Axes, skins: Sequence[SkinTrial], markers: int, colour: str, words: str) -> None:
     """Draw the least error so far of skins that meet the limits, to the last of all."""
     if found := coarse_errors(skins, markers, meets=True):
         numbers, errors = np.array([*found, (skins[-1].number, np.inf)]).T
@@ -74,7 +74,7 @@ def draw_front(front: Front) -> Figure:
     return figure
 
 
-def _write_dots(axis: Axes, entries: Sequence[Entry], second: str, first: str) -> None:
+def _write_dots(axis: Axes, entries: Sequence[DesignCandidate], second: str, first: str) -> None:
     """The number of dots beside each design, left and right by turns."""
     for turn, entry in enumerate(sorted(entries, key=lambda entry: entry.value(first))):
         right = turn % 2 == 0
@@ -101,7 +101,7 @@ def _label(objective: str) -> str:
     return f"{words}, {UNITS[objective]}".removesuffix(", ")
 
 
-def draw_design(entry: Entry, camera: CameraSpec) -> Figure:
+def draw_design(entry: DesignCandidate, camera: CameraSpec) -> Figure:
     """A design in section before its camera, to scale, and what the camera sees at rest."""
     skin, eye = entry.tried.known.skin.build(), build_camera(camera)
     layout = place_markers(skin, entry.option.markers)
@@ -109,7 +109,7 @@ def draw_design(entry: Entry, camera: CameraSpec) -> Figure:
     section, image = figure.subplots(1, 2, width_ratios=(1, 1.25))
     _draw_section(section, skin, layout, camera.distance)
     printed = np.vstack([layout.positions, place_orientation_mark(skin, layout)])
-    edges = wrap_dots(skin, printed, layout.diameter)
+    edges = marker_outlines(skin, printed, layout.diameter)
     image.imshow(render(eye, edges), cmap="gray", vmin=0, vmax=255)
     image.set(title=f"what the camera sees at rest, {eye.width_px} x {eye.height_px} px", xticks=[], yticks=[])
     return figure

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from palpate.built import BuiltFigure
-from palpate.optimise.proof import Proof
-from palpate.optimise.proposal import Proposal, Variant
+from palpate.built import PredictedAccuracy
+from palpate.optimise.proof import ValidationResult
+from palpate.optimise.proposal import LayoutOption, SkinEvaluation
 from palpate.optimise.spec import RequirementsSpec
 
 WORDS = {
@@ -23,7 +23,7 @@ ENDS = {"force": "least force", "markers": "fewest markers", "price": "least pri
 
 
 @dataclass(frozen=True)
-class TriedSkin:
+class SkinTrial:
     """One skin that was tried.
 
     Attributes
@@ -39,9 +39,9 @@ class TriedSkin:
     """
 
     number: int
-    proposal: Proposal
+    proposal: SkinEvaluation
     violations: Mapping[str, float]
-    full: Proposal | None = None
+    full: SkinEvaluation | None = None
 
     @property
     def meets(self) -> bool:
@@ -49,17 +49,17 @@ class TriedSkin:
         return all(violation <= 0 for violation in self.violations.values())
 
     @property
-    def known(self) -> Proposal:
+    def known(self) -> SkinEvaluation:
         """The best that is known of it."""
         return self.full or self.proposal
 
 
 @dataclass(frozen=True)
-class Entry:
+class DesignCandidate:
     """A skin with one of its options."""
 
-    tried: TriedSkin
-    option: Variant
+    tried: SkinTrial
+    option: LayoutOption
 
     def value(self, objective: str) -> float:
         """What is made least by an objective: degrees, N, number, price, or mm."""
@@ -73,21 +73,21 @@ class Entry:
         }[objective]
 
 
-def coarse_errors(skins: Sequence[TriedSkin], markers: int, *, meets: bool) -> list[tuple[int, float]]:
+def coarse_errors(skins: Sequence[SkinTrial], markers: int, *, meets: bool) -> list[tuple[int, float]]:
     """Number and least error (degrees) by coarse presses of the skins that meet the constraints, or of the others."""
     chosen = ((one, one.proposal.best(markers)) for one in skins if one.meets is meets)
     return [(one.number, best.figure.worst_deg) for one, best in chosen if best is not None]
 
 
-def find_least(skins: Sequence[TriedSkin], markers: int) -> Entry | None:
+def find_best(skins: Sequence[SkinTrial], markers: int) -> DesignCandidate | None:
     """The design of least error by coarse presses, of those that meet the constraints; `None` where none does."""
     fine = ((one, one.proposal.best(markers)) for one in skins if one.meets)
-    entries = (Entry(replace(one, full=None), option) for one, option in fine if option is not None)
+    entries = (DesignCandidate(replace(one, full=None), option) for one, option in fine if option is not None)
     return min(entries, key=lambda entry: entry.value("error"), default=None)
 
 
 @dataclass(frozen=True)
-class Control:
+class SearchBaselines:
     """What a search is held against, judged by the same presses as its skins.
 
     Attributes
@@ -98,8 +98,8 @@ class Control:
         Skins of a grid, with its layouts.
     """
 
-    chance: tuple[TriedSkin, ...] = ()
-    grid: tuple[TriedSkin, ...] = ()
+    chance: tuple[SkinTrial, ...] = ()
+    grid: tuple[SkinTrial, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,20 +121,20 @@ class Front:
     """
 
     spec: RequirementsSpec
-    tried: tuple[TriedSkin, ...]
-    proof: Proof | None = None
-    rival: BuiltFigure | None = None
-    control: Control = Control()
+    tried: tuple[SkinTrial, ...]
+    proof: ValidationResult | None = None
+    rival: PredictedAccuracy | None = None
+    control: SearchBaselines = SearchBaselines()
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
+    def entries(self) -> tuple[DesignCandidate, ...]:
         """Every option of every skin that meets the constraints; of finalists alone where there are any."""
         final = [one for one in self.tried if one.full is not None and one.meets]
         skins = final or [one for one in self.tried if one.meets]
-        return tuple(Entry(one, option) for one in skins for option in one.known.options)
+        return tuple(DesignCandidate(one, option) for one in skins for option in one.known.options)
 
     @cached_property
-    def best(self) -> tuple[Entry, ...]:
+    def best(self) -> tuple[DesignCandidate, ...]:
         """Entries that no other beats in every objective, by the first; one only where there is one objective."""
         found = [entry for entry in self.entries if not any(self._beats(other, entry) for other in self.entries)]
         first = self.spec.objectives[0]
@@ -142,7 +142,7 @@ class Front:
         return tuple(found[:1] if len(self.spec.objectives) == 1 else found)
 
     @property
-    def winner(self) -> Entry | None:
+    def winner(self) -> DesignCandidate | None:
         """Of the front the first that meets the error wanted, or else the one of least error."""
         fine = [entry for entry in self.best if entry.value("error") <= self.spec.error_deg]
         return next(iter(fine), min(self.best, key=lambda entry: entry.value("error"), default=None))
@@ -153,7 +153,7 @@ class Front:
         return self.rival.worst_deg if self.rival else self.spec.error_deg
 
     @property
-    def ends(self) -> tuple[tuple[str, Entry], ...]:
+    def ends(self) -> tuple[tuple[str, DesignCandidate], ...]:
         """For each objective beside the error the design that is least in it, of those no worse than `bar_deg`."""
         fine = [entry for entry in self.entries if entry.value("error") <= self.bar_deg]
         names = [name for name in self.spec.objectives if name in ENDS] if len(self.spec.objectives) > 1 else []
@@ -181,7 +181,7 @@ class Front:
             return f"The least error found is {error:.3f}°, and {self.spec.error_deg:g}° is wanted."
         return ""
 
-    def _beats(self, one: Entry, other: Entry) -> bool:
+    def _beats(self, one: DesignCandidate, other: DesignCandidate) -> bool:
         names = self.spec.objectives
         pairs = [(one.value(name), other.value(name)) for name in names]
         return all(a <= b for a, b in pairs) and any(a < b for a, b in pairs)

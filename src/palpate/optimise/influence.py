@@ -15,7 +15,7 @@ from scipy.interpolate import RBFInterpolator
 from scipy.stats import sobol_indices, uniform
 
 from palpate.core import FloatArray
-from palpate.optimise.front import TriedSkin
+from palpate.optimise.front import SkinTrial
 from palpate.optimise.space import SkinSpace
 
 _FEWEST = 4
@@ -27,7 +27,7 @@ _SAMPLES = 1024
 
 
 @dataclass(frozen=True)
-class Influence:
+class SobolIndex:
     """How much of the error's spread a variable explains.
 
     Attributes
@@ -44,7 +44,7 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class Influences:
+class SobolIndices:
     """What matters in a search.
 
     Attributes
@@ -55,7 +55,7 @@ class Influences:
         Share of the variance of skins left out, a tenth at a time, that the surface explains; 1 is all.
     """
 
-    variables: tuple[Influence, ...]
+    variables: tuple[SobolIndex, ...]
     explained: float
 
     @property
@@ -71,7 +71,7 @@ class Influences:
         return words + (f" What hardly matters: {', '.join(idle)}." if idle else "")
 
 
-def find_influences(tried: Sequence[TriedSkin], space: SkinSpace, markers: int, seed: int = 0) -> Influences:
+def compute_sobol_indices(tried: Sequence[SkinTrial], space: SkinSpace, markers: int, seed: int = 0) -> SobolIndices:
     """Sobol's indices of the log of the least error over the ranges of a space, by skins that reach the depth.
 
     The error of a skin that does not reach it is that of other poses, up to some times as large.
@@ -84,7 +84,7 @@ def find_influences(tried: Sequence[TriedSkin], space: SkinSpace, markers: int, 
             values.append(log10(best.figure.worst_deg))
     x, y = np.array(rows), np.array(values)
     if not names or len(y) < _FEWEST * len(names) + 2 or np.ptp(y) == 0:
-        return Influences((), 0.0)
+        return SobolIndices((), 0.0)
     explained = _explained(x, y)
     surface = _surface(x, y)
     found = sobol_indices(
@@ -94,11 +94,11 @@ def find_influences(tried: Sequence[TriedSkin], space: SkinSpace, markers: int, 
         rng=np.random.default_rng(seed),
     )
     first, total = np.ravel(found.first_order), np.ravel(found.total_order)
-    variables = [Influence(name, float(a), float(b)) for name, a, b in zip(names, first, total, strict=True)]
-    return Influences(tuple(sorted(variables, key=lambda one: -one.together)), explained)
+    variables = [SobolIndex(name, float(a), float(b)) for name, a, b in zip(names, first, total, strict=True)]
+    return SobolIndices(tuple(sorted(variables, key=lambda one: -one.together)), explained)
 
 
-def _unit_place(space: SkinSpace, one: TriedSkin) -> list[float]:
+def _unit_place(space: SkinSpace, one: SkinTrial) -> list[float]:
     place = space.place(one.proposal.skin)
     return [(float(place[name]) - low) / (high - low) for name, (low, high) in space.ranges.items()]
 

@@ -10,22 +10,22 @@ from pathlib import Path
 
 from palpate.core import ArtefactStore, PalpateError, load_opencv, stage_version
 from palpate.design import DomeSpec
-from palpate.optimise.front import Control, Front, TriedSkin
-from palpate.optimise.proposal import Proposal
-from palpate.optimise.propose import ProposalTask, plan_proposal
-from palpate.optimise.prove import foresee_rival, prove
+from palpate.optimise.front import Front, SearchBaselines, SkinTrial
+from palpate.optimise.proposal import SkinEvaluation
+from palpate.optimise.propose import SkinEvaluationTask, plan_skin_evaluation
+from palpate.optimise.prove import predict_baseline, validate_designs
 from palpate.optimise.search_skins import (
-    Judged,
+    Evaluation,
     Sampler,
     SearchPlan,
-    Tried,
-    read_tried,
+    SearchTrial,
+    read_trials,
     rewrite_journal,
     search_skins,
 )
 from palpate.optimise.space import Place, SkinSpace
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import Observer, Task, find_made, run_tasks, writable
+from palpate.study import Observer, Task, ensure_writable, find_artefact, run_tasks
 
 JOURNAL = "search.journal"
 """File of the search in its folder."""
@@ -50,7 +50,7 @@ def optimise_design(
     sampler: Sampler = "gp",
     cluster: str = "",
 ) -> Front:
-    """Search for the designs that meet requirements best; `prove_front` plays what was found.
+    """Search for the designs that meet requirements best; `validate_front` plays what was found.
 
     Parameters
     ----------
@@ -80,13 +80,13 @@ def optimise_design(
         spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
     )
     tried = judge.search(space, plan, out / JOURNAL, judge.say_best)
-    rival = foresee_rival(spec, out, judge.run) if len(spec.objectives) > 1 else None
-    control = Control(tuple(judge.draw(space, plan)), tuple(judge.grid()))
+    rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
+    control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
     front = Front(spec, tuple(map(judge.skin, tried)), rival=rival, control=control)
     return replace(front, tried=judge.finish(front)) if spec.finalists else front
 
 
-def prove_front(
+def validate_front(
     front: Front, out: Path, workers: int | None = None, observer: Observer | None = None, cluster: str = ""
 ) -> Front:
     """Play the winner of a front and its rivals, as its requirements ask; the same front where they ask for none.
@@ -95,10 +95,10 @@ def prove_front(
     """
     if front.spec.proof == "none" or front.winner is None:
         return front
-    return replace(front, proof=prove(front, out, _Judge(front.spec, out, workers, observer, cluster).run))
+    return replace(front, proof=validate_designs(front, out, _Judge(front.spec, out, workers, observer, cluster).run))
 
 
-def values(spec: RequirementsSpec, proposal: Proposal) -> tuple[float, ...]:
+def objective_values(spec: RequirementsSpec, proposal: SkinEvaluation) -> tuple[float, ...]:
     """What the search makes least; infinite where it is not known of a skin, for which the worst known stands in."""
     best = proposal.best(spec.markers)
     known = {
@@ -109,7 +109,7 @@ def values(spec: RequirementsSpec, proposal: Proposal) -> tuple[float, ...]:
     return tuple(known[name] for name in spec.objectives if name in known) or (known["error"],)
 
 
-def violations(spec: RequirementsSpec, proposal: Proposal) -> dict[str, float]:
+def constraint_violations(spec: RequirementsSpec, proposal: SkinEvaluation) -> dict[str, float]:
     """By how much a skin misses each constraint, over what is allowed."""
     found = {"reach": 1.0 - _SLACK - proposal.reach_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
     if spec.force_n is not None:
@@ -135,22 +135,22 @@ class _Judge:
         space: SkinSpace,
         plan: SearchPlan,
         journal: Path,
-        watch: Callable[[Sequence[Tried]], None] | None = None,
-    ) -> tuple[Tried, ...]:
+        watch: Callable[[Sequence[SearchTrial]], None] | None = None,
+    ) -> tuple[SearchTrial, ...]:
         """Skins that are tried. A search that goes on does so by what is said now of those tried before."""
-        before = read_tried(journal, plan.objectives)
+        before = read_trials(journal, plan.objectives)
         now = self.judge_again(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
         return search_skins(space, self.judge, plan, journal, watch)
 
-    def judge(self, places: Sequence[Place]) -> list[Judged]:
+    def judge(self, places: Sequence[Place]) -> list[Evaluation]:
         """Values, violations and proposals at places."""
         space = SkinSpace.of(self.spec)
-        tasks = [plan_proposal(self.spec, space.skin(place), space.material(place)) for place in places]
+        tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
         return [self._judged(proposal) for proposal in self._do(tasks)]
 
-    def judge_again(self, tried: Sequence[Tried]) -> tuple[Tried, ...]:
+    def judge_again(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
         old = [one for one in tried if one.judged.note.get("version") != stage_version("skin_evaluation")]
         anew = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
@@ -158,11 +158,11 @@ class _Judge:
             replace(one, judged=anew.get(one.number) or self._judged(self.skin(one).proposal)) for one in tried
         )
 
-    def _judged(self, proposal: Proposal) -> Judged:
+    def _judged(self, proposal: SkinEvaluation) -> Evaluation:
         note = {"proposal": proposal.to_data(), "version": stage_version("skin_evaluation")}
-        return Judged(values(self.spec, proposal), violations(self.spec, proposal), note)
+        return Evaluation(objective_values(self.spec, proposal), constraint_violations(self.spec, proposal), note)
 
-    def say_best(self, tried: Sequence[Tried]) -> None:
+    def say_best(self, tried: Sequence[SearchTrial]) -> None:
         """Say how many skins were tried, and the least error of those that meet the constraints."""
         if self.observer is None:
             return
@@ -177,34 +177,36 @@ class _Judge:
         self.observer.noted(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
     @staticmethod
-    def skin(tried: Tried) -> TriedSkin:
+    def skin(tried: SearchTrial) -> SkinTrial:
         """What was found of a skin, as the journal has it."""
         judged = tried.judged
-        return TriedSkin(tried.number, Proposal.from_data(judged.note["proposal"]), judged.violations)
+        return SkinTrial(tried.number, SkinEvaluation.from_data(judged.note["proposal"]), judged.violations)
 
-    def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[TriedSkin]:
+    def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[SkinTrial]:
         """What is known of the skins of the control, drawn by chance and else as those of the search."""
         if self.spec.control:
             chance = replace(plan, trials=self.spec.control, sampler="random")
             yield from map(self.skin, self.search(space, chance, self.out / CONTROL))
 
-    def grid(self) -> Iterator[TriedSkin]:
+    def grid(self) -> Iterator[SkinTrial]:
         """What is known of the designs of the grid."""
         grid, material = self.spec.grid, self.spec.materials[0]
         skins = grid.designs.skins() if grid else ()
-        found = self._do([plan_proposal(self.spec, skin, material, grid=grid) for skin in skins])
-        return (TriedSkin(number, one, violations(self.spec, one)) for number, one in enumerate(found))
+        found = self._do([plan_skin_evaluation(self.spec, skin, material, grid=grid) for skin in skins])
+        return (SkinTrial(number, one, constraint_violations(self.spec, one)) for number, one in enumerate(found))
 
-    def finish(self, front: Front) -> tuple[TriedSkin, ...]:
+    def finish(self, front: Front) -> tuple[SkinTrial, ...]:
         """The same skins, the best pressed at full fidelity; the next in place of those that break a limit there."""
         by_number = {one.number: one for one in front.tried}
         candidates, wanted = _candidates(front), self.spec.finalists
         for _ in range(_ROUNDS):
             asked = [by_number[number] for number in candidates[:wanted]]
             del candidates[:wanted]
-            tasks = [plan_proposal(self.spec, one.proposal.skin, one.proposal.material, full=True) for one in asked]
+            tasks = [
+                plan_skin_evaluation(self.spec, one.proposal.skin, one.proposal.material, full=True) for one in asked
+            ]
             for one, full in zip(asked, self._do(tasks), strict=True):
-                by_number[one.number] = replace(one, full=full, violations=violations(self.spec, full))
+                by_number[one.number] = replace(one, full=full, violations=constraint_violations(self.spec, full))
             wanted = sum(not by_number[one.number].meets for one in asked)
         return tuple(by_number.values())
 
@@ -212,13 +214,13 @@ class _Judge:
         """Do tasks; why some failed, by their keys."""
         return run_tasks(self.out, tasks, self.workers, self.observer, self.cluster) if tasks else {}
 
-    def _do(self, tasks: Sequence[ProposalTask]) -> list[Proposal]:
+    def _do(self, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
         reasons = self.run(tasks)
         store = ArtefactStore(self.out / "store")
         return [
-            Proposal(task.skin, task.material, problem=reasons[task.recipe.key])
+            SkinEvaluation(task.skin, task.material, problem=reasons[task.recipe.key])
             if task.recipe.key in reasons
-            else Proposal.from_data(json.loads(find_made(store, task).read_text("utf-8")))
+            else SkinEvaluation.from_data(json.loads(find_artefact(store, task).read_text("utf-8")))
             for task in tasks
         ]
 
@@ -241,7 +243,7 @@ def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
     free = {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival", "control", "grid"}
-    file = writable(out) / ASKED
+    file = ensure_writable(out) / ASKED
     if file.exists():
         before = json.loads(file.read_text("utf-8"))
         other = sorted(name for name in asked if name not in free and asked[name] != before.get(name))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.core import FloatArray, generator
 
 _DRAWS = 4000
@@ -19,7 +19,7 @@ _SURE = 0.95
 
 
 @dataclass(frozen=True)
-class BenchFigure:
+class SimulatedAccuracy:
     """What built units of one design gave on the bench.
 
     Attributes
@@ -55,7 +55,7 @@ class BenchFigure:
         return np.quantile(_draw_figures([self])[0], [0.05, 0.95], axis=0).T
 
 
-def _draw_figures(played: Sequence[BenchFigure]) -> FloatArray:
+def _draw_figures(played: Sequence[SimulatedAccuracy]) -> FloatArray:
     """RMSE and error of 19 of 20 (d, draws, 2), degrees, of d designs by units drawn, alike for all of them.
 
     Drawn with replacement (the bootstrap) from the units that gave a pose with every design; nan without any.
@@ -70,7 +70,7 @@ def _draw_figures(played: Sequence[BenchFigure]) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class ProvenDesign:
+class ValidatedDesign:
     """One design of the proof.
 
     Attributes
@@ -96,9 +96,9 @@ class ProvenDesign:
     markers: int
     distance: float
     force_n: float
-    foreseen: BuiltFigure | None
-    played: BenchFigure | None
-    trained: BenchFigure | None = None
+    foreseen: PredictedAccuracy | None
+    played: SimulatedAccuracy | None
+    trained: SimulatedAccuracy | None = None
     problem: str = ""
 
     @property
@@ -111,7 +111,7 @@ class ProvenDesign:
 
 
 @dataclass(frozen=True)
-class SecondSolver:
+class SolverComparison:
     """The winner pressed by CalculiX, without friction at the greatest tilt, beside palpate's press.
 
     Attributes
@@ -134,7 +134,7 @@ class SecondSolver:
 
 
 @dataclass(frozen=True)
-class Proof:
+class ValidationResult:
     """What the bench and a second solver say of a search.
 
     Attributes
@@ -147,9 +147,9 @@ class Proof:
         What CalculiX found; why it did not press.
     """
 
-    designs: tuple[ProvenDesign, ...]
+    designs: tuple[ValidatedDesign, ...]
     known: int
-    second: SecondSolver | None = None
+    second: SolverComparison | None = None
     second_problem: str = ""
 
     @property
@@ -176,7 +176,7 @@ class Proof:
         return {**asdict(self), "same_order": self.same_order, "contradicted": self.contradicted}
 
 
-def proof_lines(proof: Proof | None) -> Iterator[str]:
+def validation_lines(proof: ValidationResult | None) -> Iterator[str]:
     """The proof as lines of a page."""
     yield from ("## Proof", "")
     if proof is None:
@@ -187,11 +187,11 @@ def proof_lines(proof: Proof | None) -> Iterator[str]:
     yield ""
 
 
-def _figures(found: BuiltFigure | BenchFigure) -> FloatArray:
+def _figures(found: PredictedAccuracy | SimulatedAccuracy) -> FloatArray:
     return np.array([getattr(found, name) for name in _FIGURES])
 
 
-def _table(designs: Sequence[ProvenDesign]) -> Iterator[str]:
+def _table(designs: Sequence[ValidatedDesign]) -> Iterator[str]:
     head = [
         "design",
         "skin",
@@ -222,7 +222,7 @@ def _table(designs: Sequence[ProvenDesign]) -> Iterator[str]:
 _FIGURES = ("rmse_deg", "worst_deg")
 
 
-def _order(proof: Proof) -> str:
+def _order(proof: ValidationResult) -> str:
     if proof.same_order:
         return "their order is the same"
     if not proof.contradicted:
@@ -230,7 +230,7 @@ def _order(proof: Proof) -> str:
     return f"their order is not the same: of {', of '.join(proof.contradicted)} the other one is better"
 
 
-def _sentences(proof: Proof) -> Iterator[str]:
+def _sentences(proof: ValidationResult) -> Iterator[str]:
     played = [one for one in proof.designs if one.played and one.foreseen]
     if played:
         counts = " and ".join(sorted({f"{one.played.units} units" for one in played if one.played}))

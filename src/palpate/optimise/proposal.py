@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.built import BuiltFigure
+from palpate.built import PredictedAccuracy
 from palpate.design import MarkerSpec, SkinSpec, skin_from_data
 
 
 @dataclass(frozen=True)
-class Variant:
+class LayoutOption:
     """Markers and camera on one skin, and what units of it will be.
 
     Attributes
@@ -28,11 +28,11 @@ class Variant:
     camera: str
     distance: float
     price: float
-    figure: BuiltFigure
+    figure: PredictedAccuracy
 
 
 @dataclass(frozen=True)
-class Proposal:
+class SkinEvaluation:
     """What is known of one skin.
 
     Attributes
@@ -56,7 +56,7 @@ class Proposal:
     reach_mm: float = 0.0
     force_n: float = 0.0
     second_state_mm: float | None = None
-    options: tuple[Variant, ...] = ()
+    options: tuple[LayoutOption, ...] = ()
     problem: str = ""
 
     @property
@@ -65,7 +65,7 @@ class Proposal:
         skin = self.skin.build()
         return 2.0 * (skin.widest[0] + skin.thickness)
 
-    def best(self, most: int) -> Variant | None:
+    def best(self, most: int) -> LayoutOption | None:
         """The option of least error among those of at most so many markers."""
         fit = [option for option in self.options if option.markers.count <= most]
         return min(fit, key=lambda option: option.figure.worst_deg, default=None)
@@ -83,12 +83,12 @@ class Proposal:
         }
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Proposal:
+    def from_data(cls, data: Mapping[str, Any]) -> SkinEvaluation:
         """From what `to_data` gave."""
         return cls(**{**data, "skin": skin_from_data(data["skin"]), "options": tuple(_options_from(data["options"]))})
 
 
-def _option_data(option: Variant) -> dict[str, Any]:
+def _option_data(option: LayoutOption) -> dict[str, Any]:
     figure = option.figure
     return {
         "ring_diameters_mm": list(option.markers.ring_diameters or ()),
@@ -96,14 +96,14 @@ def _option_data(option: Variant) -> dict[str, Any]:
         "camera": option.camera,
         "distance": option.distance,
         "price": option.price,
-        **{f"figure_{name}": getattr(figure, name) for name in BuiltFigure.__dataclass_fields__},
+        **{f"figure_{name}": getattr(figure, name) for name in PredictedAccuracy.__dataclass_fields__},
     }
 
 
-def _options_from(rows: Iterable[Mapping[str, Any]]) -> Iterable[Variant]:
+def _options_from(rows: Iterable[Mapping[str, Any]]) -> Iterable[LayoutOption]:
     for row in rows:
         markers = MarkerSpec.model_validate(
             {"ring_diameters": list(row["ring_diameters_mm"]), "diameter": row["dot_mm"]}
         )
-        figure = BuiltFigure(**{name: row[f"figure_{name}"] for name in BuiltFigure.__dataclass_fields__})
-        yield Variant(markers, row["camera"], row["distance"], row["price"], figure)
+        figure = PredictedAccuracy(**{name: row[f"figure_{name}"] for name in PredictedAccuracy.__dataclass_fields__})
+        yield LayoutOption(markers, row["camera"], row["distance"], row["price"], figure)

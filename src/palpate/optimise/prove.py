@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.bench import Bench, VirtualBenchSpec, play_unit, read_played, unit_recipe
-from palpate.built import BuiltFigure, ContradictionError, Deviation, draw_deviation, foresee
+from palpate.bench import VirtualBench, VirtualBenchSpec, read_trial, run_unit_trial, unit_recipe
+from palpate.built import ContradictionError, Deviation, PredictedAccuracy, predict_accuracy, sample_deviation
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import ArtefactStore, FloatArray, PalpateError, Recipe
 from palpate.deck import CalculixSolver, CalculixSpec, solve_press_calculix
@@ -25,11 +25,11 @@ from palpate.fea import Press, WallSpec, press_recipe, read_press, write_press
 from palpate.material import get_material
 from palpate.mesh import mesh_skin
 from palpate.optimise.design_study import camera_of, design_study
-from palpate.optimise.front import Entry, Front
-from palpate.optimise.proof import BenchFigure, Proof, ProvenDesign, SecondSolver
-from palpate.optimise.propose import ProposalTask, foresee_spec, plan_proposal
+from palpate.optimise.front import DesignCandidate, Front
+from palpate.optimise.proof import SimulatedAccuracy, SolverComparison, ValidatedDesign, ValidationResult
+from palpate.optimise.propose import SkinEvaluationTask, accuracy_spec, plan_skin_evaluation
 from palpate.optimise.spec import RequirementsSpec
-from palpate.study import PressTask, Task, TwinTask, find_made, on_its_device, plan_study
+from palpate.study import PressTask, Task, TwinTask, find_artefact, plan_study, resolve_device
 from palpate.twin import read_twin
 
 UNITS = 20
@@ -41,7 +41,7 @@ _FINALISTS = 2
 
 
 @dataclass(frozen=True)
-class UnitTask(Task):
+class UnitTrialTask(Task):
     """Play one built unit of a design on the bench."""
 
     reader: Task
@@ -72,13 +72,13 @@ class UnitTask(Task):
         return 5.0 * (self.spec.tilts + 2 * bool(self.spec.known)) * self.spec.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
-        bench = self._bench(find_made(store, self.reader), store)
+        bench = self._bench(find_artefact(store, self.reader), store)
         bench.check()
-        play_unit(bench, self._deviation)
+        run_unit_trial(bench, self._deviation)
 
     def read(self, store: ArtefactStore) -> dict[str, Any]:
         """Sums over the unit's images, once it was made."""
-        played = read_played(find_made(store, self), self._deviation)
+        played = read_trial(find_artefact(store, self), self._deviation)
         errors = played.corrected() - played.truth
         seen = np.isfinite(errors).all(axis=1)
         return {
@@ -91,12 +91,12 @@ class UnitTask(Task):
 
     @property
     def _deviation(self) -> Deviation:
-        return draw_deviation(self.spec.tolerance, self.spec.seed, self.unit)
+        return sample_deviation(self.spec.tolerance, self.spec.seed, self.unit)
 
-    def _bench(self, model: Path, store: ArtefactStore) -> Bench:
+    def _bench(self, model: Path, store: ArtefactStore) -> VirtualBench:
         """The bench of this design, whose results are known by what makes the model, before that is made."""
         material, key = get_material(self.material), self.reader.recipe.key
-        return Bench(self.spec, self.skin, self.markers, material, self.camera, model, store, key)
+        return VirtualBench(self.spec, self.skin, self.markers, material, self.camera, model, store, key)
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class CalculixTask(Task):
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
-def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]) -> Proof:
+def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]) -> ValidationResult:
     """Play the winner of a front and its rivals.
 
     Parameters
@@ -149,7 +149,7 @@ def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, s
     tasks = [task for one in designs for task in (*one.foreseen_by, *one.units, *one.trained_units)]
     reasons = do([*tasks, *second])
     problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
-    return Proof(
+    return ValidationResult(
         designs=tuple(design.judge(store, reasons) for design in designs),
         known=winner.bench.known,
         second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
@@ -157,9 +157,9 @@ def prove(front: Front, out: Path, do: Callable[[Sequence[Task]], Mapping[str, s
     )
 
 
-def foresee_rival(
+def predict_baseline(
     spec: RequirementsSpec, out: Path, do: Callable[[Sequence[Task]], Mapping[str, str]]
-) -> BuiltFigure | None:
+) -> PredictedAccuracy | None:
     """What is foreseen of the rival, from the twin that it is read by where it is played; `None` without one.
 
     The parameters are those of `prove`.
@@ -182,7 +182,7 @@ class _Candidate:
     camera: CameraSpec
 
     @classmethod
-    def of(cls, front: Front, title: str, entry: Entry) -> _Candidate:
+    def of(cls, front: Front, title: str, entry: DesignCandidate) -> _Candidate:
         """A design of a front."""
         proposal = entry.tried.known
         camera = camera_of(front.spec, entry)
@@ -213,8 +213,8 @@ class _Candidate:
         )
 
     @cached_property
-    def _proposal(self) -> ProposalTask:
-        return plan_proposal(self.spec, self.skin, self.material, full=True)
+    def _proposal(self) -> SkinEvaluationTask:
+        return plan_skin_evaluation(self.spec, self.skin, self.material, full=True)
 
     @property
     def twin(self) -> TwinTask:
@@ -226,20 +226,20 @@ class _Candidate:
         return (self.twin, *(press for checks in self._proposal.checks for press in checks.presses))
 
     @cached_property
-    def units(self) -> tuple[UnitTask, ...]:
+    def units(self) -> tuple[UnitTrialTask, ...]:
         return self._play(self.twin, self.bench)
 
     @cached_property
-    def trained_units(self) -> tuple[UnitTask, ...]:
+    def trained_units(self) -> tuple[UnitTrialTask, ...]:
         if self.spec.proof != "trained":
             return ()
         study = design_study(self.spec, self.spec.name, self.skin, self.material, self.markers, self.camera)
-        estimator = plan_study(on_its_device(study)).designs[0].estimator
+        estimator = plan_study(resolve_device(study)).designs[0].estimator
         return self._play(estimator, self.bench.model_copy(update={"known": 0}))
 
-    def _play(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTask, ...]:
+    def _play(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTrialTask, ...]:
         design = (self.skin, self.material, self.markers, self.camera)
-        return tuple(UnitTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
+        return tuple(UnitTrialTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
 
     def second_solver(self) -> tuple[tuple[Task, ...], str]:
         """A press by palpate and by CalculiX, and why there is none by the latter."""
@@ -253,25 +253,28 @@ class _Candidate:
             return (), str(error.what)
         return (own, CalculixTask(own)), ""
 
-    def foresee(self, store: ArtefactStore) -> BuiltFigure | None:
+    def foresee(self, store: ArtefactStore) -> PredictedAccuracy | None:
         """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
-        twin, spec = read_twin(find_made(store, self.twin)), replace(foresee_spec(self.spec), known=self.bench.known)
+        twin, spec = (
+            read_twin(find_artefact(store, self.twin)),
+            replace(accuracy_spec(self.spec), known=self.bench.known),
+        )
         layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
         checks = [each.find(store) for each in self._proposal.checks]
         try:
-            return foresee(twin, layout, camera, self.spec.tolerance, spec, checks)
+            return predict_accuracy(twin, layout, camera, self.spec.tolerance, spec, checks)
         except ContradictionError:
             return None
 
-    def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ProvenDesign:
+    def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
         """What was foreseen and what was played."""
-        empty = ProvenDesign(
+        empty = ValidatedDesign(
             self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, foreseen=None, played=None
         )
         lacks = next((task for task in self.foreseen_by if store.find(task.recipe) is None), None)
         if lacks is not None:
             return replace(empty, problem=reasons.get(lacks.recipe.key, f"There is no {lacks.name}."))
-        presses = (read_press(find_made(store, press)) for press in self.twin.presses)
+        presses = (read_press(find_artefact(store, press)) for press in self.twin.presses)
         played, failures = _gather(store, self.units, reasons)
         return replace(
             empty,
@@ -283,7 +286,7 @@ class _Candidate:
         )
 
 
-def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
+def _finalists(front: Front, winner: DesignCandidate) -> Iterator[tuple[str, DesignCandidate]]:
     """The winner, and the ends of a front of several objectives; of one, the best designs of other finalists."""
     if front.ends:
         yield from _together([("winner", winner), *front.ends])
@@ -291,7 +294,7 @@ def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
     yield "winner", winner
     others = sorted(
         (
-            Entry(one, option)
+            DesignCandidate(one, option)
             for one in front.tried
             if one.full is not None and one.meets and one.number != winner.tried.number
             if (option := one.full.best(front.spec.markers)) is not None
@@ -302,9 +305,9 @@ def _finalists(front: Front, winner: Entry) -> Iterator[tuple[str, Entry]]:
         yield f"skin {entry.tried.number}", entry
 
 
-def _together(titled: Sequence[tuple[str, Entry]]) -> Iterator[tuple[str, Entry]]:
+def _together(titled: Sequence[tuple[str, DesignCandidate]]) -> Iterator[tuple[str, DesignCandidate]]:
     """Every design once, with all of its titles."""
-    entries: list[Entry] = []
+    entries: list[DesignCandidate] = []
     for _, entry in titled:
         if entry not in entries:
             entries.append(entry)
@@ -313,8 +316,8 @@ def _together(titled: Sequence[tuple[str, Entry]]) -> Iterator[tuple[str, Entry]
 
 
 def _gather(
-    store: ArtefactStore, tasks: Sequence[UnitTask], reasons: Mapping[str, str]
-) -> tuple[BenchFigure | None, list[str]]:
+    store: ArtefactStore, tasks: Sequence[UnitTrialTask], reasons: Mapping[str, str]
+) -> tuple[SimulatedAccuracy | None, list[str]]:
     """The figures of all units of a design that could be played, and why others could not."""
     failures = [reasons[task.recipe.key] for task in tasks if task.recipe.key in reasons]
     made = (task for task in tasks if task.recipe.key not in reasons)
@@ -325,7 +328,7 @@ def _gather(
         return None, failures or ["No image of any unit gave a pose."]
     images, seen = (sum(unit[name] for unit in units) for name in ("images", "seen"))
     squares = np.sum([unit["squares"] for unit in units], axis=0) / seen
-    figure = BenchFigure(
+    figure = SimulatedAccuracy(
         units=len(units),
         images=images,
         without_pose=images - seen,
@@ -345,9 +348,9 @@ def _by_unit(unit: Mapping[str, Any] | None) -> tuple[float, float] | None:
     return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["worst_deg"])
 
 
-def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SecondSolver:
+def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SolverComparison:
     """CalculiX beside palpate at the greatest depth that both reached in the same state."""
-    own, other = (read_press(find_made(store, task)) for task in tasks)
+    own, other = (read_press(find_artefact(store, task)) for task in tasks)
     reached = other.depth[other.depth <= own.depth[-1] + 1e-6]
     nearest = np.abs(own.depth - reached[:, None]).argmin(axis=1)
     parted = np.append(own.branch[nearest] != other.branch[: len(reached)], True)
@@ -357,7 +360,7 @@ def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> S
     (force, here), (second_force, there) = at(own), at(other)
     apart = np.sqrt(np.mean(np.sum((here - there) ** 2, axis=1)))
     parts = float(reached[first]) if first < len(reached) else None
-    return SecondSolver(float(depth), second_force, force, float(apart), parts)
+    return SolverComparison(float(depth), second_force, force, float(apart), parts)
 
 
 def _at_depth(press: Press, depth: float, dots: FloatArray) -> tuple[float, FloatArray]:

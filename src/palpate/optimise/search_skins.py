@@ -27,7 +27,7 @@ Sampler = Literal["gp", "random"]
 
 
 @dataclass(frozen=True)
-class Judged:
+class Evaluation:
     """What was found of one place.
 
     Attributes
@@ -46,12 +46,12 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Tried:
+class SearchTrial:
     """A place that was tried, and what was found; `number` in the order in which they were proposed."""
 
     number: int
     place: Place
-    judged: Judged
+    judged: Evaluation
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ class SearchPlan:
 
 def search_skins(
     space: SkinSpace,
-    judge: Callable[[Sequence[Place]], Sequence[Judged]],
+    judge: Callable[[Sequence[Place]], Sequence[Evaluation]],
     plan: SearchPlan,
     journal: Path,
-    watch: Callable[[Sequence[Tried]], None] | None = None,
-) -> tuple[Tried, ...]:
+    watch: Callable[[Sequence[SearchTrial]], None] | None = None,
+) -> tuple[SearchTrial, ...]:
     """Try places of a space and return all that were tried, in their order.
 
     Parameters
@@ -126,12 +126,12 @@ def search_skins(
     return _tried(study)
 
 
-def read_tried(journal: Path, objectives: int = 1) -> tuple[Tried, ...]:
+def read_trials(journal: Path, objectives: int = 1) -> tuple[SearchTrial, ...]:
     """Every place that a journal says was judged; none where there is no journal."""
     return _tried(_open(journal, objectives)) if journal.exists() else ()
 
 
-def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Sequence[Tried]) -> None:
+def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Sequence[SearchTrial]) -> None:
     """Put a journal of the same places in the place of one, as they are judged now: what is proposed goes by it."""
     new = journal.with_name(f"{journal.name}.new")
     new.unlink(missing_ok=True)
@@ -144,10 +144,10 @@ def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Se
     new.replace(journal)
 
 
-def _tried(study: optuna.Study) -> tuple[Tried, ...]:
+def _tried(study: optuna.Study) -> tuple[SearchTrial, ...]:
     """Every place that was judged, in the order in which they were proposed."""
     done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
-    return tuple(Tried(trial.number, trial.params, _judged(trial)) for trial in done)
+    return tuple(SearchTrial(trial.number, trial.params, _judged(trial)) for trial in done)
 
 
 def _open(journal: Path, objectives: int) -> optuna.Study:
@@ -197,7 +197,7 @@ def _sampler(kind: Sampler, seed: int) -> optuna.samplers.BaseSampler:
     return optuna.samplers.GPSampler(seed=seed, n_startup_trials=_STARTUP)
 
 
-def _tell(study: optuna.Study, trial: optuna.Trial, found: Judged) -> None:
+def _tell(study: optuna.Study, trial: optuna.Trial, found: Evaluation) -> None:
     """Leave what was found in the journal."""
     for name, value in found.violations.items():
         trial.set_constraint(name, value)
@@ -206,6 +206,6 @@ def _tell(study: optuna.Study, trial: optuna.Trial, found: Judged) -> None:
     study.tell(trial, list(found.values))
 
 
-def _judged(trial: optuna.trial.FrozenTrial) -> Judged:
+def _judged(trial: optuna.trial.FrozenTrial) -> Evaluation:
     values, attributes = tuple(trial.values or ()), trial.user_attrs
-    return Judged(values, attributes["violations"], attributes["note"])
+    return Evaluation(values, attributes["violations"], attributes["note"])

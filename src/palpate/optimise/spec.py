@@ -59,7 +59,7 @@ class CameraChoice(Spec):
         return self
 
 
-class RivalSpec(Spec):
+class BaselineDesignSpec(Spec):
     """A design that the winner is held against, in the first of the cameras and elastomers."""
 
     height: float = parameter(
@@ -80,7 +80,7 @@ class RivalSpec(Spec):
         return skin_from_data({**shape, **numbers})
 
 
-class GridSpec(Spec):
+class BaselineGridSpec(Spec):
     """A grid of designs that the search is held against, in the first of the cameras and elastomers."""
 
     designs: DesignsSpec = DesignsSpec()
@@ -148,12 +148,12 @@ class RequirementsSpec(Spec):
         meaning="whether winner and rivals are played on the bench: none, played (read by their twins), or trained "
         "(by trained networks as well)",
     )
-    rival: RivalSpec | None = None
+    rival: BaselineDesignSpec | None = None
     """A design that the winner is held against in the proof."""
     control: int = parameter(
         0, unit="1", meaning="skins drawn by chance that the search is held against", ge=0, le=100000
     )
-    grid: GridSpec | None = None
+    grid: BaselineGridSpec | None = None
     """Designs that the search is held against as well."""
     tolerance: ToleranceSpec = ToleranceSpec()
     process: ProcessSpec = ProcessSpec()

@@ -9,12 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from palpate.core import provenance, writing, written_whole
+from palpate.core import atomic_write, provenance, wrap_write_errors
 from palpate.optimise.design_study import camera_of, winner_study
 from palpate.optimise.draw_front import draw_design, draw_front, draw_search
-from palpate.optimise.front import WORDS, Entry, Front, find_least
-from palpate.optimise.influence import Influences, find_influences
-from palpate.optimise.proof import proof_lines
+from palpate.optimise.front import WORDS, DesignCandidate, Front, find_best
+from palpate.optimise.influence import SobolIndices, compute_sobol_indices
+from palpate.optimise.proof import validation_lines
 from palpate.optimise.space import SkinSpace
 
 FRONT = "front.json"
@@ -52,11 +52,11 @@ def write_front(folder: Path, front: Front, command: str) -> None:
     PalpateError
         If they cannot be written.
     """
-    with writing(folder, "Choose another folder."):
+    with wrap_write_errors(folder, "Choose another folder."):
         folder.mkdir(parents=True, exist_ok=True)
         _write_rows(folder / "front.csv", map(describe_entry, front.best))
         _write_rows(folder / "tried.csv", map(describe_entry, _best_of_each(front)))
-        influences = find_influences(front.tried, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed)
+        influences = compute_sobol_indices(front.tried, SkinSpace.of(front.spec), front.spec.markers, front.spec.seed)
         (folder / FRONT).write_text(json.dumps(describe_front(front), indent=2) + "\n", "utf-8")
         (folder / "report.md").write_text(report(front, influences, command), "utf-8")
         draw_search(front).savefig(folder / "search.svg")
@@ -66,7 +66,7 @@ def write_front(folder: Path, front: Front, command: str) -> None:
             draw_design(front.winner, camera_of(front.spec, front.winner)).savefig(folder / "winner.svg")
 
 
-def describe_entry(entry: Entry) -> dict[str, Any]:
+def describe_entry(entry: DesignCandidate) -> dict[str, Any]:
     """One design by the columns of the tables."""
     proposal, option = entry.tried.known, entry.option
     coarse = next(
@@ -121,7 +121,7 @@ def describe_front(front: Front) -> dict[str, Any]:
     }
 
 
-def report(front: Front, influences: Influences, command: str) -> str:
+def report(front: Front, influences: SobolIndices, command: str) -> str:
     """The page that a person reads."""
     spec, winner = front.spec, front.winner
     lines = [f"# {spec.name}: designs by search", "", "```", command, "```", ""]
@@ -135,7 +135,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
         "",
         *_dropped_lines(front),
         *_end_lines(front),
-        *proof_lines(front.proof),
+        *validation_lines(front.proof),
         "## The front",
         "",
         "| " + " | ".join(_COLUMNS) + " |",
@@ -164,7 +164,7 @@ def report(front: Front, influences: Influences, command: str) -> str:
     return "\n".join(lines)
 
 
-def _winner_lines(winner: Entry) -> list[str]:
+def _winner_lines(winner: DesignCandidate) -> list[str]:
     proposal, option = winner.tried.known, winner.option
     skin = proposal.skin
     return [
@@ -200,7 +200,7 @@ def _end_lines(front: Front) -> list[str]:
     return [*lines, ""]
 
 
-def _least(front: Front) -> Iterator[tuple[str, int, str, Entry | None]]:
+def _least(front: Front) -> Iterator[tuple[str, int, str, DesignCandidate | None]]:
     """Search, chance and grid: how many of what were judged, and the best by coarse presses that meets the limits."""
     control = front.control
     parts = (
@@ -208,7 +208,7 @@ def _least(front: Front) -> Iterator[tuple[str, int, str, Entry | None]]:
         ("chance", control.chance, len(control.chance), "skins"),
         ("grid", control.grid, sum(len(one.proposal.options) for one in control.grid), "designs"),
     )
-    return ((name, count, noun, find_least(skins, front.spec.markers)) for name, skins, count, noun in parts if skins)
+    return ((name, count, noun, find_best(skins, front.spec.markers)) for name, skins, count, noun in parts if skins)
 
 
 def _control_lines(front: Front) -> Iterator[str]:
@@ -224,13 +224,13 @@ def _control_lines(front: Front) -> Iterator[str]:
     yield ""
 
 
-def _best_of_each(front: Front) -> Sequence[Entry]:
+def _best_of_each(front: Front) -> Sequence[DesignCandidate]:
     found = ((one, one.known.best(front.spec.markers)) for one in front.tried)
-    return [Entry(one, option) for one, option in found if option is not None]
+    return [DesignCandidate(one, option) for one, option in found if option is not None]
 
 
 def _write_rows(path: Path, rows: Iterable[dict[str, Any]]) -> None:
-    with written_whole(path) as draft, draft.open("w", newline="") as file:
+    with atomic_write(path) as draft, draft.open("w", newline="") as file:
         table = csv.DictWriter(file, _COLUMNS, lineterminator="\n")
         table.writeheader()
         table.writerows(rows)

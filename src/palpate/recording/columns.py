@@ -79,7 +79,7 @@ class PoseColumn:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class ColumnMapping:
     """What a person says about a table where it does not itself.
 
     Attributes
@@ -104,7 +104,7 @@ class Choice:
     euler: str = ""
 
 
-def find_image_column(table: RecordingTable, choice: Choice) -> str:
+def find_image_column(table: RecordingTable, choice: ColumnMapping) -> str:
     """Name of the column that names images, or numbers them.
 
     Raises
@@ -134,7 +134,7 @@ def find_image_column(table: RecordingTable, choice: Choice) -> str:
     )
 
 
-def find_press_column(table: RecordingTable, choice: Choice) -> str:
+def find_press_column(table: RecordingTable, choice: ColumnMapping) -> str:
     """Name of the column that says to which press an image belongs; empty where there is none."""
     if choice.press:
         return _given(table, choice.press, "--press")
@@ -142,7 +142,7 @@ def find_press_column(table: RecordingTable, choice: Choice) -> str:
 
 
 def find_pose_columns(
-    table: RecordingTable, choice: Choice, taken: tuple[str, ...]
+    table: RecordingTable, choice: ColumnMapping, taken: tuple[str, ...]
 ) -> tuple[tuple[PoseColumn, ...], tuple[PoseColumn, ...], tuple[str, ...]]:
     """Numbers of the pose.
 
@@ -289,7 +289,7 @@ def _why_not(table: RecordingTable, name: str) -> str:
     return ""
 
 
-def _with_unit(table: RecordingTable, name: str, choice: Choice) -> PoseColumn:
+def _with_unit(table: RecordingTable, name: str, choice: ColumnMapping) -> PoseColumn:
     values = as_numbers(table.columns[name])
     low = name.strip().lower()
     matched = _UNIT.match(low)

@@ -20,9 +20,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from palpate.core import BoolArray, FloatArray, IntArray
-from palpate.recording.grow import find_tears, grow
-from palpate.recording.layout import DotLayout
-from palpate.recording.motions import Motions
+from palpate.recording.grow import assignment_residuals, grow_assignment
+from palpate.recording.layout import ObservedLayout
+from palpate.recording.motions import MotionPrior
 
 GRID = 20
 """Cells a side of the picture of where dots are, by which images are found alike."""
@@ -46,7 +46,7 @@ _REACH = 4.5
 _STARTS, _ALIKE, _KEPT = 5, 4, 400
 
 
-class Fault(StrEnum):
+class MatchFault(StrEnum):
     """Why a correspondence is not believed."""
 
     NONE = ""
@@ -72,7 +72,7 @@ class Correspondence:
     rough
         Root mean square distance from the smooth field, over the spacing.
     fault
-        Why it is not believed; `Fault.NONE` for one that is.
+        Why it is not believed; `MatchFault.NONE` for one that is.
     sure
         Whether no other need be looked for.
     """
@@ -81,13 +81,13 @@ class Correspondence:
     found: BoolArray
     agreement: float
     rough: float
-    fault: Fault = Fault.NONE
+    fault: MatchFault = MatchFault.NONE
     sure: bool = False
 
     @property
     def good(self) -> bool:
         """Whether it is believed."""
-        return self.fault is Fault.NONE
+        return self.fault is MatchFault.NONE
 
     @property
     def score(self) -> float:
@@ -95,7 +95,7 @@ class Correspondence:
         return self.agreement - 2.0 * self.rough
 
 
-def describe_dots(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
+def marker_descriptor(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
     """Where dots are (GRID²,), smoothed and of length one: images that are alike have it alike."""
     cells = np.zeros((GRID + 1, GRID + 1))
     if len(dots_px):
@@ -114,7 +114,7 @@ def describe_dots(dots_px: FloatArray, shape: tuple[int, int]) -> FloatArray:
 
 
 @dataclass(eq=False)
-class Correspondent:
+class MarkerMatcher:
     """Finds correspondences, and remembers images that it is sure of as guesses for others.
 
     Attributes
@@ -133,12 +133,12 @@ class Correspondent:
         Agreement and roughness from which an image is sure; an image is believed somewhat beyond.
     """
 
-    layout: DotLayout
+    layout: ObservedLayout
     shape: tuple[int, int]
     seen: list[FloatArray] = field(default_factory=list)
     fields: list[FloatArray] = field(default_factory=list)
     smooth: bool = True
-    motions: Motions | None = None
+    motions: MotionPrior | None = None
     usual: tuple[float, float] = (_SURE, _CALM)
 
     def kept(self) -> tuple[FloatArray, FloatArray]:
@@ -147,9 +147,9 @@ class Correspondent:
         motion = np.zeros((0, 0)) if known is None else np.vstack([known.mean, known.directions.T])
         return motion, np.array([*self.usual, 0.0 if known is None else known.noise_px])
 
-    def knowing(self, motion: FloatArray, usual: FloatArray) -> Correspondent:
+    def knowing(self, motion: FloatArray, usual: FloatArray) -> MarkerMatcher:
         """This, with what `kept` gave."""
-        known = Motions(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
+        known = MotionPrior(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
         return replace(self, motions=known, usual=(float(usual[0]), float(usual[1])))
 
     def find(self, dots_px: FloatArray, guesses: tuple[FloatArray, ...] = ()) -> Correspondence:
@@ -166,7 +166,7 @@ class Correspondent:
             return self._nearest(dots_px)
         count = len(self.layout)
         if len(dots_px) < 0.4 * count:
-            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
+            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, MatchFault.NO_DOTS)
         tried: list[Correspondence] = []
         for guess in (*guesses, *self._alike(dots_px)):
             tried.append(self.refine(dots_px, guess))
@@ -185,13 +185,13 @@ class Correspondent:
     def remember(self, dots_px: FloatArray, found: Correspondence) -> None:
         """Keep a sure image as a guess for others, as long as there is room."""
         if found.sure and len(self.seen) < _KEPT:
-            self.seen.append(describe_dots(dots_px, self.shape))
+            self.seen.append(marker_descriptor(dots_px, self.shape))
             self.fields.append(found.moved_px)
 
     def _alike(self, dots_px: FloatArray) -> list[FloatArray]:
         guesses = [np.zeros((len(self.layout), 2))]
         if self.seen:
-            alike = np.array(self.seen) @ describe_dots(dots_px, self.shape)
+            alike = np.array(self.seen) @ marker_descriptor(dots_px, self.shape)
             guesses = [self.fields[k] for k in np.argsort(-alike)[:_ALIKE]]
         return guesses
 
@@ -211,7 +211,7 @@ class Correspondent:
             reach = _REACH * layout.spacing_px[start]
             for other in tree.query_ball_point(layout.rest_px[start], reach):
                 seed = np.where(np.arange(len(layout)) == start, other, -1)
-                match = grow(layout.rest_px, layout.neighbours, dots_px, seed, _STEP)
+                match = grow_assignment(layout.rest_px, layout.neighbours, dots_px, seed, _STEP)
                 key = match.tobytes()
                 size = int((match >= 0).sum())
                 if key not in grown and size >= 0.3 * len(layout):
@@ -258,7 +258,7 @@ class Correspondent:
         """The assignment without dots about which it is torn, grown again from what is whole."""
         layout = self.layout
         for _ in range(3):
-            torn = find_tears(layout.rest_px, layout.neighbours, dots_px, match) > _TORN
+            torn = assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) > _TORN
             if not torn.any():
                 break
             beside = layout.neighbours[torn]
@@ -266,7 +266,9 @@ class Correspondent:
             kept = np.where(torn, -1, match)
             if (kept >= 0).sum() < 0.3 * len(layout):
                 break
-            match = grow(layout.rest_px, layout.neighbours, dots_px, _largest(kept, layout.neighbours), _STEP)
+            match = grow_assignment(
+                layout.rest_px, layout.neighbours, dots_px, _largest(kept, layout.neighbours), _STEP
+            )
             smooth, _ = self._field(dots_px, match)
         return match, smooth
 
@@ -276,7 +278,7 @@ class Correspondent:
         moved[there] = dots_px[match[there]] - layout.rest_px[there]
         # two dots that are seen as one are neither of them
         if self.motions is None:
-            there &= find_tears(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
+            there &= assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
         off = np.linalg.norm(moved - smooth, axis=1) / layout.spacing_px
         if self.motions is not None:  # it knows better than the neighbours where a dot must be
             there &= off < _OFF
@@ -284,8 +286,8 @@ class Correspondent:
         rough = float(np.sqrt(np.mean(off[there] ** 2))) if there.any() else np.inf
         agreement = float(2 * there.sum() / (len(layout) + len(dots_px)))
         least = min(_BELIEVED, self.usual[0] - _LESS)
-        fault = Fault.LEFT_OVER if agreement < least else Fault.ROUGH if rough > _ROUGH else Fault.NONE
-        sure = fault is Fault.NONE and agreement >= self.usual[0] and rough <= self.usual[1]
+        fault = MatchFault.LEFT_OVER if agreement < least else MatchFault.ROUGH if rough > _ROUGH else MatchFault.NONE
+        sure = fault is MatchFault.NONE and agreement >= self.usual[0] and rough <= self.usual[1]
         return Correspondence(moved, there, agreement, rough, fault, sure)
 
     def _choose(self, tried: list[Correspondence]) -> Correspondence:
@@ -299,13 +301,13 @@ class Correspondent:
             if one.good and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
         ]
         if others and max(others) > best.score - _APART:
-            return Correspondence(best.moved_px, best.found, best.agreement, best.rough, Fault.AMBIGUOUS)
+            return Correspondence(best.moved_px, best.found, best.agreement, best.rough, MatchFault.AMBIGUOUS)
         return best
 
     def _nearest(self, dots_px: FloatArray) -> Correspondence:
         if not len(dots_px):
             count = len(self.layout)
-            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, Fault.NO_DOTS)
+            return Correspondence(np.zeros((count, 2)), np.zeros(count, bool), 0.0, 0.0, MatchFault.NO_DOTS)
         match = cKDTree(dots_px).query(self.layout.rest_px)[1]
         moved = dots_px[match] - self.layout.rest_px
         return Correspondence(moved, np.ones(len(match), bool), 1.0, 0.0)

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.core import load_extra, written_whole
-from palpate.recording.lesson import Lesson
+from palpate.core import atomic_write, load_extra
+from palpate.recording.lesson import TrainingSet
 
 _WARM_UP = 200
 _BETWEEN_S = 5.0
@@ -39,7 +39,7 @@ def _has_short_floats(torch: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class CourseSpec:
+class TrainerSpec:
     """How a network is trained.
 
     Attributes
@@ -76,10 +76,12 @@ class CourseSpec:
     vary: Callable[[Any, float, Any], tuple[Any, Any]] | None = None
 
 
-class Course:
+class Trainer:
     """The loop over epochs of one network, on standardised targets; `random` draws batches, noise and shifts."""
 
-    def __init__(self, net: Any, lesson: Lesson, inputs: Any, targets: Any, spec: CourseSpec, random: Any) -> None:
+    def __init__(
+        self, net: Any, lesson: TrainingSet, inputs: Any, targets: Any, spec: TrainerSpec, random: Any
+    ) -> None:
         self.torch, self.random = load_torch(), random
         self.net, self.inputs, self.targets, self.spec = net, inputs, targets, spec
         self.short = spec.grey is not None and _has_short_floats(self.torch)
@@ -183,7 +185,7 @@ class Course:
         return float(self.torch.cat(squares).mean().sqrt())
 
     def _keep(self, path: Path) -> None:
-        with written_whole(path) as draft:
+        with atomic_write(path) as draft:
             self.torch.save(
                 {
                     "net": self.net.state_dict(),

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray, IntArray, PalpateError
-from palpate.recording.course import CourseSpec
-from palpate.recording.lesson import Lesson, fit_ridge_part
-from palpate.recording.part import ModelPart
+from palpate.recording.course import TrainerSpec
+from palpate.recording.lesson import TrainingSet, fit_ridge_part
+from palpate.recording.part import EnsembleMember
 from palpate.recording.split import PressSplit
-from palpate.recording.train_part import train_dots_network
+from palpate.recording.train_part import train_marker_network
 
 PRESSES = (10, 30, 100, 300, 1000, 3000)
 """Numbers of presses that are tried, as far as there are so many."""
@@ -39,7 +39,7 @@ class CurvePoint:
     rmse: tuple[float, ...]
 
 
-def draw_learning_curve(
+def compute_learning_curve(
     moved: FloatArray,
     pictures: NDArray[np.uint8],
     good: BoolArray,
@@ -54,12 +54,12 @@ def draw_learning_curve(
     points = []
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
         teach = split.teach & rows & np.isin(press, taught[:count])
-        lesson = Lesson(moved if dots else pictures, targets, teach, split.choose & rows)
-        tries: list[tuple[str, ModelPart]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
+        lesson = TrainingSet(moved if dots else pictures, targets, teach, split.choose & rows)
+        tries: list[tuple[str, EnsembleMember]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
         if dots and count >= 30:
             with contextlib.suppress(PalpateError):  # without torch, ridge draws the curve
-                course = CourseSpec(_EPOCHS, noise=0.01)
-                tries.append(("network", train_dots_network("network", lesson, course, members=1)))
+                course = TrainerSpec(_EPOCHS, noise=0.01)
+                tries.append(("network", train_marker_network("network", lesson, course, members=1)))
         inputs = lesson.inputs
         name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.judge])))
         judge = split.judge & rows
@@ -68,7 +68,7 @@ def draw_learning_curve(
     return tuple(points)
 
 
-def say_enough(points: Sequence[CurvePoint]) -> str:
+def extrapolate_learning_curve(points: Sequence[CurvePoint]) -> str:
     """What twice as many presses would bring, by the law of the last two points; empty for fewer than two."""
     if len(points) < 2:
         return ""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import BoolArray, FloatArray
-from palpate.recording.part import LinearPart, flat_features
+from palpate.recording.part import RidgeMember, flat_features
 
 PENALTIES = tuple(10.0**k for k in range(-4, 4))
 """Ridge penalties that are tried, over the mean square of a feature and the number of images."""
@@ -18,7 +18,7 @@ SIDES = (16, 24, 32)
 """Sizes to which pictures are shrunk for ridge, px."""
 
 
-class Turning(NamedTuple):
+class RotationAugmentation(NamedTuple):
     """How poses turn with images about the middle of the dots (`palpate.recording.turns`).
 
     Attributes
@@ -37,7 +37,7 @@ class Turning(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Lesson:
+class TrainingSet:
     """What a part learns from.
 
     Attributes
@@ -59,7 +59,7 @@ class Lesson:
     teach: BoolArray
     judge: BoolArray
     seed: int = 0
-    turning: Turning | None = None
+    turning: RotationAugmentation | None = None
 
     @property
     def scale(self) -> tuple[FloatArray, FloatArray]:
@@ -74,7 +74,7 @@ class Lesson:
         return float(np.sqrt(np.mean(((estimates - self.targets[self.judge]) / self.scale[1]) ** 2)))
 
 
-def fit_ridge_part(name: str, lesson: Lesson, pictures: bool) -> LinearPart:
+def fit_ridge_part(name: str, lesson: TrainingSet, pictures: bool) -> RidgeMember:
     """Ridge regression with the penalty, and the size of pictures, that judge best."""
     best: dict[str, NDArray[Any]] = {}
     least = math.inf
@@ -85,10 +85,10 @@ def fit_ridge_part(name: str, lesson: Lesson, pictures: bool) -> LinearPart:
             if error < least:
                 least, best = error, {"weight": weight.astype(np.float32), "bias": bias}
                 best |= {} if side is None else {"side": np.array(side)}
-    return LinearPart(name, best)
+    return RidgeMember(name, best)
 
 
-def _ridges(features: NDArray[Any], lesson: Lesson) -> list[tuple[FloatArray, FloatArray]]:
+def _ridges(features: NDArray[Any], lesson: TrainingSet) -> list[tuple[FloatArray, FloatArray]]:
     """Weights (p, k) and biases (k,) for each penalty."""
     mean, _ = lesson.scale
     centre = features.mean(axis=0).astype(float)

@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 
 from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version, worker_process
 from palpate.recording.arrays import read_arrays, write_arrays
-from palpate.recording.course import CourseSpec, load_torch
-from palpate.recording.lesson import Lesson, fit_ridge_part
-from palpate.recording.part import PARTS, ModelPart
+from palpate.recording.course import TrainerSpec, load_torch
+from palpate.recording.lesson import TrainingSet, fit_ridge_part
+from palpate.recording.part import PARTS, EnsembleMember
 from palpate.recording.see_recording import Say
-from palpate.recording.train_part import train_dots_network, train_picture_network, train_turned_network
+from palpate.recording.train_part import train_image_network, train_marker_network, train_rotated_network
 
-TURNED = "-turned"
+ROTATED = "-turned"
 """End of the names of networks that are taught by turned presses as well."""
 _LONGER = 8 / 3
 """Passes of the network on turned pictures over those of the other: what comes in six ways bears longer training."""
@@ -37,7 +37,7 @@ _MOST_SHOWN = 250_000
 
 
 @dataclass(frozen=True, eq=False)
-class PartJob:
+class TrainingJob:
     """One part to be made.
 
     Attributes
@@ -53,7 +53,7 @@ class PartJob:
     """
 
     name: str
-    lesson: Lesson
+    lesson: TrainingSet
     asked: int
     epochs: int
     seed: int
@@ -72,7 +72,7 @@ class PartJob:
     def passes(self) -> int:
         """Passes over what teaches, of a network on pictures."""
         taught = max(int(self.lesson.teach.sum()), 1)
-        if not self.name.endswith(TURNED):
+        if not self.name.endswith(ROTATED):
             return self.epochs
         return max(self.epochs, min(round(_LONGER * self.epochs), _MOST_SHOWN // taught))
 
@@ -95,20 +95,22 @@ class PartJob:
         if not self.is_network:
             return fit_ridge_part(self.name, self.lesson, self.name.startswith("picture")).arrays
         if self.sees_pictures:
-            course = CourseSpec(self.passes, threads=threads)
-            return train_picture_network(self.name, self.lesson, self.asked, course, kept, say).arrays
-        train = train_turned_network if self.name.endswith(TURNED) else train_dots_network
+            course = TrainerSpec(self.passes, threads=threads)
+            return train_image_network(self.name, self.lesson, self.asked, course, kept, say).arrays
+        train = train_rotated_network if self.name.endswith(ROTATED) else train_marker_network
         return train(self.name, self.lesson, kept=kept).arrays
 
 
-class MadePart(NamedTuple):
+class TrainedMember(NamedTuple):
     """A part, and the time in s that it took now."""
 
-    part: ModelPart
+    part: EnsembleMember
     seconds: float
 
 
-def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say: Say) -> Iterator[MadePart]:
+def train_members(
+    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, say: Say
+) -> Iterator[TrainedMember]:
     """Make parts, and give each as soon as it is there.
 
     Parameters
@@ -136,20 +138,20 @@ def make_parts(jobs: Sequence[PartJob], threads: int, store: ArtefactStore, say:
         path = store.find(job.recipe)
         if path is None:
             path = _keep(store, job, job.train(threads, _draft(store, job), say))
-        yield MadePart(_read(job, path), time.monotonic() - begin)
+        yield TrainedMember(_read(job, path), time.monotonic() - begin)
     if workers > 1:
         for job, arrays, seconds in _train_beside(missing, workers, threads // workers, store, say):
-            yield MadePart(_read(job, _keep(store, job, arrays)), seconds)
+            yield TrainedMember(_read(job, _keep(store, job, arrays)), seconds)
 
 
-def _draft(store: ArtefactStore, job: PartJob) -> Path:
+def _draft(store: ArtefactStore, job: TrainingJob) -> Path:
     """File of what is known before a training's end; members of a network add to its name."""
     kept = store.path(job.recipe, ".epochs")
     kept.parent.mkdir(parents=True, exist_ok=True)
     return kept
 
 
-def _keep(store: ArtefactStore, job: PartJob, arrays: Mapping[str, NDArray[Any]]) -> Path:
+def _keep(store: ArtefactStore, job: TrainingJob, arrays: Mapping[str, NDArray[Any]]) -> Path:
     path = store.write(job.recipe, lambda file: write_arrays(file, arrays))
     kept = _draft(store, job)
     for left in kept.parent.glob(f"{kept.stem}.*"):
@@ -158,19 +160,19 @@ def _keep(store: ArtefactStore, job: PartJob, arrays: Mapping[str, NDArray[Any]]
     return path
 
 
-def _read(job: PartJob, path: Path) -> ModelPart:
+def _read(job: TrainingJob, path: Path) -> EnsembleMember:
     kind = "linear" if not job.is_network else "picture-network" if job.sees_pictures else "dots-network"
     return PARTS[kind](job.name, read_arrays(path))
 
 
 def _train_beside(
-    jobs: Sequence[PartJob], workers: int, threads: int, store: ArtefactStore, say: Say
-) -> Iterator[tuple[PartJob, Mapping[str, NDArray[Any]], float]]:
+    jobs: Sequence[TrainingJob], workers: int, threads: int, store: ArtefactStore, say: Say
+) -> Iterator[tuple[TrainingJob, Mapping[str, NDArray[Any]], float]]:
     """Train networks in processes: those on dots first, which take minutes, then the longest."""
     load_torch()  # what is missing is told here
     context = multiprocessing.get_context("spawn")
     queue = sorted(jobs, key=lambda job: (job.sees_pictures, -job.passes))
-    busy: dict[Any, tuple[PartJob, Any, float]] = {}
+    busy: dict[Any, tuple[TrainingJob, Any, float]] = {}
     try:
         while queue or busy:
             while queue and len(busy) < workers:
@@ -195,7 +197,7 @@ def _train_beside(
             process.kill()
 
 
-def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
+def _hear(pipe: Any, job: TrainingJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
     """How far a process is, or at its end the arrays of its part."""
     try:
         told: str | PalpateError | Mapping[str, NDArray[Any]] = pipe.recv()
@@ -212,9 +214,9 @@ def _hear(pipe: Any, job: PartJob, process: Any) -> str | Mapping[str, NDArray[A
     return told
 
 
-def _work(job: PartJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
+def _work(job: TrainingJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
     """What a process does; what the user can mend is handed on."""
-    worker_process.serve_parent(parent)
+    worker_process.attach_to_parent(parent)
     try:
         pipe.send(dict(job.train(threads, kept, pipe.send)))
     except PalpateError as error:

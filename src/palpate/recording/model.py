@@ -18,13 +18,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.core import BoolArray, FloatArray, PalpateError, refuse_outside_links, written_whole
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.core import BoolArray, FloatArray, PalpateError, atomic_write, reject_external_links
+from palpate.design import TILT_SPACE, PoseSpace
 from palpate.markers import Detector, DetectSpec
-from palpate.recording.correspond import Correspondence, Correspondent, Fault
-from palpate.recording.layout import DotLayout
-from palpate.recording.part import PARTS, ModelPart
-from palpate.recording.sight import Eye
+from palpate.recording.correspond import Correspondence, MarkerMatcher, MatchFault
+from palpate.recording.layout import ObservedLayout
+from palpate.recording.part import PARTS, EnsembleMember
+from palpate.recording.sight import Preprocessor
 
 FORMAT, FORMAT_VERSION = "palpate-recorded-model", 2
 _BANK = 200
@@ -32,7 +32,7 @@ _KEPT = ("fields", "seen", "motion", "usual")
 
 
 @dataclass(frozen=True, eq=False)
-class Choosing:
+class EnsembleWeights:
     """Which parts give the pose, by what weights, and how far it may be wrong.
 
     Attributes
@@ -73,7 +73,7 @@ class RecordedModel:
         Dots at rest; `None` where the sensor is read from pictures alone.
     bank
         Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found, and the
-        sensor's motions and what is usual, see `Correspondent.kept`.
+        sensor's motions and what is usual, see `MarkerMatcher.kept`.
     parts
         All that was trained and is kept, by name.
     with_dots, without
@@ -86,12 +86,12 @@ class RecordedModel:
         What it was made from and with, as JSON data.
     """
 
-    eye: Eye
-    layout: DotLayout | None
+    eye: Preprocessor
+    layout: ObservedLayout | None
     bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-    parts: Mapping[str, ModelPart]
-    with_dots: Choosing | None
-    without: Choosing | None
+    parts: Mapping[str, EnsembleMember]
+    with_dots: EnsembleWeights | None
+    without: EnsembleWeights | None
     apart: FloatArray
     outputs: tuple[tuple[str, str, str], ...]
     about: Mapping[str, Any]
@@ -100,17 +100,17 @@ class RecordedModel:
     def space(self) -> PoseSpace:
         """What it estimates; the package's own space where it is that of a wall."""
         names = tuple(f"{axis}_{unit}" for axis, unit, _ in self.outputs)
-        if names == TILT_DEPTH.names:
-            return TILT_DEPTH
+        if names == TILT_SPACE.names:
+            return TILT_SPACE
         return PoseSpace.free([(axis, unit) for axis, unit, _ in self.outputs])
 
     @cached_property
-    def correspondent(self) -> Correspondent | None:
+    def correspondent(self) -> MarkerMatcher | None:
         """Numbers the dots of images."""
         if self.layout is None:
             return None
         fields, seen, motion, usual = self.bank
-        return Correspondent(self.layout, self.eye.shape, list(seen), list(fields)).knowing(motion, usual)
+        return MarkerMatcher(self.layout, self.eye.shape, list(seen), list(fields)).knowing(motion, usual)
 
     def read(self, image: NDArray[Any]) -> PoseReading:
         """The pose in one image.
@@ -135,10 +135,10 @@ class RecordedModel:
         use = self.with_dots if by_dots[0] else self.without
         if use is None:
             return PoseReading(
-                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(Fault.NO_DOTS), found, dots
+                poses[0], np.full(poses.shape[1], np.inf), count, fault or str(MatchFault.NO_DOTS), found, dots
             )
         if good[0] and self.with_dots is not None and not by_dots[0]:
-            fault = str(Fault.PICTURE)
+            fault = str(MatchFault.PICTURE)
         return PoseReading(poses[0], use.half_width, count, fault, found, dots)
 
     def estimate_all(
@@ -171,7 +171,7 @@ class RecordedModel:
         room = np.minimum(half_width, high - low)
         return bool(((pose < low - room) | (pose > high + room)).any())
 
-    def estimate(self, use: Choosing, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
+    def estimate(self, use: EnsembleWeights, moved: FloatArray, pictures: NDArray[Any]) -> FloatArray:
         """Poses (n, k) of displacements (n, m, 2) and pictures (n, h, w), by some of the parts."""
         total = np.zeros((len(pictures), len(self.outputs)))
         for name, weight in zip(use.parts, use.weights, strict=True):
@@ -188,7 +188,7 @@ def write_model(path: Path, model: RecordedModel) -> None:
     PalpateError
         If the file cannot be written.
     """
-    with written_whole(path) as draft, h5py.File(draft, "w") as file:
+    with atomic_write(path) as draft, h5py.File(draft, "w") as file:
         file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
         detector = model.eye.detector
         file.attrs["about"] = json.dumps(
@@ -229,7 +229,7 @@ def read_model(path: Path) -> RecordedModel:
     again = "Make it again by palpate learn."
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             if file.attrs.get("format") != FORMAT or int(file.attrs.get("format_version", 0)) != FORMAT_VERSION:
                 raise PalpateError(f"{path} is no model of format {FORMAT_VERSION}.", again, code="model-version")
             facts = json.loads(file.attrs["about"])
@@ -237,13 +237,13 @@ def read_model(path: Path) -> RecordedModel:
                 name: PARTS[kind](name, {key: np.asarray(item) for key, item in file[f"parts/{name}"].items()})
                 for name, kind in facts["parts"]
             }
-            layout = DotLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
+            layout = ObservedLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
             kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _KEPT]
         found = facts["detector"]
         detector = (
             None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])
         )
-        eye = Eye(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
+        eye = Preprocessor(tuple(facts["shape"]), detector, tuple(facts["size"]), bool(facts["dark"]))
         return RecordedModel(
             eye,
             layout,
@@ -270,9 +270,9 @@ def is_recorded_model(path: Path) -> bool:
         return False
 
 
-def _plain(use: Choosing | None) -> Any:
+def _plain(use: EnsembleWeights | None) -> Any:
     return None if use is None else [list(use.parts), use.weights.tolist(), use.half_width.tolist()]
 
 
-def _choosing(found: Any) -> Choosing | None:
-    return None if found is None else Choosing(tuple(found[0]), np.array(found[1]), np.array(found[2], float))
+def _choosing(found: Any) -> EnsembleWeights | None:
+    return None if found is None else EnsembleWeights(tuple(found[0]), np.array(found[1]), np.array(found[2], float))

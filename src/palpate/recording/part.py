@@ -15,7 +15,7 @@ from palpate.recording.graph import graph_of
 
 
 @dataclass(frozen=True, eq=False)
-class ModelPart(ABC):
+class EnsembleMember(ABC):
     """One trained estimator.
 
     Attributes
@@ -43,7 +43,7 @@ class ModelPart(ABC):
 
 
 @final
-class LinearPart(ModelPart):
+class RidgeMember(EnsembleMember):
     """Ridge regression on displacements, or on pictures shrunk to `side` px."""
 
     kind = "linear"
@@ -59,7 +59,7 @@ class LinearPart(ModelPart):
 
 
 @final
-class DotsNetwork(ModelPart):
+class MarkerNetwork(EnsembleMember):
     """Perceptrons on principal components of displacements, averaged."""
 
     kind = "dots-network"
@@ -82,7 +82,7 @@ class DotsNetwork(ModelPart):
 
 
 @final
-class PictureNetwork(ModelPart):
+class ImageNetwork(EnsembleMember):
     """A convolutional network on pictures; of its outputs only those that are asked for are handed on."""
 
     kind = "picture-network"
@@ -109,7 +109,7 @@ class PictureNetwork(ModelPart):
         return np.asarray(found * self.arrays["sd"] + self.arrays["mean"], float)[:, :count]
 
 
-PARTS = {part.kind: part for part in (LinearPart, DotsNetwork, PictureNetwork)}
+PARTS = {part.kind: part for part in (RidgeMember, MarkerNetwork, ImageNetwork)}
 """Classes by their word."""
 
 

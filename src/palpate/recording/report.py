@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate.core import PalpateError, writing
-from palpate.recording.conclude import PartScore
-from palpate.recording.curve import say_enough
-from palpate.recording.learn_recording import Learnt
+from palpate.core import PalpateError, wrap_write_errors
+from palpate.recording.conclude import EstimatorScore
+from palpate.recording.curve import extrapolate_learning_curve
+from palpate.recording.learn_recording import RecordingResult
 from palpate.recording.read_recording import Recording
 
 _SHOWN = 6
@@ -22,7 +22,7 @@ _DIM = 0.6
 """Brightness of images under the ways of their dots."""
 
 
-def recording_report(learnt: Learnt) -> dict[str, Any]:
+def recording_report(learnt: RecordingResult) -> dict[str, Any]:
     """Plain data of what a recording gave."""
     seen, outputs = learnt.seen, learnt.model.outputs
     assigned = seen.assigned
@@ -47,12 +47,12 @@ def recording_report(learnt: Learnt) -> dict[str, Any]:
             for score in learnt.scores
         ],
         "curve": [vars(point) for point in learnt.curve],
-        "enough": say_enough(learnt.curve),
+        "enough": extrapolate_learning_curve(learnt.curve),
         "seconds": {"first_errors": learnt.seconds[0], "all": learnt.seconds[1]},
     }
 
 
-def recording_page(learnt: Learnt) -> str:
+def recording_page(learnt: RecordingResult) -> str:
     """The report as Markdown."""
     seen, outputs, about = learnt.seen, learnt.model.outputs, learnt.model.about
     names = [f"{axis} {'' if unit == '1' else unit}".strip() for axis, unit, _ in outputs]
@@ -91,7 +91,7 @@ def recording_page(learnt: Learnt) -> str:
             [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in learnt.curve],
         ),
         "",
-        say_enough(learnt.curve),
+        extrapolate_learning_curve(learnt.curve),
         "",
         "## Pictures",
         "",
@@ -106,7 +106,7 @@ def recording_page(learnt: Learnt) -> str:
     return "\n".join(lines)
 
 
-def draw_recording_report(folder: Path, learnt: Learnt) -> None:
+def draw_recording_report(folder: Path, learnt: RecordingResult) -> None:
     """Draw ``correspondence.png`` and ``errors.png`` into a folder.
 
     Raises
@@ -114,13 +114,13 @@ def draw_recording_report(folder: Path, learnt: Learnt) -> None:
     PalpateError
         If they cannot be written.
     """
-    with writing(folder, "Choose another folder."):
+    with wrap_write_errors(folder, "Choose another folder."):
         _draw_errors(learnt).savefig(folder / "errors.png", dpi=_DPI)
         if learnt.seen.assigned is not None:
             _draw_correspondences(learnt, learnt.seen.recording).savefig(folder / "correspondence.png", dpi=_DPI)
 
 
-def _draw_errors(learnt: Learnt) -> Figure:
+def _draw_errors(learnt: RecordingResult) -> Figure:
     seen, outputs = learnt.seen, learnt.model.outputs
     count = len(outputs)
     figure = Figure(figsize=(3.3 * count + 3.3, 3.2), layout="constrained")
@@ -151,7 +151,7 @@ def _draw_errors(learnt: Learnt) -> Figure:
     return figure
 
 
-def _draw_correspondences(learnt: Learnt, recording: Recording) -> Figure:
+def _draw_correspondences(learnt: RecordingResult, recording: Recording) -> Figure:
     """Images from the calmest to the most moved, and some that failed, with the way of each dot from rest."""
     seen = learnt.seen
     assert seen.assigned is not None
@@ -185,7 +185,7 @@ def _bare(axis: Axes) -> None:
     axis.spines[["top", "right"]].set_visible(False)
 
 
-def _row(score: PartScore, best: bool) -> tuple[str, ...]:
+def _row(score: EstimatorScore, best: bool) -> tuple[str, ...]:
     rmse, most = [f"{one.rmse:.3g}" for one in score.errors], [f"{one.max:.3g}" for one in score.errors]
     name = f"**{score.name}**" if best else score.name
     return (name, f"{score.share:.0%}", *rmse, *most, " / ".join(f"{inside:.0%}" for inside in score.coverage))

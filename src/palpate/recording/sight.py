@@ -38,7 +38,7 @@ Pictures = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
-class Eye:
+class Preprocessor:
     """How an image is looked at, chosen once from a few images of a recording.
 
     Attributes
@@ -85,7 +85,7 @@ class Eye:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class Detections:
     """What all images show.
 
     Attributes
@@ -111,7 +111,7 @@ class Sight:
         return np.asarray(self.faults == "")
 
 
-def open_eye(recording: Recording, picture_px: int) -> Eye:
+def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
     """Choose polarity and size of the dots, and the size of pictures, from images at rest or a few others.
 
     Raises
@@ -140,12 +140,14 @@ def open_eye(recording: Recording, picture_px: int) -> Eye:
         except PalpateError:
             continue
     if not found:
-        return Eye(shape, None, (size[0], size[1]), False)
+        return Preprocessor(shape, None, (size[0], size[1]), False)
     detector = sorted(found, key=lambda pair: pair[0])[len(found) // 2][1]
-    return Eye(shape, detector, (size[0], size[1]), detector.dark)
+    return Preprocessor(shape, detector, (size[0], size[1]), detector.dark)
 
 
-def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[[str], None]) -> Sight:
+def preprocess_images(
+    recording: Recording, eye: Preprocessor, store: ArtefactStore, say: Callable[[str], None]
+) -> Detections:
     """Look at all images of a recording, those at rest last.
 
     Raises
@@ -166,7 +168,7 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
         parts.append(read_arrays(path))
     ends = np.concatenate([part["count"] for part in parts])
     dots = np.concatenate([part["dots"] for part in parts])
-    sight = Sight(
+    sight = Detections(
         np.concatenate([part["pictures"] for part in parts]),
         tuple(np.split(dots, np.cumsum(ends)[:-1])),
         np.concatenate([part["digests"] for part in parts]),
@@ -177,7 +179,7 @@ def look_at(recording: Recording, eye: Eye, store: ArtefactStore, say: Callable[
     return sight
 
 
-def _write(path: Path, recording: Recording, eye: Eye, numbers: Sequence[int]) -> None:
+def _write(path: Path, recording: Recording, eye: Preprocessor, numbers: Sequence[int]) -> None:
     pictures, dots, digests, faults = [], [], [], []
     for item in recording.images.read(numbers):
         try:
@@ -202,7 +204,7 @@ def _write(path: Path, recording: Recording, eye: Eye, numbers: Sequence[int]) -
     write_arrays(path, arrays)
 
 
-def find_twins(digests: TextArray) -> IntArray:
+def first_duplicate(digests: TextArray) -> IntArray:
     """(n,) number of the first image with the same pixels, its own where there is none before it."""
     _, first, number = np.unique(digests, return_index=True, return_inverse=True)
     found = np.asarray(first[number.reshape(-1)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.core import BoolArray, FloatArray, IntArray, generator
-from palpate.recording.sight import find_twins
+from palpate.recording.sight import first_duplicate
 
 _SHIFTS = (-3, -2, -1, 1, 2, 3)
 _FEATURES = 30
@@ -50,14 +50,14 @@ def split_presses(press: IntArray, held_out: float, validation: float, seed: int
     return PressSplit(place >= judge + choose, (place >= judge) & (place < judge + choose), place < judge)
 
 
-def find_doubles(digests: np.ndarray, poses: FloatArray) -> tuple[BoolArray, FloatArray]:
+def find_duplicate_images(digests: np.ndarray, poses: FloatArray) -> tuple[BoolArray, FloatArray]:
     """Images (n,) whose pixels are those of one before them, and how far their poses (n, k) are from its poses."""
-    first = find_twins(digests)
+    first = first_duplicate(digests)
     double = first != np.arange(len(first))
     return double, np.abs(poses - poses[first])
 
 
-def find_shift(features: FloatArray, targets: FloatArray, teach: BoolArray) -> int:
+def find_row_offset(features: FloatArray, targets: FloatArray, teach: BoolArray) -> int:
     """By how many rows poses must be moved to fit the images far better than they do; 0 where none does.
 
     Parameters

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import FloatArray, child_seed, load_opencv
-from palpate.recording.course import Course, CourseSpec, load_torch
-from palpate.recording.lesson import Lesson
-from palpate.recording.part import DotsNetwork, PictureNetwork, flat_features
-from palpate.recording.turns import COUNT, Turns, pattern_order, rotation
+from palpate.recording.course import Trainer, TrainerSpec, load_torch
+from palpate.recording.lesson import TrainingSet
+from palpate.recording.part import ImageNetwork, MarkerNetwork, flat_features
+from palpate.recording.turns import COUNT, RotationOperators, pattern_order, rotation
 
 COMPONENTS, WIDTH, LAYERS, MEMBERS, DOTS_EPOCHS = 48, 256, 4, 3, 300
 """Network on dots: principal components read, units and number of hidden layers, members, epochs."""
@@ -32,9 +32,13 @@ _TURNED, _FROM, _UNTIL = 0.8, 0.5, 0.85
 not quite alike in all directions, and Euler angles do not quite turn."""
 
 
-def train_dots_network(
-    name: str, lesson: Lesson, course: CourseSpec | None = None, members: int = MEMBERS, kept: Path | None = None
-) -> DotsNetwork:
+def train_marker_network(
+    name: str,
+    lesson: TrainingSet,
+    course: TrainerSpec | None = None,
+    members: int = MEMBERS,
+    kept: Path | None = None,
+) -> MarkerNetwork:
     """Perceptrons on principal components of displacements.
 
     Parameters
@@ -53,8 +57,8 @@ def train_dots_network(
     """
     taught = flat_features(lesson.inputs, None)[lesson.teach]
     start = _components(taught.mean(axis=0), np.cov(taught.T), len(taught))
-    return tune_dots_network(
-        name, lesson, start, course or CourseSpec(DOTS_EPOCHS, noise=0.01), members=members, kept=kept
+    return fine_tune_marker_network(
+        name, lesson, start, course or TrainerSpec(DOTS_EPOCHS, noise=0.01), members=members, kept=kept
     )
 
 
@@ -67,14 +71,14 @@ def _components(centre: FloatArray, covariance: FloatArray, taught: int) -> dict
     return {"projection": projection, "offset": centre @ projection}
 
 
-def train_turned_network(
-    name: str, lesson: Lesson, kept: Path | None = None, epochs: int = DOTS_EPOCHS
-) -> DotsNetwork:
-    """Perceptrons as `train_dots_network`, taught by turned presses as well; the lesson says how they turn."""
+def train_rotated_network(
+    name: str, lesson: TrainingSet, kept: Path | None = None, epochs: int = DOTS_EPOCHS
+) -> MarkerNetwork:
+    """Perceptrons as `train_marker_network`, taught by turned presses as well; the lesson says how they turn."""
     assert lesson.turning is not None
     torch = load_torch()
     base = lesson.turning.base_px
-    turns, fields = Turns(lesson.turning.places_px), flat_features(lesson.inputs - base, None)
+    turns, fields = RotationOperators(lesson.turning.places_px), flat_features(lesson.inputs - base, None)
     centre, covariance = turns.spread(fields[lesson.teach].astype(float))
     start = _components(centre, covariance, int(lesson.teach.sum()))
     along = [torch.as_tensor((turns.operator(k).T @ start["projection"]).astype(np.float32)) for k in range(COUNT)]
@@ -85,11 +89,11 @@ def train_turned_network(
     def turned(rows: Any, number: int) -> Any:
         return flat[rows] @ along[number] - offset
 
-    course = CourseSpec(epochs, noise=0.01, vary=_vary(torch, lesson, turned, COUNT))
-    return tune_dots_network(name, lesson, start, course, kept=kept)
+    course = TrainerSpec(epochs, noise=0.01, vary=_vary(torch, lesson, turned, COUNT))
+    return fine_tune_marker_network(name, lesson, start, course, kept=kept)
 
 
-def _vary(torch: Any, lesson: Lesson, turned: Callable[[Any, int], Any], count: int) -> Any:
+def _vary(torch: Any, lesson: TrainingSet, turned: Callable[[Any, int], Any], count: int) -> Any:
     """Draws batches, most of them turned by one of `count` steps around; `turned` gives inputs of rows so turned."""
     assert lesson.turning is not None
     mean, sd = lesson.scale
@@ -107,15 +111,15 @@ def _vary(torch: Any, lesson: Lesson, turned: Callable[[Any, int], Any], count: 
     return vary
 
 
-def tune_dots_network(
+def fine_tune_marker_network(
     name: str,
-    lesson: Lesson,
+    lesson: TrainingSet,
     start: Mapping[str, NDArray[Any]],
-    course: CourseSpec,
+    course: TrainerSpec,
     *,
     members: int = MEMBERS,
     kept: Path | None = None,
-) -> DotsNetwork:
+) -> MarkerNetwork:
     """Train perceptrons on a given projection of displacements, from given weights where there are such."""
     torch = load_torch()
     given = "weight_0" in start
@@ -128,12 +132,12 @@ def tune_dots_network(
         random = torch.Generator().manual_seed(child_seed(lesson.seed, name, member))
         net = _build_perceptron(torch, start, member) if given else _new_perceptron(torch, inputs, targets, random)
         own = None if kept is None else kept.with_suffix(f".{member}")
-        states.append(Course(net, lesson, inputs, targets, course, random).run(own))
+        states.append(Trainer(net, lesson, inputs, targets, course, random).run(own))
     arrays = {key: np.asarray(start[key]) for key in ("projection", "offset")} | {"mean": mean, "sd": sd}
     for layer, key in enumerate(key for key in states[0] if key.endswith(".weight")):
         arrays[f"weight_{layer}"] = np.stack([state[key].numpy().T for state in states])
         arrays[f"bias_{layer}"] = np.stack([state[key.replace("weight", "bias")].numpy() for state in states])
-    return DotsNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
+    return MarkerNetwork(name, arrays | ({"relu": np.array(1)} if "relu" in start else {}))
 
 
 def _new_perceptron(torch: Any, inputs: Any, targets: Any, random: Any) -> Any:
@@ -166,9 +170,9 @@ def _build_perceptron(torch: Any, arrays: Mapping[str, NDArray[Any]], member: in
     return torch.nn.Sequential(*layers[:-1])
 
 
-def train_picture_network(
-    name: str, lesson: Lesson, asked: int, course: CourseSpec, kept: Path, say: Callable[[str], None]
-) -> PictureNetwork:
+def train_image_network(
+    name: str, lesson: TrainingSet, asked: int, course: TrainerSpec, kept: Path, say: Callable[[str], None]
+) -> ImageNetwork:
     """A convolutional network on pictures.
 
     Parameters
@@ -199,11 +203,13 @@ def train_picture_network(
     spec = replace(course, noise=NOISE, grey=(level, spread), shift=shift, rise=RISE)
     if lesson.turning is not None:
         order = pattern_order(lesson.turning.places_px)
-        turned = partial(_turn_pictures, torch, lesson.inputs, Turns(lesson.turning.places_px).middle, order)
+        turned = partial(
+            _turn_pictures, torch, lesson.inputs, RotationOperators(lesson.turning.places_px).middle, order
+        )
         spec = replace(spec, vary=_vary(torch, lesson, turned, order))
-    state = Course(net, lesson, pictures, targets, spec, random).run(kept, lambda text: say(f"{name}: {text}"))
+    state = Trainer(net, lesson, pictures, targets, spec, random).run(kept, lambda text: say(f"{name}: {text}"))
     arrays = _folded(state, level, spread)
-    return PictureNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
+    return ImageNetwork(name, arrays | {"mean": mean, "sd": sd, "asked": np.array(asked)})
 
 
 def _turn_pictures(torch: Any, pictures: NDArray[Any], middle: FloatArray, order: int, rows: Any, number: int) -> Any:

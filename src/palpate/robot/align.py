@@ -21,9 +21,9 @@ from scipy.stats import chi2
 from palpate.built import PoseFit
 from palpate.core import FloatArray, PalpateError
 from palpate.design import wall_normal
-from palpate.robot.alignment import Alignment, Ending, Touch
+from palpate.robot.alignment import Alignment, AlignmentOutcome, Touch
 from palpate.robot.force_limit import ForceLimit
-from palpate.robot.placement import Placement, tilt_of, turn_between, turn_by
+from palpate.robot.placement import Placement, rotation_between, rotation_from_vector, tilt_from_normal
 from palpate.robot.robot import Robot
 from palpate.robot.spec import AlignSpec
 from palpate.robot.tool import Tool
@@ -45,7 +45,7 @@ OFFSET_TURNS = tuple((60.0 * k, 3.0 * (-1) ** k) for k in range(6))
 
 
 class _Failed(Exception):  # noqa: N818  it carries an ending through a touch, and never leaves this file
-    def __init__(self, ending: Ending) -> None:
+    def __init__(self, ending: AlignmentOutcome) -> None:
         self.ending = ending
 
 
@@ -116,8 +116,8 @@ class Aligner:
                 self._turn(touch)
             near = np.hypot(*miss) <= self.spec.near_deg and not touch.outside
             if near and np.hypot(*left) + half <= self.spec.tolerance_deg:
-                return log.end(Ending.SQUARE, left, half, self._images)
-        return log.end(Ending.TOO_MANY, left, half, self._images)
+                return log.end(AlignmentOutcome.SQUARE, left, half, self._images)
+        return log.end(AlignmentOutcome.TOO_MANY, left, half, self._images)
 
     def find_offset(self, turns: Sequence[tuple[float, float]] = OFFSET_TURNS) -> Tool:
         """Tell the sensor's axes against the drill's by touching one wall with the flange turned.
@@ -141,7 +141,10 @@ class Aligner:
         touches, start = [], self.robot.where()
         across = np.linalg.svd(self.tool.drill[None])[2][1]
         for about, lean in turns:
-            self._turn_to(start, start.rotation @ turn_by(about * self.tool.drill) @ turn_by(lean * across))
+            self._turn_to(
+                start,
+                start.rotation @ rotation_from_vector(about * self.tool.drill) @ rotation_from_vector(lean * across),
+            )
             try:
                 touches.append(self.touch())
             except _Failed as failed:
@@ -175,7 +178,7 @@ class Aligner:
         while travel <= self.spec.search:
             reading = self._look(Flag.OUTSIDE, Flag.MOVED)
             if reading is None:
-                raise _Failed(Ending.UNREADABLE)
+                raise _Failed(AlignmentOutcome.UNREADABLE)
             if Flag.MOVED in reading.flags:
                 # the lightest of touches looks as if the camera had moved: above the wall that must be gone
                 lifts += 1
@@ -184,13 +187,13 @@ class Aligner:
                 return travel, reading
             travel += self.spec.step * (_LONGER if lifts else 1.0)
             self.robot.move(start.moved(travel * way))
-        raise _Failed(Ending.NO_WALL)
+        raise _Failed(AlignmentOutcome.NO_WALL)
 
     def _lift(self, place: Placement, lifts: int) -> None:
         """Leave the wall, and fail where the dots stay as if the camera had moved."""
         self.robot.move(place)
         if self._look() is None or lifts > _MOST_LIFTS:
-            raise _Failed(Ending.UNREADABLE)
+            raise _Failed(AlignmentOutcome.UNREADABLE)
 
     def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> _Read:
         """The deepest image that was read."""
@@ -207,7 +210,7 @@ class Aligner:
                 break
             best = _read_of(travel, found, self.robot.where())
         if best.fit.theta[2] < self.spec.least_depth:
-            raise _Failed(Ending.UNREADABLE if travel != best.travel else Ending.TOO_SHALLOW)
+            raise _Failed(AlignmentOutcome.UNREADABLE if travel != best.travel else AlignmentOutcome.TOO_SHALLOW)
         return best
 
     def _look(self, *accepted: Flag) -> Reading | None:
@@ -237,8 +240,8 @@ class Aligner:
         """Rotation vector (2,) that takes drill to normal, flange turned to the drill, and its covariance (2, 2)."""
         normal = wall_normal(*np.radians(touch.tilt_deg))
         drill = self.tool.drill_in_sensor
-        to_drill = turn_between(drill, np.array([0.0, 0.0, 1.0]))
-        return tilt_of(to_drill @ normal), touch.covariance + self.tool.covariance[:2, :2]
+        to_drill = rotation_between(drill, np.array([0.0, 0.0, 1.0]))
+        return tilt_from_normal(to_drill @ normal), touch.covariance + self.tool.covariance[:2, :2]
 
     def _half_width(self, covariance: FloatArray) -> float:
         return self._factor * float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
@@ -248,7 +251,7 @@ class Aligner:
         flange = touch.base_from_flange.rotation
         normal = flange @ self.tool.flange_from_sensor.rotation @ wall_normal(*np.radians(touch.tilt_deg))
         here = self.robot.where()
-        self._turn_to(here, turn_between(flange @ self.tool.drill, normal) @ flange)
+        self._turn_to(here, rotation_between(flange @ self.tool.drill, normal) @ flange)
 
     def _turn_to(self, here: Placement, rotation: FloatArray) -> None:
         """Turn the flange about the dome's apex."""
@@ -282,7 +285,7 @@ class _Log:
         self.touches.append(touch)
         self._rows.append((angle, half, angle if turns else 0.0))
 
-    def end(self, ending: Ending, left: FloatArray, half: float, images: int) -> Alignment:
+    def end(self, ending: AlignmentOutcome, left: FloatArray, half: float, images: int) -> Alignment:
         """The alignment, ended."""
         angles, halves, turned = (tuple(row[column] for row in self._rows) for column in range(3))
         known = float(np.hypot(*left)) if np.isfinite(half) else float("nan")

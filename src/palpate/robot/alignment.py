@@ -9,7 +9,7 @@ from palpate.core import FloatArray
 from palpate.robot.placement import Placement
 
 
-class Ending(StrEnum):
+class AlignmentOutcome(StrEnum):
     """Why an alignment ended."""
 
     SQUARE = "the interval of the angle lies inside the tolerance"
@@ -77,7 +77,7 @@ class Alignment:
         Images that were looked at in all.
     """
 
-    ending: Ending
+    ending: AlignmentOutcome
     touches: tuple[Touch, ...]
     angles_deg: tuple[float, ...]
     half_widths_deg: tuple[float, ...]
@@ -89,4 +89,4 @@ class Alignment:
     @property
     def square(self) -> bool:
         """Whether the tool is square."""
-        return self.ending is Ending.SQUARE
+        return self.ending is AlignmentOutcome.SQUARE

@@ -13,7 +13,7 @@ _SIGMAS = 3.0
 _SHARE = 0.01
 """What the twin's force is off of a unit whose stiffness is known, as in `palpate.built.force`."""
 _UNSEEN_MM = 0.5
-"""Depth at which dots may still be taken for untouched (`RigSpec.touch_px`)."""
+"""Depth at which dots may still be taken for untouched (`SensorSpec.touch_px`)."""
 _BISECTIONS = 20
 _MARGIN_MM = 0.2
 """Distance kept from the end of the twin's depths."""

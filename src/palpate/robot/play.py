@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.bench import Scene, set_scene
+from palpate.bench import Scene, build_scene
 from palpate.built import (
-    KNOWN_TILTS,
-    KNOWN_TURN_DEG,
+    CALIBRATION_TILTS,
+    CALIBRATION_TURN_DEG,
     Deviation,
-    RobotSpec,
+    RobotUncertainty,
     ToleranceSpec,
-    draw_deviation,
+    sample_deviation,
 )
 from palpate.camera import CameraSpec, RenderSpec
 from palpate.core import FloatArray, PalpateError, generator
@@ -26,13 +26,13 @@ from palpate.design import MarkerLayout, SkinSpec, build_skin, wall_normal
 from palpate.material import Material
 from palpate.robot.align import Aligner
 from palpate.robot.alignment import Alignment
-from palpate.robot.placement import Placement, turn_by
-from palpate.robot.simulated_cell import BuiltUnit, FlatWall, SimulatedCell
+from palpate.robot.placement import Placement, rotation_from_vector
+from palpate.robot.simulated_cell import FlatWall, SimulatedCell, SimulatedUnit
 from palpate.robot.simulated_robot import SimulatedRobot
 from palpate.robot.spec import AlignSpec, SimulatedRobotSpec
 from palpate.robot.tool import Tool
-from palpate.robot.touched_dome import DomeBySolver, DomeByTwin, TouchedDome
-from palpate.sensor import RigSpec, Unit, identify_unit, open_sensor
+from palpate.robot.touched_dome import ContactBackend, SolverBackend, TwinBackend
+from palpate.sensor import SensorSpec, Unit, identify_unit, open_sensor
 from palpate.twin import Twin
 
 LIGHT = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
@@ -43,14 +43,14 @@ _LENGTH_MM = 120.0
 """From the flange to the middle of the dome's base."""
 _STANDOFF_MM = 5.0
 """From where the wall is believed, at the start of an alignment."""
-_JIG = RobotSpec(0.02, 0.02)
+_JIG = RobotUncertainty(0.02, 0.02)
 _REFERENCE_DEG = 2.0
 """Tilt of the wall by which the tool's offset is told."""
 _DEPTHS = (2.5, 4.0, 5.5)
 
 
 @dataclass(frozen=True, eq=False)
-class Play:
+class AlignmentScenario:
     """What is played.
 
     Attributes
@@ -87,7 +87,7 @@ class Play:
     seed: int = 0
 
 
-class PlayedWall(NamedTuple):
+class AlignmentTrial(NamedTuple):
     """One wall, squared to.
 
     Attributes
@@ -109,7 +109,7 @@ class PlayedWall(NamedTuple):
     most_force_n: float
 
 
-class PlayedUnit:
+class VirtualUnit:
     """A virtual unit, opened, identified if asked for, mounted, and its tool's offset told.
 
     Parameters
@@ -136,24 +136,24 @@ class PlayedUnit:
         If the sensor cannot be opened or identified, or the offset not be told.
     """
 
-    def __init__(self, play: Play, number: int) -> None:
+    def __init__(self, play: AlignmentScenario, number: int) -> None:
         self.play, self.number = play, number
-        self.deviation = draw_deviation(play.tolerance, play.seed, number)
+        self.deviation = sample_deviation(play.tolerance, play.seed, number)
         skin = build_skin(play.dome)
-        self._scene = set_scene(skin, play.layout, self.deviation, play.camera, LIGHT)
-        self._unit = BuiltUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
+        self._scene = build_scene(skin, play.layout, self.deviation, play.camera, LIGHT)
+        self._unit = SimulatedUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
         unit = Unit(skin, play.layout, nominal=play.camera, tolerance=play.tolerance)
-        self._sensor = open_sensor([self._scene.at_rest()], unit, play.twin, RigSpec())
+        self._sensor = open_sensor([self._scene.at_rest()], unit, play.twin, SensorSpec())
         if play.known:
             self._identify()
         self._mount()
 
-    def _pressed(self, scene: Scene) -> TouchedDome:
+    def _pressed(self, scene: Scene) -> ContactBackend:
         play = self.play
         if play.solved:
             deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
-            return DomeBySolver(play.dome, play.material, scene.edges, self.deviation, deepest)
-        return DomeByTwin(play.twin, scene.edges, self.deviation)
+            return SolverBackend(play.dome, play.material, scene.edges, self.deviation, deepest)
+        return TwinBackend(play.twin, scene.edges, self.deviation)
 
     def _identify(self) -> None:
         """Learn the unit from known presses at a jig that is well known; it then reads in the dome's frame."""
@@ -163,8 +163,8 @@ class PlayedUnit:
         )
         presses = []
         for press in range(self.play.known):
-            tilt = KNOWN_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
-            turn = np.radians(KNOWN_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
+            tilt = CALIBRATION_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
+            turn = np.radians(CALIBRATION_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
             truth = tilt * np.array([np.cos(turn), np.sin(turn)])
             poses, images = [], []
             off = rng.normal(0.0, [_JIG.tilt_deg, _JIG.tilt_deg, _JIG.depth])
@@ -187,7 +187,7 @@ class PlayedUnit:
     def _mount(self) -> None:
         """Put the unit on the robot askew, and tell its offset by touching a reference wall."""
         play, rng = self.play, generator(self.play.seed, "mount", self.number)
-        askew = turn_by(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
+        askew = rotation_from_vector(rng.uniform(-play.robot.offset_deg, play.robot.offset_deg, 3))
         along = np.array([0.0, 0.0, _LENGTH_MM])
         self._mounted = Placement(askew @ _seating(self.deviation), along)
         nominal = Tool(Placement(position=along))
@@ -205,7 +205,7 @@ class PlayedUnit:
     ) -> tuple[SimulatedCell, SimulatedRobot]:
         """A cell whose wall is tilted against the drill, and a robot in front of it."""
         spec = self.play.robot
-        start = Placement(turn_by(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
+        start = Placement(rotation_from_vector(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
         wall = FlatWall(np.zeros(3), normal, slip)
         cell = self._cell(wall, self._mounted, spec.unreadable, rng)
@@ -215,7 +215,7 @@ class PlayedUnit:
         cell.robot = SimulatedRobot(start, spec, rng, cell.push)
         return cell, cell.robot
 
-    def square(self, wall: int) -> PlayedWall:
+    def square(self, wall: int) -> AlignmentTrial:
         """Square the drill to a wall of this number, which decides its tilt, friction, distance and all errors."""
         play, rng = self.play, generator(self.play.seed, "wall", self.number, wall)
         tilt, turn = play.max_tilt_deg * np.sqrt(rng.uniform()), float(rng.uniform(0.0, 2.0 * np.pi))
@@ -223,14 +223,14 @@ class PlayedUnit:
         cell, robot = self._before(tilt * np.array([np.cos(turn), np.sin(turn)]), 1.0 / friction, rng)
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()
-        return PlayedWall(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.most_force_n)
+        return AlignmentTrial(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.most_force_n)
 
 
 def _seating(deviation: Deviation) -> FloatArray:
     """Rotation (3, 3) of the dome on its mount."""
-    return turn_by(np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])) @ turn_by(
-        np.array([0.0, 0.0, deviation.seating_turn_deg])
-    )
+    return rotation_from_vector(
+        np.array([deviation.seating_x_deg, deviation.seating_y_deg, 0.0])
+    ) @ rotation_from_vector(np.array([0.0, 0.0, deviation.seating_turn_deg]))
 
 
 def _angle(first: FloatArray, second: FloatArray) -> float:

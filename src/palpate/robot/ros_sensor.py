@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate.camera import open_source
 from palpate.core import PalpateError, parameter
 from palpate.robot.broadcast import Row
-from palpate.robot.open_by import OpenSpec, open_by
+from palpate.robot.open_by import SensorLaunchSpec, open_from_parameters
 from palpate.robot.read_source import GONE, SourceReader
 from palpate.ros import (
     Level,
@@ -41,7 +41,7 @@ _LOST = (Flag.UNREADABLE, Flag.FEW_MARKERS)
 Publish = Callable[[str, Message], None]
 
 
-class RosSpec(OpenSpec):
+class RosSpec(SensorLaunchSpec):
     """Parameters of the node."""
 
     frame: str = parameter("dome", unit="", meaning="frame of pose, wrench and dots")
@@ -62,12 +62,12 @@ class RosSensor:
     Raises
     ------
     PalpateError
-        As `open_by`.
+        As `open_from_parameters`.
     """
 
     def __init__(self, spec: RosSpec, publish: Publish) -> None:
         self.spec, self._publish = spec, publish
-        self._sensor = open_by(spec)
+        self._sensor = open_from_parameters(spec)
         self._image: NDArray[Any] | None = None
         self._reading: Reading | None = None
         self._reader = SourceReader(self, self._publish_last)

@@ -13,9 +13,9 @@ from palpate.bench import Scene
 from palpate.camera import render
 from palpate.core import FloatArray, PalpateError
 from palpate.design import Skin
-from palpate.robot.placement import Placement, tilt_of, turn_by
+from palpate.robot.placement import Placement, rotation_from_vector, tilt_from_normal
 from palpate.robot.simulated_robot import SimulatedRobot
-from palpate.robot.touched_dome import TouchedDome
+from palpate.robot.touched_dome import ContactBackend
 
 _RESTS = 12
 """Images of the untouched dome, one of which is shown while nothing touches."""
@@ -41,7 +41,7 @@ class FlatWall:
 
 
 @dataclass(frozen=True, eq=False)
-class BuiltUnit:
+class SimulatedUnit:
     """A built unit as it is, which nobody in the cell knows.
 
     Attributes
@@ -59,7 +59,7 @@ class BuiltUnit:
     skin: Skin
     thicker: float
     scene: Scene
-    dome: TouchedDome
+    dome: ContactBackend
 
     @cached_property
     def at_rest(self) -> list[NDArray[np.uint8]]:
@@ -97,7 +97,7 @@ class SimulatedCell:
 
     def __init__(
         self,
-        unit: BuiltUnit,
+        unit: SimulatedUnit,
         wall: FlatWall,
         flange_from_sensor: Placement,
         unreadable: float,
@@ -155,7 +155,7 @@ class SimulatedCell:
         normal = sensor.rotation.T @ self._wall.normal
         height = float(normal @ sensor.inverse().apply(self._wall.point))
         reach = float(self._unit.skin.touch(normal) @ normal) + self._unit.thicker
-        return np.array([*tilt_of(normal), (reach - height) / normal[2]])
+        return np.array([*tilt_from_normal(normal), (reach - height) / normal[2]])
 
     def _drift(self, sensor: Placement, pose: FloatArray) -> FloatArray:
         """How far the wall has gone sideways and turned since first touch, in its own axes."""
@@ -171,4 +171,4 @@ class SimulatedCell:
 
 def _turned_axes(pose: FloatArray) -> FloatArray:
     """The wall's x and y as columns (3, 2), in the dome's frame."""
-    return turn_by(np.array([pose[0], pose[1], 0.0]))[:, :2]
+    return rotation_from_vector(np.array([pose[0], pose[1], 0.0]))[:, :2]

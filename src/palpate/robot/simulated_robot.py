@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.core import FloatArray
-from palpate.robot.placement import Placement, turn_by
+from palpate.robot.placement import Placement, rotation_from_vector
 from palpate.robot.robot import Robot
 from palpate.robot.spec import SimulatedRobotSpec
 
@@ -55,7 +55,7 @@ class SimulatedRobot(Robot):
         if np.abs(way).max() > _SAME:
             self._turn_side = np.where(np.abs(way) > _SAME, np.sign(way), self._turn_side)
             off = self._rng.normal(0.0, spec.turn_deg, 3) - 0.5 * spec.backlash_deg * self._turn_side
-            self._turn_error = turn_by(off)
+            self._turn_error = rotation_from_vector(off)
         along = base_from_flange.position - self._said.position
         self._side = np.where(np.abs(along) > _SAME, np.sign(along), self._side)
         off = self._rng.normal(0.0, spec.place_mm, 3) - 0.5 * spec.backlash_mm * self._side

@@ -18,13 +18,13 @@ from palpate.design import SkinSpec, build_skin, wall_normal
 from palpate.fea import Press, WallSpec, solve_press
 from palpate.material import Material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import PrintedTwin, Twin
+from palpate.twin import MarkerTwin, Twin
 
 _STEP_MM = 0.25
 """Travel between two solved images, between which places are interpolated."""
 
 
-class TouchedDome(ABC):
+class ContactBackend(ABC):
     """A dome under a wall."""
 
     @abstractmethod
@@ -41,7 +41,7 @@ class TouchedDome(ABC):
 
 
 @final
-class DomeByTwin(TouchedDome):
+class TwinBackend(ContactBackend):
     """A unit's dome as the twin of its design has it.
 
     Parameters
@@ -56,8 +56,8 @@ class DomeByTwin(TouchedDome):
 
     def __init__(self, twin: Twin, rest: FloatArray, deviation: Deviation) -> None:
         self._shape, self._deviation = rest.shape, deviation
-        self._edges: PrintedTwin = twin.print_dots(rest.reshape(-1, 3))
-        self._one: PrintedTwin = twin.print_dots(rest[0, :1])
+        self._edges: MarkerTwin = twin.print_dots(rest.reshape(-1, 3))
+        self._one: MarkerTwin = twin.print_dots(rest[0, :1])
 
     def edges(self, pose: FloatArray, slip: float, drift: FloatArray) -> FloatArray:
         moved = self._edges.move(pose, slip, self._deviation.thickness, drift)
@@ -70,7 +70,7 @@ class DomeByTwin(TouchedDome):
 
 @final
 @dataclass(eq=False)
-class DomeBySolver(TouchedDome):
+class SolverBackend(ContactBackend):
     """A unit's dome by presses that are solved for every tilt and friction it meets; drift is left out.
 
     Attributes

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from palpate.core import provenance, written_whole
+from palpate.core import atomic_write, provenance
 from palpate.robot.alignment import Alignment
-from palpate.robot.play import PlayedWall
+from palpate.robot.play import AlignmentTrial
 
 COLUMNS = (
     "touch",
@@ -65,7 +65,7 @@ def describe_alignment(alignment: Alignment) -> dict[str, Any]:
     }
 
 
-def describe_wall(wall: PlayedWall) -> dict[str, Any]:
+def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
     """A wall that was played, with the truth, as plain data."""
     said = wall.alignment
     return {
@@ -78,7 +78,7 @@ def describe_wall(wall: PlayedWall) -> dict[str, Any]:
     }
 
 
-def write_alignments(folder: Path, walls: Sequence[PlayedWall], facts: dict[str, Any]) -> None:
+def write_alignments(folder: Path, walls: Sequence[AlignmentTrial], facts: dict[str, Any]) -> None:
     """Write ``touches.csv``, a row a touch, and ``alignment.json``, a wall an entry with `facts` and versions.
 
     Raises
@@ -87,11 +87,11 @@ def write_alignments(folder: Path, walls: Sequence[PlayedWall], facts: dict[str,
         If a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    with written_whole(folder / "touches.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
+    with atomic_write(folder / "touches.csv") as draft, draft.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, ["wall", *COLUMNS], lineterminator="\n")
         writer.writeheader()
         for number, wall in enumerate(walls, start=1):
             writer.writerows({"wall": number, **row} for row in list_touches(wall.alignment))
     content = facts | {"walls": [describe_wall(wall) for wall in walls], "made_by": provenance()}
-    with written_whole(folder / "alignment.json") as draft:
+    with atomic_write(folder / "alignment.json") as draft:
         draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")

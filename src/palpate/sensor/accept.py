@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from palpate.core import PAPER, BoolArray, FloatArray, IntArray, PalpateError, Spec, parameter, provenance
-from palpate.sensor.recording import Truth
+from palpate.sensor.recording import GroundTruth
 from palpate.sensor.score import COMPONENTS, Score, score_readings
-from palpate.sensor.touch import TouchZero, find_zero
+from palpate.sensor.touch import DepthZero, find_depth_zero
 
 TABLE_3 = f"{PAPER}, Table 3"
 
@@ -19,7 +19,7 @@ _DOUBT = 0.05
 """How far a zero that was found may be off, mm: an image at the least depth is not lost for it."""
 
 
-class AcceptSpec(Spec):
+class AcceptanceSpec(Spec):
     """What a unit must reach."""
 
     rmse_deg: float = parameter(0.58, unit="deg", meaning="greatest RMSE of roll and of pitch", source=TABLE_3, gt=0)
@@ -82,13 +82,13 @@ class Acceptance:
         Images of those that count whose reading is flagged.
     """
 
-    spec: AcceptSpec
+    spec: AcceptanceSpec
     checks: tuple[AcceptanceCheck, ...]
     scores: tuple[Score, ...]
     press: IntArray
     truth: FloatArray
     estimates: FloatArray
-    zero: TouchZero | None
+    zero: DepthZero | None
     left_out: int
     flagged: int
 
@@ -114,7 +114,7 @@ class Acceptance:
 
 
 def accept_unit(
-    truth: Truth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptSpec | None = None
+    truth: GroundTruth, estimates: FloatArray, flagged: BoolArray | None = None, spec: AcceptanceSpec | None = None
 ) -> Acceptance:
     """Hold a unit's readings against the truth.
 
@@ -136,13 +136,13 @@ def accept_unit(
     PalpateError
         If no image counts, or the first press does not give the zero.
     """
-    spec = spec or AcceptSpec()
+    spec = spec or AcceptanceSpec()
     flagged = np.zeros(len(estimates), bool) if flagged is None else flagged
     known = bool(np.isfinite(truth.poses[:, 2]).all())
     zero, counts = None, np.ones(len(estimates), bool)
     if spec.zero and known:
         first = truth.press == 0
-        zero = find_zero(estimates[first, 2], truth.poses[first, 2], spec.least_depth)
+        zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.least_depth)
         counts &= ~first
     offset = zero.offset if zero else 0.0
     # an image without a pose counts if the truth says that it is deep enough
@@ -170,7 +170,7 @@ def accept_unit(
     )
 
 
-def _check(scores: tuple[Score, ...], spec: AcceptSpec, without: float) -> list[AcceptanceCheck]:
+def _check(scores: tuple[Score, ...], spec: AcceptanceSpec, without: float) -> list[AcceptanceCheck]:
     limits = (spec.rmse_deg, spec.rmse_deg, spec.depth_rmse)
     checks = []
     for score, limit, (name, unit) in zip(scores, limits, COMPONENTS, strict=False):

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.sensor.inspect_unit import Inspection
-from palpate.sensor.print_law import PrintLaw
+from palpate.sensor.print_law import PrintDistortion
 
 ENLARGED = 20.0
 """Arrows are drawn this many times longer than the errors,"""
@@ -15,7 +15,7 @@ LONGEST_MM = 4.0
 """or so that the longest has this length."""
 
 
-def _draw_rings(axis: Axes, law: PrintLaw) -> None:
+def _draw_rings(axis: Axes, law: PrintDistortion) -> None:
     """The rings as they were printed."""
     for number in range(1, len(law.rings) + 1):
         members = law.rings.members(number)

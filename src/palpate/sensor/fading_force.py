@@ -15,7 +15,7 @@ from palpate.relaxation import Relaxation, StressHistory
 from palpate.sensor.reading import Reading
 
 
-class FadingForce:
+class ForceRelaxation:
     """Follows the force of one sensor.
 
     Readings without a pose are passed over: the force is taken to have run straight between its neighbours, and so

@@ -19,19 +19,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from palpate.built import FitState, Force, PoseFit, PoseFitter, expect_force, learn_rest, model_unit
+from palpate.built import FitState, Force, PoseFit, PoseFitter, build_unit_model, infer_from_rest, predict_force
 from palpate.camera import CameraSpec, build_camera
 from palpate.core import FloatArray, PalpateError
-from palpate.design import TILT_DEPTH, MarkerLayout, PoseSpace, Skin, wall_normal
+from palpate.design import TILT_SPACE, MarkerLayout, PoseSpace, Skin, wall_normal
 from palpate.learn import Prediction, Predictor, open_predictor
-from palpate.markers import Naming, Sighting
+from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.recording import is_recorded_model
 from palpate.relaxation import Relaxation
-from palpate.sensor.print_law import PrintLaw
+from palpate.sensor.print_law import PrintDistortion
 from palpate.sensor.reading import Flag
 from palpate.sensor.register import Registration
-from palpate.sensor.rest_drift import RestMotion, RestState, RestWatch
-from palpate.sensor.spec import RigSpec
+from palpate.sensor.rest_drift import DriftTracker, RestDrift, RestState
+from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
 from palpate.twin import Twin, read_twin, twin_path, twin_relaxation
 
@@ -41,11 +41,11 @@ _SAME_MM = 0.1
 _NEAR = np.array([2.0, 2.0, 0.5])
 """Change of rx, ry (degrees) and depth (mm) within which a drift of the camera shows alike."""
 
-Model = Predictor | Twin
+PoseModel = Predictor | Twin
 """What a sensor reads with."""
 
 
-class Estimate(NamedTuple):
+class PoseEstimate(NamedTuple):
     """What a reader says about one image: pose, half-widths, motion (px rms), flags, force, fit and rest."""
 
     pose: FloatArray
@@ -54,7 +54,7 @@ class Estimate(NamedTuple):
     flags: tuple[Flag, ...]
     force: Force | None = None
     fit: PoseFit | None = None
-    rest: RestMotion | None = None
+    rest: RestDrift | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class ReaderState:
     touch: FloatArray | None = None
 
 
-class Reader(ABC):
+class PoseEstimator(ABC):
     """Reads the named markers of one unit.
 
     Attributes
@@ -103,23 +103,29 @@ class Reader(ABC):
 
     @abstractmethod
     def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
-    ) -> tuple[Estimate, ReaderState]:
+        self,
+        sighting: TrackedMarkers,
+        state: ReaderState,
+        near: PoseEstimate | None = None,
+        time_s: float | None = None,
+    ) -> tuple[PoseEstimate, ReaderState]:
         """Estimate the pose from where markers are in the image after a state; the estimate, and the next state.
 
         `near` is an estimate of the same image by other markers, from which this one may begin, and `time_s` when the
         image was taken, where a clock says so.
         """
 
-    def foresee(self, estimate: Estimate) -> FloatArray | None:
+    def foresee(self, estimate: PoseEstimate) -> FloatArray | None:
         """Dots (m, 2) px as an estimate has them, NaN where it has none; `None` where what reads does not know."""
         return None
 
 
-class NetworkReader(Reader):
+class NetworkEstimator(PoseEstimator):
     """Reads by a trained network."""
 
-    def __init__(self, predictor: Predictor, unit: Unit, naming: Naming, registration: Registration) -> None:
+    def __init__(
+        self, predictor: Predictor, unit: Unit, naming: MarkerAssignment, registration: Registration
+    ) -> None:
         self.predictor, self.unit, self.space = predictor, unit, predictor.space
         self._camera = registration.camera
         self._nominal = build_camera(unit.nominal)
@@ -128,8 +134,12 @@ class NetworkReader(Reader):
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
     def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
-    ) -> tuple[Estimate, ReaderState]:
+        self,
+        sighting: TrackedMarkers,
+        state: ReaderState,
+        near: PoseEstimate | None = None,
+        time_s: float | None = None,
+    ) -> tuple[PoseEstimate, ReaderState]:
         sight = self._camera.sight(sighting.positions_px)
         moved = self._carry(sight) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
@@ -140,14 +150,14 @@ class NetworkReader(Reader):
         flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
         moved_px = float(np.sqrt(np.mean(moved**2)))
         force = self._force(prediction)
-        return Estimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
+        return PoseEstimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
 
     def _force(self, prediction: Prediction) -> Force | None:
         """Force on the wall, of a unit that is as stiff as designed within its tolerance."""
         if prediction.forces is None or prediction.forces_half_width is None:
             return None
         turn = Rotation.from_rotvec([*np.radians(prediction.poses[0, :2]), 0.0]).as_matrix()
-        return expect_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
+        return predict_force(prediction.forces[0], prediction.forces_half_width[0], turn, self.unit.tolerance)
 
     def _carry(self, sight: tuple[FloatArray, FloatArray], pose: FloatArray | None = None) -> FloatArray:
         """Dots on sights of the real camera as the nominal camera would show them, for a wall of about this pose."""
@@ -160,28 +170,32 @@ class NetworkReader(Reader):
         return self._nominal.project(starts + rays * reach[:, None])
 
 
-def _as_printed(layout: MarkerLayout, law: PrintLaw | None) -> MarkerLayout:
+def _as_printed(layout: MarkerLayout, law: PrintDistortion | None) -> MarkerLayout:
     """A layout as designed, or where the law of its rings has it printed."""
     return layout if law is None else replace(layout, positions=law.positions)
 
 
-class TwinReader(Reader):
+class TwinEstimator(PoseEstimator):
     """Reads by fitting the unit's twin."""
 
-    def __init__(self, twin: Twin, unit: Unit, naming: Naming, spec: RigSpec, law: PrintLaw | None = None) -> None:
-        self.space = TILT_DEPTH
+    def __init__(
+        self, twin: Twin, unit: Unit, naming: MarkerAssignment, spec: SensorSpec, law: PrintDistortion | None = None
+    ) -> None:
+        self.space = TILT_SPACE
         rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
         calibrated = unit.lens or unit.nominal or CameraSpec()
         mounting, scale = None, None
         if unit.known is None:
-            belief = learn_rest(twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px)
+            belief = infer_from_rest(
+                twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px
+            )
         else:
             belief, mounting = replace(unit.known.belief, rest_px=rest), unit.known.mounting
             scale = unit.known.scale
             _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
-        model = model_unit(twin, unit.layout, belief, unit.tolerance)
+        model = build_unit_model(twin, unit.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
-        self.watch = RestWatch(model, rest, spec.noise_px, spec.follow_px)
+        self.watch = DriftTracker(model, rest, spec.noise_px, spec.follow_px)
         self._rest, self._most = rest, spec.misfit
         self._near = _NEAR * [1.0, 1.0, model.size]
 
@@ -197,8 +211,12 @@ class TwinReader(Reader):
         return ReaderState(self.watch.begin())
 
     def read(
-        self, sighting: Sighting, state: ReaderState, near: Estimate | None = None, time_s: float | None = None
-    ) -> tuple[Estimate, ReaderState]:
+        self,
+        sighting: TrackedMarkers,
+        state: ReaderState,
+        near: PoseEstimate | None = None,
+        time_s: float | None = None,
+    ) -> tuple[PoseEstimate, ReaderState]:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
         rest = self.watch.watch(state.rest or self.watch.begin(), seen, time_s)
         seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
@@ -210,10 +228,10 @@ class TwinReader(Reader):
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
         touch = fit.theta if fit.misfit <= self._most and not fit.inverted else None
-        estimate = Estimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
+        estimate = PoseEstimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
         return estimate, ReaderState(rest, fitted, touch)
 
-    def foresee(self, estimate: Estimate) -> FloatArray | None:
+    def foresee(self, estimate: PoseEstimate) -> FloatArray | None:
         return None if estimate.fit is None else self.fitter.foresee(estimate.fit)
 
     def _fit(
@@ -243,14 +261,16 @@ def _refuse_moved(before: FloatArray, now: FloatArray, most: float) -> None:
         )
 
 
-def open_reader(model: Model, unit: Unit, naming: Naming, registration: Registration, spec: RigSpec) -> Reader:
+def make_estimator(
+    model: PoseModel, unit: Unit, naming: MarkerAssignment, registration: Registration, spec: SensorSpec
+) -> PoseEstimator:
     """The reader of a unit whose rest image was named and registered."""
     if isinstance(model, Twin):
-        return TwinReader(model, unit, naming, spec, registration.law)
-    return NetworkReader(model, unit, naming, registration)
+        return TwinEstimator(model, unit, naming, spec, registration.law)
+    return NetworkEstimator(model, unit, naming, registration)
 
 
-def open_model(path: Path, skin: Skin | None = None) -> Model:
+def open_model(path: Path, skin: Skin | None = None) -> PoseModel:
     """Open what reads a sensor of a known design: a twin (``.h5``), a network (``.onnx``), or a twin of a folder.
 
     Parameters
@@ -291,7 +311,7 @@ def _find_twin(folder: Path, skin: Skin) -> Path:
     return found
 
 
-def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> None:
+def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) -> None:
     """Refuse a model of another design, or of another pose, with a `PalpateError`."""
     if isinstance(model, Twin):
         if model.skin.spec_data != unit.skin.spec_data:
@@ -302,7 +322,7 @@ def check_model(model: Model, unit: Unit, space: PoseSpace | None = None) -> Non
             )
         if unit.known is not None:
             unit.known.check(unit.skin, unit.layout)
-        estimates = TILT_DEPTH
+        estimates = TILT_SPACE
     else:
         if unit.known is not None:
             raise PalpateError(

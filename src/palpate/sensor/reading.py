@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from palpate.built import Force, PoseFit
-from palpate.design import TILT_DEPTH, PoseSpace
-from palpate.markers import Sighting
-from palpate.sensor.rest_drift import RestMotion
+from palpate.design import TILT_SPACE, PoseSpace
+from palpate.markers import TrackedMarkers
+from palpate.sensor.rest_drift import RestDrift
 
 
 class Flag(StrEnum):
@@ -67,11 +67,11 @@ class Reading:
     flags: tuple[Flag, ...]
     latency_ms: float
     reason: str = ""
-    sighting: Sighting | None = field(default=None, compare=False, repr=False)
-    space: PoseSpace = TILT_DEPTH
+    sighting: TrackedMarkers | None = field(default=None, compare=False, repr=False)
+    space: PoseSpace = TILT_SPACE
     force: Force | None = field(default=None, compare=False, repr=False)
     fit: PoseFit | None = field(default=None, compare=False, repr=False)
-    rest: RestMotion | None = field(default=None, compare=False, repr=False)
+    rest: RestDrift | None = field(default=None, compare=False, repr=False)
 
     def __getitem__(self, name: str) -> float:
         return self.pose[self.space.names.index(name)]

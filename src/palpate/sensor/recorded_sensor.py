@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.core import PalpateError
-from palpate.markers import Sighting
+from palpate.markers import TrackedMarkers
 from palpate.recording import PoseReading, RecordedModel
 from palpate.sensor.reading import Flag, Reading
-from palpate.sensor.spec import RigSpec
+from palpate.sensor.spec import SensorSpec
 
 
 class RecordedSensor:
@@ -24,8 +24,8 @@ class RecordedSensor:
         What it reads with, and when it flags.
     """
 
-    def __init__(self, model: RecordedModel, spec: RigSpec | None = None) -> None:
-        self.model, self.spec = model, spec or RigSpec()
+    def __init__(self, model: RecordedModel, spec: SensorSpec | None = None) -> None:
+        self.model, self.spec = model, spec or SensorSpec()
         self._count = 0
 
     def read(self, image: NDArray[Any] | PalpateError) -> Reading:
@@ -71,11 +71,11 @@ class RecordedSensor:
             space=self.model.space,
         )
 
-    def _sighting(self, found: PoseReading) -> Sighting | None:
+    def _sighting(self, found: PoseReading) -> TrackedMarkers | None:
         """Where numbered dots were seen; `None` where they were not believed."""
         seen, layout = found.correspondence, self.model.layout
         if seen is None or layout is None or not seen.good:
             return None
         places = layout.rest_px + seen.moved_px
         blob = np.linalg.norm(places[:, None] - found.dots_px[None], axis=-1).argmin(axis=1)
-        return Sighting(places, seen.found, np.where(seen.found, blob, -1), False)
+        return TrackedMarkers(places, seen.found, np.where(seen.found, blob, -1), False)

@@ -8,7 +8,7 @@ directions of its twin's touches, `_TOUCHES`):
 
 Only c is ever followed, so a light touch, held for however long, goes to t and is not learnt as rest. An image counts
 as untouched where t explains nothing beyond the noise, and nothing else is left over. Then the rest follows a small
-difference of c, each combination of the camera's numbers as far as the dots know it (`CreepFilter`); a large one that
+difference of c, each combination of the camera's numbers as far as the dots know it (`DriftFilter`); a large one that
 is no noise is a knock. Few dots tell some motions of the camera from touches badly: 37 dots show one of 0.09 px rms
 where nothing moved.
 """
@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from palpate.built import UNKNOWN, UnitModel
+from palpate.built import UNIT_PARAMETERS, UnitModel
 from palpate.core import BoolArray, FloatArray
-from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, Creep, CreepFilter
+from palpate.sensor.creep_filter import FRAME_S, LONGEST_S, CameraDrift, DriftFilter
 
-_CAMERA = UNKNOWN[:-1]
+_CAMERA = UNIT_PARAMETERS[:-1]
 _MOVES = {
     "offset_x": 0.1,
     "offset_y": 0.1,
@@ -59,7 +59,7 @@ _NOTHING_PX = 0.01
 """Motion of the rest below which dots are taken as they are, px rms."""
 
 
-class RestMotion(NamedTuple):
+class RestDrift(NamedTuple):
     """How the untouched dots have moved as a whole since the images at rest.
 
     Attributes
@@ -88,7 +88,7 @@ class RestMotion(NamedTuple):
         )
 
 
-_STILL = RestMotion(0.0, (0.0, 0.0), 0.0, 1.0)
+_STILL = RestDrift(0.0, (0.0, 0.0), 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,10 +109,10 @@ class RestState:
         When the last image was taken that was followed; `None` where no clock told it, or none was followed.
     """
 
-    creep: Creep
+    creep: CameraDrift
     quiet: float = np.inf
     displaced: bool = False
-    motion: RestMotion = _STILL
+    motion: RestDrift = _STILL
     time_s: float | None = None
 
     def step_s(self, time_s: float | None) -> float:
@@ -123,7 +123,7 @@ class RestState:
 
 
 @dataclass(eq=False)
-class RestWatch:
+class DriftTracker:
     """Follows the rest of one unit.
 
     Attributes
@@ -163,20 +163,20 @@ class RestWatch:
         """What is known before any image but those at rest."""
         return RestState(self._filter.begin())
 
-    def _make_filter(self) -> CreepFilter:
+    def _make_filter(self) -> DriftFilter:
         """Follows motions of the camera as far as the dots of one image tell them from touches."""
         ways = self._whole[0]
         camera = ways[:, : self._free]
         unknown = self.noise_px**2 * np.linalg.inv(self._normal(ways))[: self._free, : self._free]
-        return CreepFilter(np.asarray(unknown, float), camera.T @ camera / self._known.sum())
+        return DriftFilter(np.asarray(unknown, float), camera.T @ camera / self._known.sum())
 
-    def _describe(self, followed: FloatArray) -> RestMotion:
+    def _describe(self, followed: FloatArray) -> RestDrift:
         """What a motion (k,) of the camera is to the dots."""
         moved = (self._ways[..., : self._free] @ followed)[self._known]
         rest = self.rest_px[self._known] - self.rest_px[self._known].mean(axis=0)
         shift, size = moved.mean(axis=0), float(np.sum(rest**2))
         turn = float(np.sum(rest[:, 0] * moved[:, 1] - rest[:, 1] * moved[:, 0])) / size
-        return RestMotion(
+        return RestDrift(
             self._rms(followed),
             (float(shift[0]), float(shift[1])),
             float(np.degrees(turn)),

@@ -18,25 +18,33 @@ from palpate.design import place_orientation_mark
 from palpate.markers import (
     Detector,
     DetectSpec,
+    MarkerAssignment,
     MarkerPattern,
-    Motion,
-    Naming,
-    Sighting,
+    MotionModel,
+    TrackedMarkers,
     Tracker,
     TrackState,
+    assign_markers,
     build_pattern,
-    name_markers,
     prepare_detector,
 )
 from palpate.recording import RecordedModel
-from palpate.sensor.fading_force import FadingForce
-from palpate.sensor.known_press import KnownPress, ask_press
-from palpate.sensor.reader import Estimate, Model, Reader, ReaderState, TwinReader, check_model, open_reader
+from palpate.sensor.fading_force import ForceRelaxation
+from palpate.sensor.known_press import ReferencePress, disambiguate
+from palpate.sensor.reader import (
+    PoseEstimate,
+    PoseEstimator,
+    PoseModel,
+    ReaderState,
+    TwinEstimator,
+    check_model,
+    make_estimator,
+)
 from palpate.sensor.reading import Flag, Reading
 from palpate.sensor.recorded_sensor import RecordedSensor
 from palpate.sensor.register import Registration, register_dome
-from palpate.sensor.rest_drift import RestMotion
-from palpate.sensor.spec import RigSpec
+from palpate.sensor.rest_drift import RestDrift
+from palpate.sensor.spec import SensorSpec
 from palpate.sensor.unit import Unit
 
 _FOUND, _DIRT = (0.8, 1.5), 10
@@ -71,29 +79,29 @@ class Sensor:
     """
 
     unit: Unit
-    reader: Reader
-    spec: RigSpec
+    reader: PoseEstimator
+    spec: SensorSpec
     detector: Detector
-    naming: Naming
+    naming: MarkerAssignment
     registration: Registration
     clock: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
         relaxation = self.reader.relaxation
-        self._fading = FadingForce(relaxation) if relaxation is not None else None
-        self._tracker = Tracker(Motion(self.naming.positions_px))
+        self._fading = ForceRelaxation(relaxation) if relaxation is not None else None
+        self._tracker = Tracker(MotionModel(self.naming.positions_px))
         self._state = _State(self._tracker.begin(), self.reader.begin())
         self._count = 0
 
     @property
-    def rest(self) -> RestMotion | None:
+    def rest(self) -> RestDrift | None:
         """How far the untouched dots have drifted; `None` where nothing looks."""
         rest = self._state.reader.rest
         return None if rest is None else rest.motion
 
     def fit_by(self, fitter: PoseFitter) -> None:
         """Read by another fit of the unit's twin from the next image on, as one that has fitted none."""
-        assert isinstance(self.reader, TwinReader)
+        assert isinstance(self.reader, TwinEstimator)
         self.reader.fitter = fitter
         self._state = replace(self._state, reader=replace(self._state.reader, fit=FitState()))
 
@@ -146,8 +154,8 @@ class Sensor:
         return reading
 
     def _estimate(
-        self, blobs_px: FloatArray, sighting: Sighting, tracks: TrackState, taken_s: float | None
-    ) -> tuple[Sighting, Estimate, _State]:
+        self, blobs_px: FloatArray, sighting: TrackedMarkers, tracks: TrackState, taken_s: float | None
+    ) -> tuple[TrackedMarkers, PoseEstimate, _State]:
         """Where markers are, the estimate, and the state after this image.
 
         Where markers jumped or the estimate does not explain them, they are named anew by it, if that explains more;
@@ -175,21 +183,21 @@ class Sensor:
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
+class RestReference:
     """What images of the untouched dome give: how its dots are found, which marker each is, where the camera is."""
 
     detector: Detector
-    naming: Naming
+    naming: MarkerAssignment
     registration: Registration
 
 
-def read_rest(
+def analyse_rest(
     images: Iterable[NDArray[Any]],
     unit: Unit,
     detect: DetectSpec | None = None,
-    known: KnownPress | None = None,
+    known: ReferencePress | None = None,
     refine_lens: bool = False,
-) -> Rest:
+) -> RestReference:
     """Find and name the dots of the untouched dome, and register the camera.
 
     Parameters
@@ -219,7 +227,7 @@ def read_rest(
     pattern = build_pattern(unit.layout.positions, build_camera(unit.lens or unit.nominal).project, mark)
     detector, naming = _find_and_name(images[0], unit, detect, pattern)
     if naming.ambiguous and known is not None:
-        naming = ask_press(naming, detector.find(known.image).positions_px, known.positions, unit).naming
+        naming = disambiguate(naming, detector.find(known.image).positions_px, known.positions, unit).naming
         if naming.ambiguous:
             raise PalpateError(
                 f"The known press leaves {1 + len(naming.alternatives)} ways to number the markers.",
@@ -234,12 +242,12 @@ def read_rest(
         )
     naming = _average(naming, detector, images)
     where = register_dome(naming, unit.layout, unit.skin, unit.lens or unit.nominal, refine_lens)
-    return Rest(detector, naming, where)
+    return RestReference(detector, naming, where)
 
 
 def _find_and_name(
     image: NDArray[Any], unit: Unit, detect: DetectSpec | None, pattern: MarkerPattern
-) -> tuple[Detector, Naming]:
+) -> tuple[Detector, MarkerAssignment]:
     """A detector by the image alone, and the names of its dots.
 
     Where few dots are lost in clutter, so that none or others are found, by the size that the design gives them.
@@ -247,7 +255,7 @@ def _find_and_name(
     gap = _SPARE * pattern.widest_gap
     try:
         detector = prepare_detector(image, detect, doubt=False, gap=gap)  # naming holds the dots against the design
-        return detector, name_markers(detector.find(image).positions_px, pattern)
+        return detector, assign_markers(detector.find(image).positions_px, pattern)
     except PalpateError:
         camera = unit.lens or unit.nominal
         if detect is not None or camera is None:
@@ -259,17 +267,17 @@ def _find_and_name(
                 detector = prepare_detector(image, spec, doubt=False, gap=gap)
                 found = detector.find(image).positions_px
                 if _FOUND[0] * len(unit.layout) <= len(found) <= _FOUND[1] * len(unit.layout) + _DIRT:
-                    return detector, name_markers(found, pattern)
+                    return detector, assign_markers(found, pattern)
         raise
 
 
 def open_sensor(
     rest: Iterable[NDArray[Any]],
     unit: Unit,
-    model: Model,
-    spec: RigSpec | None = None,
+    model: PoseModel,
+    spec: SensorSpec | None = None,
     detect: DetectSpec | None = None,
-    known: KnownPress | None = None,
+    known: ReferencePress | None = None,
 ) -> Sensor:
     """Begin with images of the untouched dome.
 
@@ -287,17 +295,17 @@ def open_sensor(
     Raises
     ------
     PalpateError
-        If the model is that of another design, or where `read_rest` fails.
+        If the model is that of another design, or where `analyse_rest` fails.
     """
     check_model(model, unit)
-    spec = spec or RigSpec()
-    seen = read_rest(rest, unit, detect, known, spec.refine_lens)
-    reader = open_reader(model, unit, seen.naming, seen.registration, spec)
+    spec = spec or SensorSpec()
+    seen = analyse_rest(rest, unit, detect, known, spec.refine_lens)
+    reader = make_estimator(model, unit, seen.naming, seen.registration, spec)
     return Sensor(unit, reader, spec, seen.detector, seen.naming, seen.registration)
 
 
 def run_sensor(
-    sensor: Sensor | RecordedModel, images: Iterable[NDArray[Any] | PalpateError], spec: RigSpec | None = None
+    sensor: Sensor | RecordedModel, images: Iterable[NDArray[Any] | PalpateError], spec: SensorSpec | None = None
 ) -> Iterator[Reading]:
     """Readings of images one by one; what cannot be read gives a flagged reading and the next is tried.
 
@@ -307,11 +315,11 @@ def run_sensor(
     return (reads.read(image) for image in images)
 
 
-def _average(naming: Naming, detector: Detector, images: list[NDArray[Any]]) -> Naming:
+def _average(naming: MarkerAssignment, detector: Detector, images: list[NDArray[Any]]) -> MarkerAssignment:
     """The same naming with positions averaged over all rest images."""
     if len(images) == 1:
         return naming
-    tracker = Tracker(Motion(naming.positions_px))
+    tracker = Tracker(MotionModel(naming.positions_px))
     seen = [tracker.step(detector.find(image).positions_px) for image in images]
     positions = np.mean([sighting.positions_px for sighting in seen], axis=0)
     found = np.mean([sighting.found for sighting in seen], axis=0) > 0.5

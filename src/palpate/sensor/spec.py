@@ -6,7 +6,7 @@ from palpate.built import NOISE_PX
 from palpate.core import Spec, parameter
 
 
-class RigSpec(Spec):
+class SensorSpec(Spec):
     """When a reading counts as a touch, and when it is flagged."""
 
     touch_px: float = parameter(

@@ -18,7 +18,7 @@ LEAST_IMAGES = 3
 
 
 @dataclass(frozen=True)
-class TouchZero:
+class DepthZero:
     """Where the sensor's depth 0 lies on another scale.
 
     Attributes
@@ -36,7 +36,7 @@ class TouchZero:
     images: int
 
 
-def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4) -> TouchZero:
+def find_depth_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4) -> DepthZero:
     """Find the zero from one press.
 
     Parameters
@@ -56,7 +56,7 @@ def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4
     Examples
     --------
     >>> sensor, robot = np.array([2.5, 3.5, 4.5]), np.array([3.5, 4.4, 5.6])
-    >>> round(find_zero(sensor, robot).offset, 6)
+    >>> round(find_depth_zero(sensor, robot).offset, 6)
     1.0
     """
     counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= least_depth)
@@ -68,4 +68,4 @@ def find_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4
         )
     apart = other[counts] - estimated[counts]
     offset = float(np.median(apart))
-    return TouchZero(offset, float(np.median(np.abs(apart - offset))), int(counts.sum()))
+    return DepthZero(offset, float(np.median(np.abs(apart - offset))), int(counts.sum()))

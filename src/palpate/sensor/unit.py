@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from palpate.built import KnownUnit, ToleranceSpec
+from palpate.built import IdentifiedUnit, ToleranceSpec
 from palpate.camera import CameraSpec
 from palpate.design import MarkerLayout, Skin
 
@@ -34,5 +34,5 @@ class Unit:
     marked: bool = True
     nominal: CameraSpec | None = None
     lens: CameraSpec | None = None
-    known: KnownUnit | None = None
+    known: IdentifiedUnit | None = None
     tolerance: ToleranceSpec = field(default_factory=ToleranceSpec)

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from palpate.core import PalpateError, writing
-from palpate.design import TILT_DEPTH, PoseSpace
+from palpate.core import PalpateError, wrap_write_errors
+from palpate.design import TILT_SPACE, PoseSpace
 from palpate.sensor.reading import Reading
 from palpate.sensor.write_bag import write_bag
 
@@ -64,7 +64,7 @@ def _forces(reading: Reading) -> tuple[float, ...]:
     return normal.value, normal.half_width, tangential.value, tangential.half_width, friction, *bend
 
 
-def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_DEPTH) -> Iterator[Reading]:
+def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = TILT_SPACE) -> Iterator[Reading]:
     """Write readings with poses of one space as they come, to a .csv or .jsonl file or a new .rosbag2 folder.
 
     They are handed on.
@@ -88,7 +88,7 @@ def write_readings(path: Path, readings: Iterable[Reading], space: PoseSpace = T
 
 
 def _write_text(path: Path, readings: Iterable[Reading], columns: tuple[str, ...]) -> Iterator[Reading]:
-    with writing(path), path.open("w", newline="", encoding="utf-8") as file:
+    with wrap_write_errors(path), path.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, columns)
         if path.suffix == ".csv":
             table.writeheader()

@@ -14,11 +14,11 @@ from palpate.core import ArtefactStore, provenance, stage_version
 from palpate.design import Symmetry, build_skin
 from palpate.fea import Branch, read_press
 from palpate.learn import Coverage, Metrics
-from palpate.study.built_task import BuiltTask, read_figures
+from palpate.study.built_task import AccuracyTask, read_accuracy
 from palpate.study.force_task import ForceTask
 from palpate.study.plan import Plan
-from palpate.study.result import Counts, DesignLimits, DesignResult, PressSummary
-from palpate.study.task import DatasetTask, LearningTask, LimitTask, Task, read_limits
+from palpate.study.result import Counts, DesignBounds, DesignResult, PressSummary
+from palpate.study.task import BoundTask, DatasetTask, EvaluationTask, Task, read_bounds
 from palpate.study.worker import TaskOutcome
 
 
@@ -47,18 +47,18 @@ def collect_designs(
     return tuple(_collect_design(*design, known) for design in zip(tasks, built, forces, strict=True))
 
 
-def collect_limits(
-    tasks: Sequence[LimitTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome]
-) -> tuple[DesignLimits, ...]:
+def collect_bounds(
+    tasks: Sequence[BoundTask], store: ArtefactStore, outcomes: Mapping[str, TaskOutcome]
+) -> tuple[DesignBounds, ...]:
     """Collect the limits of designs from the store; `outcomes` is how the tasks of this run ended, by key."""
     found = []
     for task in tasks:
         path = store.find(task.recipe, task.suffix)
         design = (task.dataset.skin, task.dataset.markers)
         if path is not None:
-            found.append(DesignLimits(*design, read_limits(path)))
+            found.append(DesignBounds(*design, read_bounds(path)))
         else:
-            found.append(DesignLimits(*design, (), _reason((task, *task.needs), outcomes)))
+            found.append(DesignBounds(*design, (), _reason((task, *task.needs), outcomes)))
     return tuple(found)
 
 
@@ -77,7 +77,7 @@ class _Known:
 
 
 def _collect_design(
-    task: LearningTask, built: BuiltTask | None, forces: ForceTask | None, known: _Known
+    task: EvaluationTask, built: AccuracyTask | None, forces: ForceTask | None, known: _Known
 ) -> DesignResult:
     dataset = task.dataset
     tally = _read_tally(known.store.find(task.recipe, task.suffix))
@@ -101,11 +101,11 @@ def _collect_design(
         seed=known.seed,
         versions=known.versions,
         artefacts={"press": keys, **{part.recipe.kind: (part.recipe.key,) for part in parts}},
-        limits=read_limits(limits) if limits is not None else (),
+        limits=read_bounds(limits) if limits is not None else (),
         coverage=Coverage(**tally["coverage"]) if tally and tally["coverage"] else None,
         repeat_rmse_deg=tuple(tally["repeat_rmse_deg"]) if tally else (),
         spec=_spec(dataset, task),
-        built=read_figures(foreseen) if foreseen else (),
+        built=read_accuracy(foreseen) if foreseen else (),
         failure="" if tally else _reason((*reversed(parts), *dataset.presses), known.outcomes),
     )
 
@@ -126,7 +126,7 @@ def _azimuths(dataset: DatasetTask) -> dict[str, list[float]]:
     return {"azimuths_deg": sorted({item.wall.turn_deg for item in dataset.presses})}
 
 
-def _spec(dataset: DatasetTask, task: LearningTask) -> dict[str, Any]:
+def _spec(dataset: DatasetTask, task: EvaluationTask) -> dict[str, Any]:
     """What was chosen beside sizes and markers; every press of a design shares it but for the tilt."""
     press = dataset.presses[0]
     wall = press.wall.model_dump(mode="json", exclude={"tilt_deg", "azimuth_deg"})

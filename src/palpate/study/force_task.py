@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from palpate.core import ArtefactStore, Recipe, stage_version
-from palpate.study.task import EstimatorTask, Task, find_made
+from palpate.study.task import EstimatorTask, Task, find_artefact
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,12 @@ class ForceTask(Task):
         return 15.0
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import learn_forces  # here, so that a study already learned needs no torch
+        from palpate.learn import train_force_output  # here, so that a study already learned needs no torch
 
-        estimator, chosen = find_made(store, self.estimator), self.estimator.spec
+        estimator, chosen = find_artefact(store, self.estimator), self.estimator.spec
         dataset = self.estimator.dataset.generate(store, forces=True)
         store.write(
             self.recipe,
-            lambda path: learn_forces(estimator, dataset, path, chosen.seed, chosen.device),
+            lambda path: train_force_output(estimator, dataset, path, chosen.seed, chosen.device),
             self.suffix,
         )

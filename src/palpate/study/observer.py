@@ -25,7 +25,7 @@ class Observer(ABC):
         """Say how far it has come: a sentence for a person."""
 
 
-class Silence(Observer):
+class NullObserver(Observer):
     """Watches without a word."""
 
     def planned(self, tasks: int, reused: int, cost: float) -> None:

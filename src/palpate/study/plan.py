@@ -14,13 +14,13 @@ from palpate.design import (
     build_skin,
     check_design,
     place_markers,
-    refuse_errors,
+    raise_on_errors,
 )
 from palpate.fea import Branch
-from palpate.study.built_task import BuiltTask, plan_built, plan_twin
+from palpate.study.built_task import AccuracyTask, plan_accuracy, plan_twin
 from palpate.study.force_task import ForceTask
 from palpate.study.study import Study
-from palpate.study.task import DatasetTask, LearningTask, PressTask, Task
+from palpate.study.task import DatasetTask, EvaluationTask, PressTask, Task
 
 
 @dataclass(frozen=True)
@@ -37,17 +37,19 @@ class Plan:
         What adds forces to each design's estimator; empty likewise.
     """
 
-    designs: tuple[LearningTask, ...]
-    built: tuple[BuiltTask, ...] = ()
+    designs: tuple[EvaluationTask, ...]
+    built: tuple[AccuracyTask, ...] = ()
     forces: tuple[ForceTask, ...] = ()
 
     def tasks(self) -> tuple[Task, ...]:
         """Every task once, each after those it needs."""
-        return once([*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)])
+        return with_dependencies(
+            [*self.designs, *self.built, *self.forces, *(design.inverted for design in self.designs)]
+        )
 
     def built_tasks(self) -> tuple[Task, ...]:
         """What foresees built units, each once, after those it needs."""
-        return once(self.built)
+        return with_dependencies(self.built)
 
     def read_at_the_end(self) -> tuple[Task, ...]:
         """The tasks whose artefacts the records of the designs are read from, each once."""
@@ -61,7 +63,7 @@ class Plan:
 
     def limit_tasks(self) -> tuple[Task, ...]:
         """What the limits of all designs need, each once, after those it needs."""
-        return once([design.limit for design in self.designs])
+        return with_dependencies([design.limit for design in self.designs])
 
 
 def plan_study(study: Study) -> Plan:
@@ -99,9 +101,9 @@ def plan_study(study: Study) -> Plan:
                 spec=study.dataset,
                 relatives=relatives,
             )
-            designs.append(LearningTask(dataset=dataset, spec=study.learning, inverted=inverted))
+            designs.append(EvaluationTask(dataset=dataset, spec=study.learning, inverted=inverted))
             if twin is not None:
-                built.append(plan_built(study, twin, skin, markers))
+                built.append(plan_accuracy(study, twin, skin, markers))
     forces = tuple(ForceTask(design.estimator) for design in designs) if study.forces else ()
     return Plan(designs=tuple(designs), built=tuple(built), forces=forces)
 
@@ -145,7 +147,7 @@ def _poses(study: Study, skin: Skin) -> Iterator[tuple[float, float]]:
 
 
 def _plan_relatives(study: Study, skin: SkinSpec) -> Iterator[Iterator[PressTask]]:
-    """Presses of units that differ from the design, as `RandomiseSpec` asks for: frictions, thinner, thicker."""
+    """Presses of units that differ from the design, as `RandomisationSpec` asks for: frictions, thinner, thicker."""
     varied = study.dataset.randomise
     if varied is None:
         return
@@ -161,13 +163,13 @@ def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     skin = build_skin(dome_spec)
     layout = place_markers(skin, markers)
     try:
-        refuse_errors(check_design(skin, layout))
+        raise_on_errors(check_design(skin, layout))
     except PalpateError as error:
         raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy, code=error.code) from None
     return markers.model_copy(update={"count": len(layout)})
 
 
-def once(last: Sequence[Task]) -> tuple[Task, ...]:
+def with_dependencies(last: Sequence[Task]) -> tuple[Task, ...]:
     """These tasks and all that they need, each once and after its own needs."""
     unique: dict[str, Task] = {}
     for end in last:

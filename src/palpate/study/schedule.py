@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from palpate.study.observer import Observer
 from palpate.study.task import Task
-from palpate.study.worker import TaskEnd, TaskOutcome
+from palpate.study.worker import TaskOutcome, TaskStatus
 from palpate.study.worker_pool import WorkerPool
 
 MOST_REMADE = 2
@@ -80,13 +80,13 @@ class Schedule:
         reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
         for later in self._hanging.pop(key, []):
             if (hanging := self._waiting.pop(later, None)) is not None:
-                yield from self.close(hanging, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
+                yield from self.close(hanging, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
 
     def give_up(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
         """End every waiting task for one reason; yields each with its outcome."""
         while self._waiting:
             task = self._waiting.pop(next(iter(self._waiting)))
-            yield from self.close(task, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
+            yield from self.close(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
 
     def remake(self, task: Task, missing: str) -> bool:
         """Let an artefact that `task` needs and that broke be made again, and the task after it.
@@ -124,7 +124,7 @@ class Schedule:
 
 
 @dataclass
-class Work:
+class RunningTasks:
     """What is at work now, and what has to be tried again.
 
     Attributes
@@ -151,7 +151,7 @@ class Work:
     alone: bool = False
 
 
-def do_tasks(
+def run_task_graph(
     tasks: Iterable[Task], made: Iterable[str], crew: WorkerPool, observer: Observer, limit_s: float | None = None
 ) -> dict[str, TaskOutcome]:
     """Do tasks, each as soon as its inputs exist.
@@ -174,7 +174,7 @@ def do_tasks(
     dict
         How each task ended, by the key of its recipe. What was broken and made again is among them.
     """
-    schedule, work = Schedule(tasks, made), Work()
+    schedule, work = Schedule(tasks, made), RunningTasks()
     while True:
         while (task := _next(schedule, work, crew.size)) is not None:
             observer.started(task.name)
@@ -192,7 +192,7 @@ def do_tasks(
         _stop_hung(work, crew, limit_s)
 
 
-def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
+def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
     """The next task to give to a free member."""
     if len(work.running) >= size or (work.alone and work.running):
         return None
@@ -205,38 +205,40 @@ def _next(schedule: Schedule, work: Work, size: int) -> Task | None:
     return task
 
 
-def _settle(schedule: Schedule, work: Work, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
+def _settle(
+    schedule: Schedule, work: RunningTasks, task: Task, outcome: TaskOutcome
+) -> Iterator[tuple[Task, TaskOutcome]]:
     """Take what a member reported; yields the tasks that are over by it, each with its outcome."""
     key = task.recipe.key
-    if outcome.ended is TaskEnd.BUSY:
+    if outcome.ended is TaskStatus.BUSY:
         work.busy.append((time.monotonic() + BUSY_S, task))
-    elif outcome.ended is TaskEnd.MISSING and schedule.remake(task, outcome.missing):
+    elif outcome.ended is TaskStatus.MISSING and schedule.remake(task, outcome.missing):
         return
-    elif outcome.ended is TaskEnd.DIED and key in work.stopped:
+    elif outcome.ended is TaskStatus.DIED and key in work.stopped:
         reason = f"it took longer than {work.stopped[key]:g} s and was stopped"
-        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskEnd.FAILED))
-    elif outcome.ended is TaskEnd.DIED and not work.tried[key]:
+        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskStatus.FAILED))
+    elif outcome.ended is TaskStatus.DIED and not work.tried[key]:
         work.tried[key] += 1
         work.suspects.append(task)
-    elif outcome.ended is TaskEnd.DIED:
+    elif outcome.ended is TaskStatus.DIED:
         reason = f"{outcome.reason}; tried once more alone, it died again"
-        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskEnd.FAILED))
+        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskStatus.FAILED))
     else:
         yield from schedule.close(task, outcome)
-        if outcome.ended is TaskEnd.UNWRITABLE:
+        if outcome.ended is TaskStatus.UNWRITABLE:
             yield from _give_up(schedule, work, f"not tried: {outcome.reason}")
 
 
-def _give_up(schedule: Schedule, work: Work, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
+def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
     """End all that is not at work now."""
     for task in (*work.suspects, *(task for _, task in work.busy)):
-        yield from schedule.close(task, TaskOutcome(reason, "", 0.0, TaskEnd.FAILED))
+        yield from schedule.close(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
     work.suspects.clear()
     work.busy.clear()
     yield from schedule.give_up(reason)
 
 
-def _stop_hung(work: Work, crew: WorkerPool, limit_s: float | None) -> None:
+def _stop_hung(work: RunningTasks, crew: WorkerPool, limit_s: float | None) -> None:
     now = time.monotonic()
     for key, (task, until) in work.running.items():
         if now > until and key not in work.stopped:

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from palpate.core import PalpateError, Stored, list_store
+from palpate.core import PalpateError, StoreContents, list_store
 from palpate.study.plan import plan_study
 from palpate.study.result import TaskFailure
-from palpate.study.run_study import FAILURES, on_its_device
+from palpate.study.run_study import FAILURES, resolve_device
 from palpate.study.study import Study
 from palpate.study.task import Task
 
@@ -62,7 +62,7 @@ def find_status(study: Study, out: Path) -> StudyStatus:
     PalpateError
         If a design cannot be built.
     """
-    tasks = plan_study(on_its_device(study)).tasks()
+    tasks = plan_study(resolve_device(study)).tasks()
     stored = list_store(out / "store")
     kinds: dict[str, list[Task]] = {}
     for task in tasks:
@@ -82,7 +82,7 @@ def needed_keys(studies: Iterable[Study]) -> frozenset[str]:
     return frozenset(keys)
 
 
-def _count(kind: str, tasks: list[Task], stored: Stored) -> KindStatus:
+def _count(kind: str, tasks: list[Task], stored: StoreContents) -> KindStatus:
     missing = [task for task in tasks if (kind, _file(task)) not in stored.artefacts]
     return KindStatus(
         made=len(tasks) - len(missing),

@@ -28,7 +28,7 @@ from palpate.core import PAPER, PalpateError, Spec, child_seed, parameter
 from palpate.dataset import DatasetSpec
 from palpate.design import SKINS, MarkerSpec, SkinSpec, skin_from_data
 from palpate.fea import OBSTACLES, ObstacleSpec, WallSpec, check_contact, obstacle_from_data
-from palpate.learn import SearchSpec
+from palpate.learn import LearningSpec
 from palpate.material import Material, get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec
@@ -134,7 +134,7 @@ class MaterialSpec(Spec):
         return spec if self.gel is None else spec.model_copy(update={"filled": True})
 
 
-class BuiltSpec(Spec):
+class AsBuiltSpec(Spec):
     """What is foreseen of built units: each skin is pressed at every tilt under these contact laws for its twin."""
 
     contacts: tuple[Contact, ...] = parameter(
@@ -191,13 +191,13 @@ class Study(Spec):
     solver: SolverSpec = SolverSpec()
     camera: CameraSpec = CameraSpec()
     dataset: DatasetSpec = DatasetSpec()
-    learning: SearchSpec = SearchSpec()
+    learning: LearningSpec = LearningSpec()
     forces: bool = parameter(
         False,
         unit="",
         meaning="whether trained networks tell the force on the wall as well, by presses of the design",
     )
-    built: BuiltSpec | None = None
+    built: AsBuiltSpec | None = None
     """Whether built units are foreseen as well; takes some minutes a skin."""
 
     @field_validator("tilts_deg")
@@ -272,7 +272,7 @@ class Study(Spec):
         )
 
 
-def study_of(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
+def single_design_study(skin: SkinSpec, markers: MarkerSpec, material: MaterialSpec) -> Study:
     """The study of one design, named by its skin, and by its material where that is another than usual."""
     shape = dict(skin.build().spec_data)
     sizes = {name: shape.pop(name) for name in SkinSpec.model_fields}

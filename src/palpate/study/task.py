@@ -14,7 +14,7 @@ from palpate.core import ArtefactStore, PalpateError, Recipe, stage_version
 from palpate.dataset import (
     Dataset,
     DatasetSpec,
-    VariedPresses,
+    PerturbedPresses,
     dataset_version,
     generate_dataset,
     read_dataset,
@@ -22,7 +22,7 @@ from palpate.dataset import (
 )
 from palpate.design import MarkerSpec, SkinSpec, Symmetry, build_skin, place_markers
 from palpate.fea import Branch, ObstacleSpec, press_recipe, read_press, solve_press, write_press
-from palpate.learn import PAPER_SPACE, DepthLimit, SearchSpec
+from palpate.learn import PAPER_SPACE, ErrorBound, LearningSpec
 from palpate.material import Material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -152,15 +152,17 @@ class DatasetTask(Task):
 
     def generate(self, store: ArtefactStore, *, forces: bool = False) -> Dataset:
         """The images from the presses of a store, with the forces of the wall if wished."""
-        groups = [[read_press(find_made(store, task)) for task in group] for group in (self.presses, *self.relatives)]
+        groups = [
+            [read_press(find_artefact(store, task)) for task in group] for group in (self.presses, *self.relatives)
+        ]
         layout = place_markers(build_skin(self.skin), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
-        relatives = VariedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
+        relatives = PerturbedPresses(tuple(groups[1:frictions]), tuple(groups[frictions:]))
         return generate_dataset(groups[0], layout, build_camera(self.camera), self.spec, relatives, forces)
 
 
 @dataclass(frozen=True)
-class LimitTask(Task):
+class BoundTask(Task):
     """Bound the errors of any estimator of one design, from the presses of its dome alone."""
 
     dataset: DatasetTask
@@ -185,12 +187,12 @@ class LimitTask(Task):
         return 0.5
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import find_limits  # here, so that a study already judged compiles nothing
+        from palpate.learn import compute_error_bounds  # here, so that a study already judged compiles nothing
 
         dataset = self.dataset
-        presses = [read_press(find_made(store, task)) for task in dataset.presses]
+        presses = [read_press(find_artefact(store, task)) for task in dataset.presses]
         field = build_field(presses, place_markers(build_skin(dataset.skin), dataset.markers))
-        limits = find_limits(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
+        limits = compute_error_bounds(field, build_camera(dataset.camera), dataset.spec, dataset.spec.seed)
         store.write(self.recipe, lambda path: write_json(path, [asdict(limit) for limit in limits]), self.suffix)
 
 
@@ -199,7 +201,7 @@ class EstimatorTask(Task):
     """Train one design's estimator; the artefact is a model file that predicts by itself."""
 
     dataset: DatasetTask
-    spec: SearchSpec
+    spec: LearningSpec
 
     suffix = ".onnx"
 
@@ -224,21 +226,24 @@ class EstimatorTask(Task):
         return {"quick": 40.0, "best": 90.0, "paper": 60.0 * trials}[self.spec.preset]
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import search, write_estimator  # here, so that a study already learned needs no torch
+        from palpate.learn import (  # here, so that a study already learned needs no torch
+            search_estimator,
+            write_estimator,
+        )
 
-        dataset = read_dataset(find_made(store, self.dataset))
+        dataset = read_dataset(find_artefact(store, self.dataset))
         journal = store.path(self.recipe, ".journal")
         journal.parent.mkdir(parents=True, exist_ok=True)
-        estimator = search(dataset, self.spec, journal)
+        estimator = search_estimator(dataset, self.spec, journal)
         store.write(self.recipe, lambda path: write_estimator(path, estimator), self.suffix)
 
 
 @dataclass(frozen=True)
-class LearningTask(Task):
+class EvaluationTask(Task):
     """Measure the errors of one design's estimator on the held-out presses; one too good to be true is refused."""
 
     dataset: DatasetTask
-    spec: SearchSpec
+    spec: LearningSpec
     inverted: PressTask
     """The other stable state of the dome; nothing is learned from it."""
 
@@ -249,9 +254,9 @@ class LearningTask(Task):
         return f"learning {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
-    def limit(self) -> LimitTask:
+    def limit(self) -> BoundTask:
         """The bounds that the errors are held against."""
-        return LimitTask(self.dataset)
+        return BoundTask(self.dataset)
 
     @cached_property
     def estimator(self) -> EstimatorTask:
@@ -276,12 +281,12 @@ class LearningTask(Task):
         return 1.0
 
     def make(self, store: ArtefactStore) -> None:
-        from palpate.learn import evaluate, find_leak, measure_coverage, read_estimator
+        from palpate.learn import evaluate, find_leakage, measure_coverage, read_estimator
 
-        dataset = read_dataset(find_made(store, self.dataset))
-        estimator = read_estimator(find_made(store, self.estimator))
+        dataset = read_dataset(find_artefact(store, self.dataset))
+        estimator = read_estimator(find_artefact(store, self.estimator))
         clean, jittered = evaluate(estimator, dataset, None), evaluate(estimator, dataset, self.spec.seed)
-        leak = find_leak(jittered, read_limits(find_made(store, self.limit)), dataset.spec)
+        leak = find_leakage(jittered, read_bounds(find_artefact(store, self.limit)), dataset.spec)
         if leak:
             raise PalpateError(
                 leak, "Look for a press, or a pose, that stands on both sides of the split.", code="evaluation-leaks"
@@ -304,12 +309,12 @@ class LearningTask(Task):
         store.write(self.recipe, lambda path: write_json(path, tally), self.suffix)
 
 
-def read_limits(path: Path) -> tuple[DepthLimit, ...]:
-    """Read the artefact of a `LimitTask`, by rising depth."""
-    return tuple(DepthLimit(**item) for item in json.loads(path.read_text()))
+def read_bounds(path: Path) -> tuple[ErrorBound, ...]:
+    """Read the artefact of a `BoundTask`, by rising depth."""
+    return tuple(ErrorBound(**item) for item in json.loads(path.read_text()))
 
 
-def find_made(store: ArtefactStore, task: Task) -> Path:
+def find_artefact(store: ArtefactStore, task: Task) -> Path:
     """Path of the artefact of a task that was done before.
 
     Raises

@@ -1,6 +1,6 @@
 """The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
 
-The same splines, waves and camera as `PrintedTwin.move` and `Camera.project`, with the poses as the first axis of
+The same splines, waves and camera as `MarkerTwin.move` and `Camera.project`, with the poses as the first axis of
 every array, and with torch's derivatives through all of it. Walls are flat and come straight down.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from palpate.camera import Camera, Window
 from palpate.core import FloatArray, PalpateError, load_extra
 from palpate.twin.tensor_spline import BEYOND, DEGREE
-from palpate.twin.twin import STRAIGHT_DEG, PrintedTwin
+from palpate.twin.twin import STRAIGHT_DEG, MarkerTwin
 
 Tensor = Any
 """A torch.Tensor; torch is loaded where a `BatchTwin` is made."""
@@ -51,7 +51,7 @@ class BatchTwin:
 
     def __init__(
         self,
-        dots: PrintedTwin,
+        dots: MarkerTwin,
         camera: Camera,
         corners: int = 1,
         thickness: float = 0.0,

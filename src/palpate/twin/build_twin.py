@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Symmetry
-from palpate.fea import Branch, Ended, Press, WallSpec
+from palpate.fea import Branch, EndReason, Press, WallSpec
 from palpate.twin.force_field import forces_along_tilt
 from palpate.twin.surface_series import CIRCLES, ORDERS, expand_surface
 from palpate.twin.tensor_spline import fit_spline
@@ -72,7 +72,7 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
 
 def _stands(press: Press) -> bool:
     """Whether an inverted state was found and followed to the greatest depth."""
-    return press.ended is Ended.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
+    return press.ended is EndReason.DEPTH_REACHED and bool((press.branch == str(Branch.INVERTED)).all())
 
 
 def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, FloatArray]) -> Twin:

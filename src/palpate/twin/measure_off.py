@@ -16,7 +16,7 @@ _OUTERMOST = 0.9
 """Radius of the last circle over the widest."""
 
 
-def measure_off(twin: Twin, presses: Sequence[Press]) -> float:
+def measure_interpolation_error(twin: Twin, presses: Sequence[Press]) -> float:
     """Root mean square distance, mm, by which a twin has the points of pressed skins elsewhere.
 
     Parameters

@@ -54,7 +54,8 @@ class Twin:
     inverted
         The twin of the skin's other state; `None` where it has none, or it was not pressed.
     off_mm
-        Root mean square by which it differs from presses between its own (`measure_off`); nan without any.
+        Root mean square by which it differs from presses between its own (`measure_interpolation_error`); nan without
+        any.
     """
 
     skin: Skin
@@ -83,7 +84,7 @@ class Twin:
         deep = self.depths_mm[0] - slack_mm <= pose[2] <= self.reach(tilt) + slack_mm
         return bool(tilt <= self.tilts_deg[-1] + slack_deg and deep)
 
-    def print_dots(self, places: FloatArray) -> PrintedTwin:
+    def print_dots(self, places: FloatArray) -> MarkerTwin:
         """The twin of dots at places (m, 3) mm of the undeformed inner surface.
 
         Raises
@@ -100,7 +101,7 @@ class Twin:
         disc = self.skin.disc(places)
         along, azimuth = np.hypot(disc[:, 0], disc[:, 1]), np.arctan2(disc[:, 1], disc[:, 0])
         spline = CubicSpline(place_circles(), np.moveaxis(self.shapes, -1, 0))
-        return PrintedTwin(self, places, along, azimuth, self._waves(spline(along), azimuth))
+        return MarkerTwin(self, places, along, azimuth, self._waves(spline(along), azimuth))
 
     def _waves(self, shapes: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Waves (3 m, 2 r) of modes that have these shapes (m, r, 3) at the azimuths (m,) of the dots.
@@ -119,7 +120,7 @@ class Twin:
         return np.ascontiguousarray(np.concatenate(turned, axis=-1).reshape(-1, 2 * len(self.order)))
 
 
-class MovedDots(NamedTuple):
+class MarkerState(NamedTuple):
     """Where dots are at one pose, and how that changes.
 
     Attributes
@@ -134,7 +135,7 @@ class MovedDots(NamedTuple):
     force_by
         (3, 6 or 9) the same.
     amplitudes
-        (2 r,) of the waves: what else is printed on the skin moves by them as well (`PrintedTwin.carry`).
+        (2 r,) of the waves: what else is printed on the skin moves by them as well (`MarkerTwin.carry`).
     """
 
     positions: FloatArray
@@ -145,7 +146,7 @@ class MovedDots(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class PrintedTwin:
+class MarkerTwin:
     """The twin of one print.
 
     Attributes
@@ -173,7 +174,7 @@ class PrintedTwin:
         thickness: float = 0.0,
         drift: FloatArray | None = None,
         bend: float = 0.0,
-    ) -> MovedDots:
+    ) -> MarkerState:
         """Dots under a wall.
 
         Parameters
@@ -210,7 +211,7 @@ class PrintedTwin:
             out[..., 0] = each[..., 1] * c - around * (s / tilt)
             out[..., 1] = each[..., 1] * s + around * (c / tilt)
             out[..., 2:] = each[..., 2:count]
-        return MovedDots(self.places + moved[..., 0], by, force[:, 0], force_by, rows[:, 0])
+        return MarkerState(self.places + moved[..., 0], by, force[:, 0], force_by, rows[:, 0])
 
     def carry(self, amplitudes: FloatArray) -> FloatArray:
         """Where the dots are (m, 3) mm as the waves have these amplitudes (2 r,)."""

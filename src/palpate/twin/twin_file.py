@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from palpate.core import PalpateError, provenance, refuse_outside_links, stage_version
+from palpate.core import PalpateError, provenance, reject_external_links, stage_version
 from palpate.design import Skin, build_skin, skin_from_data
 from palpate.material import Material, material_from_data
 from palpate.relaxation import Relaxation
@@ -133,7 +133,7 @@ def read_twin(path: Path) -> Twin:
     """
     try:
         with h5py.File(path, "r") as file:
-            refuse_outside_links(file, path)
+            reject_external_links(file, path)
             if file.attrs.get("kind") != _KIND:
                 raise PalpateError(f"{path} is not a twin.", _AGAIN, code="twin-unreadable")
             if file.attrs["version"] != TWIN_VERSION:

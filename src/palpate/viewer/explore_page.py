@@ -10,14 +10,14 @@ from fastapi import Request
 from nicegui import events, ui
 
 from palpate.core import PalpateError
-from palpate.grid import name_row
-from palpate.viewer.charts import ChartCurve, Chosen, heat_chart, line_chart, scatter_chart
+from palpate.grid import design_label
+from palpate.viewer.charts import ChartCurve, Selection, heat_chart, line_chart, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
-from palpate.viewer.library import Library
-from palpate.viewer.link import Coloured, first_view, kept_rows, numeric_columns, read_link, write_link
-from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.library import DesignLibrary
+from palpate.viewer.link import ColourQuantity, first_view, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
 from palpate.viewer.words import column_label, jitter_words
@@ -37,11 +37,11 @@ class ExplorePage:
         Its query is the link to a view.
     """
 
-    def __init__(self, library: Library, request: Request) -> None:
+    def __init__(self, library: DesignLibrary, request: Request) -> None:
         self._library, self._grid = library, library.results.grid
         self._view, self._complaints = read_link(request.query_params, self._grid)
-        self._names = {i: name_row(row) for i, row in enumerate(self._grid.designs)}
-        self._head = Head(
+        self._names = {i: design_label(row) for i, row in enumerate(self._grid.designs)}
+        self._head = PageHeader(
             request, "/", f"{library.results.folder.resolve().name} · {len(self._grid.designs)} designs"
         )
         self._head.watch(self._redraw)
@@ -60,7 +60,7 @@ class ExplorePage:
                 self._build_curves()
         self._redraw()
         if self._complaints:
-            complain(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
+            show_error(self._fault, " ".join((*self._complaints, self._fault.text)).strip())
 
     def _build_export(self) -> None:
         ui.button("Link", icon="link", on_click=self._copy_link).props(
@@ -128,7 +128,7 @@ class ExplorePage:
                 .classes("beside")
                 .on_value_change(lambda event: self._set_beside(event.value))
             )
-        self._fault = complaint()
+        self._fault = error_label()
         with ui.element("div").classes("domes") as self._domes:
             self._dome = DomeView("a", "Design shown")
             self._second = DomeView("b", "Design beside it")
@@ -143,7 +143,7 @@ class ExplorePage:
     def _build_look(self) -> None:
         with ui.element("div").classes("look"):
             ui.toggle(
-                [str(item) for item in Coloured], value=str(self._view.colour), on_change=self._choose_colour
+                [str(item) for item in ColourQuantity], value=str(self._view.colour), on_change=self._choose_colour
             ).props('no-caps dense unelevated aria-label="Colour of the dome"')
             for name, label in _SWITCHES:
                 ui.checkbox(
@@ -183,13 +183,13 @@ class ExplorePage:
         axes = (self._view.across, self._view.up)
         set_chart(self._scatter, scatter_chart(self._grid, axes, self._chosen()[0], self._head.ink))
 
-    def _chosen(self) -> tuple[Chosen, str]:
+    def _chosen(self) -> tuple[Selection, str]:
         """Rows that stand out, and what is wrong with the question."""
         try:
             kept, message = kept_rows(self._grid, self._view.where), ""
         except PalpateError as error:
             kept, message = kept_rows(self._grid, ""), str(error)
-        return Chosen(kept, self._view.design, self._view.other), message
+        return Selection(kept, self._view.design, self._view.other), message
 
     def _draw_design(self) -> None:
         """Put the chosen designs on the stage, with their curves."""
@@ -212,7 +212,7 @@ class ExplorePage:
                 shown.append((designs[-1], pressed.at(tilt, self._view.azimuth)))
             except PalpateError as error:
                 faults.append(str(error))
-        complain(self._fault, " ".join(faults))
+        show_error(self._fault, " ".join(faults))
         self._panel.show(designs)
         ink, here = self._head.ink, ChartCurve("", [(self._view.depth, 0.0)], self._head.ink.text)
         curves, marks = force_curves(shown)
@@ -264,7 +264,7 @@ class ExplorePage:
             self._choose(_row_of(event, 2))
 
     def _choose_colour(self, event: events.ValueChangeEventArguments[Any]) -> None:
-        self._change(colour=Coloured(event.value))
+        self._change(colour=ColourQuantity(event.value))
         self._bar.look(colour=event.value)
 
     def _choose_look(self, name: str, value: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from palpate.optimise import SearchFolder
-from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Ink, value_axis
+from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
 from palpate.viewer.words import column_label
 
 ERROR = "worst_deg"
@@ -12,7 +12,7 @@ COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "
 """Columns of the other objectives."""
 
 
-def front_chart(search: SearchFolder, across: str, chosen: int, ink: Ink) -> Chart:
+def front_chart(search: SearchFolder, across: str, chosen: int, ink: Theme) -> Chart:
     """All designs of a search by their error over a column; each point's value ends in its number."""
     numbers = range(len(search.rows))
     parts = (

@@ -84,7 +84,7 @@ class Job:
 
 
 def _run(work: Work, arguments: tuple[Any, ...], pipe: Connection, parent: int) -> None:
-    worker_process.serve_parent(parent)
+    worker_process.attach_to_parent(parent)
     try:
         result = work(*arguments, lambda share: pipe.send(("share", share)))
     except PalpateError as error:

@@ -20,7 +20,7 @@ PICTURES = {
 
 
 @dataclass(frozen=True, eq=False)
-class LearntResults:
+class TrainedSensor:
     """A folder of `palpate learn`.
 
     Attributes
@@ -43,12 +43,12 @@ class LearntResults:
         return {name: self.folder / name for name in PICTURES if (self.folder / name).is_file()}
 
 
-def is_learnt(folder: Path) -> bool:
+def is_trained_sensor(folder: Path) -> bool:
     """Whether a folder holds a model that was learnt from a recording."""
     return (folder / MODEL).is_file() and is_recorded_model(folder / MODEL)
 
 
-def read_learnt(folder: Path) -> LearntResults:
+def read_trained_sensor(folder: Path) -> TrainedSensor:
     """Read what `palpate learn` left.
 
     Raises
@@ -63,16 +63,16 @@ def read_learnt(folder: Path) -> LearntResults:
         raise PalpateError(f"{path} cannot be read: {error}.", _AGAIN, code="file-unreadable") from error
     if not isinstance(report, dict) or not isinstance(report.get("estimators"), list):
         raise PalpateError(f"{path} is no report of palpate learn.", _AGAIN, code="report-unreadable")
-    return LearntResults(folder, model, report)
+    return TrainedSensor(folder, model, report)
 
 
-def error_columns(learnt: LearntResults) -> list[str]:
+def error_columns(learnt: TrainedSensor) -> list[str]:
     """Heads of the table of errors."""
     names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in learnt.model.outputs]
     return ["estimator", "images read", *(f"{name}: RMSE" for name in names), *(f"{name}: most" for name in names)]
 
 
-def error_rows(learnt: LearntResults) -> list[list[str]]:
+def error_rows(learnt: TrainedSensor) -> list[list[str]]:
     """The table of errors on held-out presses, an estimator a row; the one that is kept first.
 
     Raises

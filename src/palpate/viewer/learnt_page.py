@@ -5,11 +5,11 @@ from __future__ import annotations
 from fastapi import Request
 from nicegui import ui
 
-from palpate.viewer.learnt import PICTURES, LearntResults, error_columns, error_rows
-from palpate.viewer.page_head import Head, heading
+from palpate.viewer.learnt import PICTURES, TrainedSensor, error_columns, error_rows
+from palpate.viewer.page_head import PageHeader, heading
 
 
-class LearntPage:
+class TrainedPage:
     """One visitor's report.
 
     Parameters
@@ -20,9 +20,9 @@ class LearntPage:
         Of the page.
     """
 
-    def __init__(self, learnt: LearntResults, request: Request) -> None:
+    def __init__(self, learnt: TrainedSensor, request: Request) -> None:
         self._learnt = learnt
-        Head(request, "/", learnt.folder.resolve().name)
+        PageHeader(request, "/", learnt.folder.resolve().name)
 
     def build(self) -> None:
         """Place the report."""

@@ -13,7 +13,7 @@ from palpate.core import PalpateError
 from palpate.grid import SpecificationGrid, filter_rows
 
 
-class Coloured(StrEnum):
+class ColourQuantity(StrEnum):
     """What the colour of the dome shows."""
 
     DISPLACEMENT = "displacement"
@@ -50,7 +50,7 @@ class View:
     depth: float = 0.0
     tilt: float = 0.0
     azimuth: float = 0.0
-    colour: Coloured = Coloured.DISPLACEMENT
+    colour: ColourQuantity = ColourQuantity.DISPLACEMENT
     cut: bool = True
     dots: bool = True
     trails: bool = True
@@ -137,10 +137,10 @@ def _read(text: str, usual: Any) -> Any:
         if text not in ("0", "1"):
             raise ValueError(f"'{text[:40]}' is neither 0 nor 1.")
         return text == "1"
-    if isinstance(usual, Coloured):
-        if text not in list(Coloured):
-            raise ValueError(f"'{text[:40]}' is none of {', '.join(Coloured)}.")
-        return Coloured(text)
+    if isinstance(usual, ColourQuantity):
+        if text not in list(ColourQuantity):
+            raise ValueError(f"'{text[:40]}' is none of {', '.join(ColourQuantity)}.")
+        return ColourQuantity(text)
     if isinstance(usual, int | float):
         try:
             value = type(usual)(text)

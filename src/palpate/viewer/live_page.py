@@ -16,9 +16,9 @@ from palpate.sensor import Reading
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.export import write_table
-from palpate.viewer.live import Live, LiveVerdict, Step, judge, tilt_interval
+from palpate.viewer.live import Live, LiveImage, LiveVerdict, judge, tilt_interval
 from palpate.viewer.live_opening import LiveOpening
-from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 
 _PERIOD_S = 0.1
 
@@ -40,7 +40,7 @@ class LivePage:
         self._busy = False
         self._tolerance = 2.0
         self._kept: list[dict[str, Any]] = []
-        Head(request, "/live", opening.folder.resolve().name)
+        PageHeader(request, "/live", opening.folder.resolve().name)
 
     def build(self) -> None:
         """Place every element; nothing runs before *Start*."""
@@ -49,7 +49,7 @@ class LivePage:
                 self._build_source()
                 self._build_record()
             with ui.element("section").classes("stage").props('aria-label="Image"'):
-                self._fault = complaint()
+                self._fault = error_label()
                 self._view = LiveView("The sensor's image with its markers")
                 self._status = ui.label("Choose a source and start.").classes("faint").props('role="status"')
             with ui.element("section").classes("side").props('aria-label="Pose"'):
@@ -99,13 +99,13 @@ class LivePage:
 
     async def _start(self) -> None:
         self._stop()
-        complain(self._fault, "")
+        show_error(self._fault, "")
         self._status.text = "Opening the sensor …"
         try:
             self._live = await asyncio.to_thread(self._opening.open)
         except PalpateError as error:
             self._status.text = ""
-            complain(self._fault, str(error))
+            show_error(self._fault, str(error))
             return
         height, width = self._live.size_px
         self._view.begin(width, height, self._live.rest_px.round(2).tolist())
@@ -127,7 +127,7 @@ class LivePage:
             step = await asyncio.to_thread(live.step)
         except PalpateError as error:
             self._stop()
-            complain(self._fault, str(error))
+            show_error(self._fault, str(error))
             return
         finally:
             self._busy = False
@@ -139,7 +139,7 @@ class LivePage:
             return
         self._show(step)
 
-    def _show(self, step: Step) -> None:
+    def _show(self, step: LiveImage) -> None:
         picture = "" if step.image is None else _as_link(step.image)
         stretch = min(max(float(self._stretch.value or 1.0), 0.5), 20.0)
         self._view.show(picture, step.positions_px.round(2).tolist(), step.found.tolist(), stretch)
@@ -153,7 +153,7 @@ class LivePage:
         if record is not None:
             self._recorded.text = f"{len(record)} readings recorded."
 
-    def _show_pose(self, step: Step | None) -> None:
+    def _show_pose(self, step: LiveImage | None) -> None:
         reading = step.reading if step else None
         verdict = judge(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
         self._verdict.text = verdict.upper()
@@ -176,9 +176,9 @@ class LivePage:
 
     def _turn_record(self) -> None:
         if self._live is None:
-            complain(self._fault, "Nothing runs yet: start a source first.")
+            show_error(self._fault, "Nothing runs yet: start a source first.")
             return
-        complain(self._fault, "")
+        show_error(self._fault, "")
         self._live.record = [] if self._live.record is None else None
         on = self._live.record is not None
         self._record.text = "Stop recording" if on else "Record"
@@ -186,7 +186,7 @@ class LivePage:
 
     def _save(self) -> None:
         if not self._kept:
-            complain(self._fault, "Nothing was recorded yet.")
+            show_error(self._fault, "Nothing was recorded yet.")
             return
         ui.download.content(write_table(self._kept), "readings.csv")
 

@@ -25,7 +25,7 @@ from palpate.design import (
     skin_from_data,
 )
 from palpate.fea import Press, read_press
-from palpate.grid import Cell, SpecificationGrid, name_row, read_grid
+from palpate.grid import Cell, SpecificationGrid, design_label, read_grid
 
 _LARGEST_MANIFEST = 8_000_000
 """Bytes of the largest manifest that is read."""
@@ -76,7 +76,7 @@ class Design:
     @property
     def name(self) -> str:
         """Short name, e.g. ``"H20 T2, 169 markers"``."""
-        return name_row(self.row)
+        return design_label(self.row)
 
 
 def read_results(folder: Path) -> Results:

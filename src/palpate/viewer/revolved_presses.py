@@ -103,7 +103,7 @@ class RevolvedPresses(PressedSkin):
 
 
 def gather_revolved(presses: Sequence[Press], mesh: Mesh) -> RevolvedPresses:
-    """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.gather_presses`."""
+    """Presses of half a skin of revolution, to be drawn on a mesh; see `palpate.viewer.build_pressed_skin`."""
     presses = tuple(sorted(presses, key=lambda press: press.wall.radial))
     depths = _depths(presses)
     tilts = np.array([press.wall.radial for press in presses], float)

@@ -10,16 +10,16 @@ from fastapi.responses import JSONResponse
 from palpate.core import PalpateError
 from palpate.viewer.export import dome_parts, marker_rows, write_table
 from palpate.viewer.gltf import write_gltf
-from palpate.viewer.learnt import LearntResults
+from palpate.viewer.learnt import TrainedSensor
 from palpate.viewer.link import kept_rows
 from palpate.viewer.markers_seen import follow_markers
 from palpate.viewer.scene import describe_markers, describe_motion, describe_shell
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.specimen_cache import DesignCache
 
 BINARY = "application/octet-stream"
 
 
-def make_routes(shelf: SpecimenCache, learnt: LearntResults | None = None) -> APIRouter:
+def make_routes(shelf: DesignCache, learnt: TrainedSensor | None = None) -> APIRouter:
     """The addresses below ``/data``; ``name`` is that of a design on the shelf, tilt and azimuth are in degrees."""
     router = APIRouter(prefix="/data")
 

@@ -9,8 +9,8 @@ import numpy as np
 from palpate.camera import Camera
 from palpate.core import FloatArray
 from palpate.design import MarkerLayout, Skin
-from palpate.viewer.library import Specimen
-from palpate.viewer.markers_seen import MarkersSeen
+from palpate.viewer.library import RenderedSkin
+from palpate.viewer.markers_seen import VisibleMarkers
 from palpate.viewer.message import write_message
 from palpate.viewer.pressed_skin import SurfaceMotion
 
@@ -18,7 +18,7 @@ _EDGE = 97
 """Points of an edge, the first and the last in one place."""
 
 
-def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> bytes:
+def describe_shell(specimen: RenderedSkin, layout: MarkerLayout, camera: Camera) -> bytes:
     """What does not change with the pose: rest (v, 3) mm, triangles (k, 3), seam (v,), dots at rest; skin and camera.
 
     The triangles lie part after part, see `palpate.viewer.shell.PARTS`; clamps (c, r, 3) mm are the outer edges of
@@ -50,7 +50,7 @@ def describe_shell(specimen: Specimen, layout: MarkerLayout, camera: Camera) -> 
     return write_message(meta, {**arrays, "rest_px": np.nan_to_num(arrays["rest_px"], nan=-1e4)})
 
 
-def describe_motion(specimen: Specimen, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
+def describe_motion(specimen: RenderedSkin, motion: SurfaceMotion, *, stress: bool = False) -> bytes:
     """The press at one pose: displacement (k, v, 3) mm and, if asked for, stress (k, v) MPa.
 
     Of a skin of revolution in the tilt frame, for all azimuths.
@@ -62,7 +62,7 @@ def describe_motion(specimen: Specimen, motion: SurfaceMotion, *, stress: bool =
     return write_message(_say_motion(motion), arrays)
 
 
-def describe_markers(seen: MarkersSeen) -> bytes:
+def describe_markers(seen: VisibleMarkers) -> bytes:
     """Markers at one pose: positions (k, m, 3) mm in the dome's frame, pixels (k, m, 2), radius, and who is seen."""
     return write_message(
         {},

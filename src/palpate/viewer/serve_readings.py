@@ -20,7 +20,7 @@ from palpate.core import PalpateError, load_extra
 from palpate.robot import Broadcast, SourceReader
 from palpate.sensor import Sensor
 from palpate.viewer.guard import Guard
-from palpate.viewer.server import ServeSpec, link_of, open_door
+from palpate.viewer.server import ServeSpec, bind_server, page_url
 
 _BACKLOG_BYTES = 32_768
 """Some fifty readings, that the system keeps for each client."""
@@ -146,10 +146,10 @@ def serve_readings(sensor: Sensor, feed: Feed, spec: ServeSpec, announce: Callab
     """
     uvicorn: Any = load_extra("uvicorn", "web")
     app = build_readings_app(sensor, feed)
-    door, listener = open_door(spec)
+    door, listener = bind_server(spec)
     try:
         bound_backlog(listener)
-        announce(link_of(door, "reading"))
+        announce(page_url(door, "reading"))
         # unpacked: packing costs time, and a client that stalls would have minutes of readings in the system
         config = uvicorn.Config(
             Guard(app, door), log_level="warning", server_header=False, lifespan="on", ws_per_message_deflate=False

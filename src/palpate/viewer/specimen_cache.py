@@ -7,7 +7,7 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 
 from palpate.core import PalpateError
-from palpate.viewer.library import Library, Specimen
+from palpate.viewer.library import DesignLibrary, RenderedSkin
 from palpate.viewer.results import Design
 
 KEPT = 24
@@ -15,7 +15,7 @@ KEPT = 24
 
 
 @dataclass(eq=False)
-class SpecimenCache:
+class DesignCache:
     """Designs by name: the number of a row, or the name that `put` gave.
 
     Attributes
@@ -24,12 +24,12 @@ class SpecimenCache:
         Designs of the result folder; `None` without one.
     """
 
-    library: Library | None = None
-    _made: OrderedDict[str, tuple[Design, Specimen]] = field(default_factory=OrderedDict)
+    library: DesignLibrary | None = None
+    _made: OrderedDict[str, tuple[Design, RenderedSkin]] = field(default_factory=OrderedDict)
     _count: int = 0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def put(self, design: Design, specimen: Specimen) -> str:
+    def put(self, design: Design, specimen: RenderedSkin) -> str:
         """Keep a design made on the page and return its name."""
         with self._lock:
             self._count += 1
@@ -39,7 +39,7 @@ class SpecimenCache:
                 self._made.popitem(last=False)
             return name
 
-    def find(self, name: str) -> tuple[Design, Specimen]:
+    def find(self, name: str) -> tuple[Design, RenderedSkin]:
         """A design with its presses.
 
         Raises

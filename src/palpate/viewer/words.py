@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from palpate.grid import Cell, SpecificationGrid, unit_of
+from palpate.grid import Cell, SpecificationGrid, column_unit
 
 _NAMES = {
     "built_rmse_deg": "RMSE of the angle as built",
@@ -38,17 +38,17 @@ _NAMES = {
 }
 
 
-def column_words(column: str) -> str:
+def column_name(column: str) -> str:
     """A column without its unit, e.g. ``"marker travel"``."""
-    unit = unit_of(column)
+    unit = column_unit(column)
     short = column.removesuffix(f"_{unit.lower()}") if unit else column
     return _NAMES.get(column, short.replace("_", " ").replace("rmse", "RMSE"))
 
 
 def column_label(column: str) -> str:
     """A column with its unit, e.g. ``"marker travel (mm)"``."""
-    unit = unit_of(column)
-    return column_words(column) + (f" ({'°' if unit == 'deg' else unit})" if unit else "")
+    unit = column_unit(column)
+    return column_name(column) + (f" ({'°' if unit == 'deg' else unit})" if unit else "")
 
 
 def jitter_words(grid: SpecificationGrid) -> str:
@@ -58,7 +58,7 @@ def jitter_words(grid: SpecificationGrid) -> str:
     return f"{' or '.join(f'{value:g}' for value in sorted(found))} px jitter" if found else "jitter"
 
 
-def cell_words(cell: Cell) -> str:
+def format_cell(cell: Cell) -> str:
     """A cell in about three digits; a dash for an empty one."""
     if cell is None or cell == "":
         return "–"

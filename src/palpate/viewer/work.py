@@ -11,10 +11,10 @@ from palpate.fabricate import PackSpec, write_pack
 from palpate.fea import Press, solve_press
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.viewer.job import Report
-from palpate.viewer.sketch import Sketch
+from palpate.viewer.sketch import DesignDraft
 
 
-def press_sketch(sketch: Sketch, report: Report) -> Press:
+def press_sketch(sketch: DesignDraft, report: Report) -> Press:
     """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
     mesh = mesh_skin(build_skin(sketch.dome), sketch.material.mesh(MeshSpec()))
     wall = sketch.wall
@@ -23,7 +23,7 @@ def press_sketch(sketch: Sketch, report: Report) -> Press:
     )
 
 
-def pack_sketch(sketch: Sketch, report: Report) -> bytes:
+def pack_sketch(sketch: DesignDraft, report: Report) -> bytes:
     """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
     spec = PackSpec(
         dome=sketch.dome,

@@ -20,14 +20,14 @@ from palpate.viewer.charts import FIRST, ChartCurve, line_chart
 from palpate.viewer.curves import force_curves
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.explore_page import set_chart
-from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.gather_presses import build_pressed_skin
 from palpate.viewer.job import Job
-from palpate.viewer.library import Specimen
+from palpate.viewer.library import RenderedSkin
 from palpate.viewer.number_field import NumberField
-from palpate.viewer.page_head import Head, complain, complaint, heading
+from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.shell import build_shell
-from palpate.viewer.sketch import Sketch, draw_sketch
-from palpate.viewer.specimen_cache import SpecimenCache
+from palpate.viewer.sketch import DesignDraft, build_preview
+from palpate.viewer.specimen_cache import DesignCache
 from palpate.viewer.work import pack_sketch, press_sketch
 
 _LOOK_S = 0.2
@@ -46,10 +46,10 @@ class Workbench:
         Of the page.
     """
 
-    def __init__(self, shelf: SpecimenCache, head: Head) -> None:
+    def __init__(self, shelf: DesignCache, head: PageHeader) -> None:
         self._shelf, self._head = shelf, head
-        self._sketch = Sketch()
-        self._drawn = draw_sketch(self._sketch)
+        self._sketch = DesignDraft()
+        self._drawn = build_preview(self._sketch)
         self._ordered = (self._sketch, self._drawn)
         self._errand: Job | None = None
         self._finish: Callable[[Any], None] = self._show_press
@@ -83,7 +83,7 @@ class Workbench:
             self._cancel = ui.button("Cancel", on_click=self._call_off).props("no-caps flat dense")
             self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
             self._status = ui.label("").classes("faint status").props('role="status"')
-        self._fault = complaint()
+        self._fault = error_label()
         with ui.element("div").classes("domes"):
             dome = DomeView("a", "The design")
             with ui.element("div").classes("views").props('role="group" aria-label="Look from"'):
@@ -123,8 +123,8 @@ class Workbench:
     def show(self, chosen: Mapping[str, Any]) -> None:
         """Draw the sketch of these parts at rest; what cannot be drawn is reported, and the last one stays."""
         try:
-            self._sketch = Sketch.model_validate(chosen)
-            self._drawn = draw_sketch(self._sketch)
+            self._sketch = DesignDraft.model_validate(chosen)
+            self._drawn = build_preview(self._sketch)
         except (PalpateError, ValidationError) as error:
             self.complain(_say(error))
             return
@@ -137,7 +137,7 @@ class Workbench:
 
     def complain(self, sentence: str) -> None:
         """Show a sentence in place, or nothing."""
-        complain(self._fault, sentence)
+        show_error(self._fault, sentence)
 
     def _show_findings(self, findings: tuple[Finding, ...]) -> None:
         self._findings.clear()
@@ -171,7 +171,7 @@ class Workbench:
     def _start(self, work: Callable[..., Any], what: str) -> None:
         if self._errand is not None:
             return
-        complain(self._fault, "")
+        show_error(self._fault, "")
         self._ordered = (self._sketch, self._drawn)
         self._errand = Job(work, self._sketch)
         self._busy(True, what)
@@ -190,7 +190,7 @@ class Workbench:
         self._busy(False)
         if errand.fault:
             self._status.text = errand.fault if errand.fault == "Cancelled." else ""
-            complain(self._fault, "" if errand.fault == "Cancelled." else errand.fault)
+            show_error(self._fault, "" if errand.fault == "Cancelled." else errand.fault)
         else:
             self._finish(errand.result)
 
@@ -200,8 +200,8 @@ class Workbench:
 
     def _show_press(self, press: Press) -> None:
         sketch, drawn = self._ordered
-        pressed = gather_presses([press])
-        specimen = Specimen(pressed, build_shell(pressed.mesh))
+        pressed = build_pressed_skin([press])
+        specimen = RenderedSkin(pressed, build_shell(pressed.mesh))
         motion = pressed.at(sketch.wall.tilt_deg)
         self._curves, _ = force_curves([(drawn.design, motion)])
         self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."

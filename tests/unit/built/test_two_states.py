@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from palpate.bench.photograph import set_scene
-from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, learn_rest, model_unit
-from palpate.camera import CameraSpec, RenderSpec, build_camera, trace_dots, wrap_dots
+from palpate.bench.photograph import build_scene
+from palpate.built import Deviation, PoseFit, PoseFitter, ToleranceSpec, build_unit_model, infer_from_rest
+from palpate.camera import CameraSpec, RenderSpec, build_camera, marker_outlines, project_markers
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Branch, Press, WallSpec
-from palpate.markers import Motion, Tracker
+from palpate.markers import MotionModel, Tracker
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
@@ -21,7 +21,7 @@ from presses import build_twin, solve_press
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 DOME = build_skin(DomeSpec(height=20, thickness=1))
 LAYOUT = place_markers(DOME, MarkerSpec(count=169))
-EDGES = wrap_dots(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
+EDGES = marker_outlines(DOME, LAYOUT.positions, LAYOUT.diameter).reshape(-1, 3)
 CAMERA = build_camera()
 NOISE = 0.02
 DEPTH = 6.0
@@ -52,13 +52,16 @@ def other() -> Press:
 
 def shot(edges: np.ndarray) -> np.ndarray:
     """Centres of the traces of dots with these edges."""
-    return trace_dots(CAMERA, edges.reshape(len(LAYOUT), -1, 3)).centres
+    return project_markers(CAMERA, edges.reshape(len(LAYOUT), -1, 3)).centres
 
 
 def fitter(twin: Twin) -> PoseFitter:
     rest, tolerance = shot(EDGES), ToleranceSpec()
     return PoseFitter(
-        model_unit(twin, LAYOUT, learn_rest(twin, LAYOUT, CameraSpec(), rest, tolerance, NOISE), tolerance), NOISE
+        build_unit_model(
+            twin, LAYOUT, infer_from_rest(twin, LAYOUT, CameraSpec(), rest, tolerance, NOISE), tolerance
+        ),
+        NOISE,
     )
 
 
@@ -107,10 +110,12 @@ def test_a_skin_that_comes_back_is_read_as_flat_again(twin: Twin, other: Press) 
 
 def test_a_picture_in_which_the_skin_has_popped_is_named_anew(twin: Twin, other: Press) -> None:
     """From rest to the inverted state at once: dots beside the ridge change places, until the fit foresees them."""
-    scene = set_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec())
+    scene = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec())
     sensor = open_sensor([scene.at_rest()], Unit(DOME, LAYOUT, nominal=CameraSpec()), twin)
     picture = list(scene.through(other))[-1]
-    by_motion_alone = Tracker(Motion(sensor.naming.positions_px)).step(sensor.detector.find(picture).positions_px)
+    by_motion_alone = Tracker(MotionModel(sensor.naming.positions_px)).step(
+        sensor.detector.find(picture).positions_px
+    )
     assert by_motion_alone.jumped
     reading = sensor.read(picture)
     assert reading.flags == ()

@@ -5,11 +5,19 @@ import pytest
 from numpy.typing import NDArray
 
 from errors import refused
-from palpate.built.shifted_cameras import ShiftedCameras
-from palpate.camera import Camera, CameraSpec, WindowSpec, build_camera, dot_edges, read_window, trace_dots
+from palpate.built.shifted_cameras import CameraDerivatives
+from palpate.camera import (
+    Camera,
+    CameraSpec,
+    WindowSpec,
+    build_camera,
+    flat_marker_outlines,
+    project_markers,
+    read_window,
+)
 from palpate.cli.unit import UnitFlags
 from palpate.design import ConeSpec, Dome, MarkerSpec, place_markers
-from palpate.markers import Naming
+from palpate.markers import MarkerAssignment
 from palpate.sensor.register import register_dome
 
 LEANING = {"distance": 24.0, "offset_x": 1.5, "offset_y": -2.0, "tilt_x_deg": 4.0, "tilt_y_deg": -5.0, "roll_deg": 30}
@@ -114,7 +122,7 @@ def test_derivatives_by_the_camera_are_those_of_cameras_moved_past_the_window() 
         return build_camera(camera.spec.model_copy(update={name: getattr(camera.spec, name) + by}))
 
     pairs = [(moved(name, step), moved(name, -step)) for name, step in zip(names, steps, strict=True)]
-    found = ShiftedCameras(camera, pairs, steps).slopes(POINTS)
+    found = CameraDerivatives(camera, pairs, steps).slopes(POINTS)
     wider = [
         (moved(name, 20 * step).project(POINTS) - moved(name, -20 * step).project(POINTS)) / (40 * step)
         for name, step in zip(names, steps, strict=True)
@@ -131,8 +139,8 @@ def test_the_camera_is_registered_behind_its_window() -> None:
     layout = place_markers(skin, MarkerSpec(count=61, diameter=0.6))
     nominal = CameraSpec(distance=24, window=WINDOWS[0])
     true = build_camera(nominal.model_copy(update={"distance": 24.3, "offset_x": 0.2, "tilt_y_deg": 0.8}))
-    seen = trace_dots(true, dot_edges(layout.positions, skin.normal(layout.positions), 0.6)).centres
-    naming = Naming(np.arange(len(seen)), seen, np.ones(len(seen), bool), 0.0, False, (), -1, 0.0)
+    seen = project_markers(true, flat_marker_outlines(layout.positions, skin.normal(layout.positions), 0.6)).centres
+    naming = MarkerAssignment(np.arange(len(seen)), seen, np.ones(len(seen), bool), 0.0, False, (), -1, 0.0)
     found = register_dome(naming, layout, skin, nominal).camera.spec
     assert found.window == nominal.window
     assert found.distance == pytest.approx(24.3, abs=2e-3)

@@ -14,7 +14,7 @@ import numpy as np
 
 from drawn_tactip import DrawnSensor, draw_motions, draw_recording
 from palpate.benchmark import PRESETS
-from palpate.camera import RenderSpec, build_camera, dot_edges, render
+from palpate.camera import RenderSpec, build_camera, flat_marker_outlines, render
 from palpate.dataset import Normalisation
 from palpate.design import DomeSpec, MarkerSpec, Skin, build_skin, place_markers, place_orientation_mark
 from palpate.grid import evaluate_grid, write_grid
@@ -254,7 +254,7 @@ def furnish(folder: Path) -> dict[str, Path]:
     dome = build_skin(DomeSpec())
     layout = place_markers(dome, MarkerSpec(count=37))
     points = np.vstack([layout.positions, place_orientation_mark(dome, layout)])
-    edges = dot_edges(points, (points - [0, 0, dome.center_z]) / dome.radius, layout.diameter)
+    edges = flat_marker_outlines(points, (points - [0, 0, dome.center_z]) / dome.radius, layout.diameter)
     right = {name: folder / name for name in ("images", "photos", "results", "spare")}
     right["images"].mkdir()
     for number in range(3):

@@ -16,7 +16,7 @@ from palpate.cli import main
 from palpate.core import PalpateError
 from palpate.design import DomeSpec, EllipsoidSpec, MarkerSpec, build_skin
 from palpate.material import get_material
-from palpate.study import MaterialSpec, study_of
+from palpate.study import MaterialSpec, single_design_study
 from palpate.twin import Twin, find_twin, twin_path, write_twin
 from palpate.twin.twin_file import material_text
 
@@ -118,12 +118,12 @@ def test_a_bench_makes_the_twin_that_is_missing(monkeypatch, capsys) -> None:
     check_values(capsys.readouterr().err, "H20 T2")
     study, folder = asked[0]
     assert folder == Path("results") / "H20_T2"
-    assert study == study_of(DomeSpec(), MarkerSpec(count=37), MaterialSpec())
+    assert study == single_design_study(DomeSpec(), MarkerSpec(count=37), MaterialSpec())
 
 
 def test_a_design_is_a_study_of_its_own() -> None:
     skin = EllipsoidSpec(height=15, aspect=0.8)
-    study = study_of(skin, MarkerSpec(count=37), MaterialSpec(name="yeoh:1,1,1"))
+    study = single_design_study(skin, MarkerSpec(count=37), MaterialSpec(name="yeoh:1,1,1"))
     assert study.designs.skins() == (skin,)
     assert study.designs.markers == (MarkerSpec(count=37),)
     assert study.name == "ellipsoid_0.8_H15_T2_yeoh_1_1_1"

@@ -16,7 +16,7 @@ from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import BallSpec, CylinderSpec, ObstacleSpec, Press, WallSpec
 from palpate.fea.edge import EdgeSpec
 from palpate.material import get_material
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 from palpate.mechanics.serendipity import BRICK, fill_nodes, shape_brick
 from palpate.mesh import MeshSpec, measure_quality, mesh_skin
 from presses import solve_press
@@ -43,7 +43,7 @@ def pair() -> Pair:
 @needs_ccx
 class TestAgreement:
     def test_images_are_at_the_same_depths(self, pair: Pair) -> None:
-        assert pair.theirs.ended is Ended.DEPTH_REACHED
+        assert pair.theirs.ended is EndReason.DEPTH_REACHED
         assert pair.theirs.depth == pytest.approx(pair.ours.depth)
         assert list(pair.theirs.branch) == list(pair.ours.branch)
         assert pair.theirs.solved_by == "calculix"

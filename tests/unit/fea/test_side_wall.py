@@ -11,7 +11,7 @@ from palpate.design.barrel import BarrelSpec
 from palpate.fea import (
     BallSpec,
     Branch,
-    Ended,
+    EndReason,
     Press,
     SolverSpec,
     WallSpec,
@@ -56,7 +56,7 @@ def test_a_press_above_the_middle_is_the_mirror_image_of_one_below(leaning: Pres
 
 def test_the_force_is_along_the_normal_and_its_work_is_stored(leaning: Press) -> None:
     normal = np.array([0.0, -np.cos(np.radians(3)), -np.sin(np.radians(3))])
-    assert leaning.ended is Ended.DEPTH_REACHED
+    assert leaning.ended is EndReason.DEPTH_REACHED
     assert (leaning.branch == Branch.FLAT).all()
     along = leaning.force @ normal
     assert (along[1:] > 0).all()

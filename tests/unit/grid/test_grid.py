@@ -8,12 +8,12 @@ import pytest
 from errors import refused
 from palpate.grid import (
     SpecificationGrid,
+    column_unit,
     cut_depth_panels,
     cut_panels,
     evaluate_grid,
     read_grid,
-    rows_of,
-    unit_of,
+    rows_for_design,
     write_grid,
 )
 from results import FIRST, PAPER, make_design
@@ -80,7 +80,7 @@ def test_a_row_holds_the_limit_and_how_near_the_error_comes():
 
 def test_the_table_by_depth_holds_errors_and_limits():
     design = make_design()
-    shallow, deep = rows_of(evaluate_grid([make_design(markers=7), design]).by_depth, 1)
+    shallow, deep = rows_for_design(evaluate_grid([make_design(markers=7), design]).by_depth, 1)
     assert (shallow["depth_mm"], deep["depth_mm"]) == (2.4, 8.0)
     assert (shallow["limit_deg"], deep["limit_floor_deg"]) == (1.2, 0.05)
     assert deep["rmse_deg"] == design.clean.by_depth[1].pooled.rmse
@@ -157,15 +157,15 @@ def test_designs_that_are_kept_keep_their_tables():
     assert [row["markers"] for row in some.designs] == [37, 91]
     for table in ("by_depth", "by_tilt", "presses"):
         for new, old in ((0, 5), (1, 2)):
-            kept = [{**row, "design": old} for row in rows_of(getattr(some, table), new)]
-            assert tuple(kept) == rows_of(getattr(grid, table), old)
+            kept = [{**row, "design": old} for row in rows_for_design(getattr(some, table), new)]
+            assert tuple(kept) == rows_for_design(getattr(grid, table), old)
 
 
 @pytest.mark.parametrize(
     ("column", "unit"), [("rmse_deg", "deg"), ("travel_mm", "mm"), ("force_n", "N"), ("markers", "")]
 )
 def test_a_columns_suffix_is_its_unit(column, unit):
-    assert unit_of(column) == unit
+    assert column_unit(column) == unit
 
 
 def test_folder_gives_the_same_grid_back(tmp_path):

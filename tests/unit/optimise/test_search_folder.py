@@ -10,8 +10,8 @@ import pytest
 from errors import refused
 from palpate.core import stage_version
 from palpate.design import DomeSpec
-from palpate.optimise import Judged, Proposal, SearchPlan, SkinSpace, is_search, read_search, search_skins
-from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, values, violations
+from palpate.optimise import Evaluation, SearchPlan, SkinEvaluation, SkinSpace, is_search, read_search, search_skins
+from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, constraint_violations, objective_values
 from palpate.optimise.space import Place
 from small_search import MATERIAL, SPEC, propose, write_search
 
@@ -32,16 +32,16 @@ def test_a_running_search_shows_what_was_tried_so_far(tmp_path: Path) -> None:
 def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Path) -> None:
     # the third jumped, and an earlier version told it as one of three degrees and 0.001 N
     space, plan, journal = SkinSpace.of(SPEC), SearchPlan(8, 3, "random", objectives=2), tmp_path / JOURNAL
-    jumps = Proposal(DomeSpec(), MATERIAL, problem="8 of 16 presses jump to another state")
+    jumps = SkinEvaluation(DomeSpec(), MATERIAL, problem="8 of 16 presses jump to another state")
     drawn: list[Place] = []
 
-    def judge(places: Sequence[Place]) -> list[Judged]:
+    def judge(places: Sequence[Place]) -> list[Evaluation]:
         drawn.extend(places)
         found = [(0.477, -3.0, jumps) if place is drawn[2] else (-1.0, -0.5, propose(place)) for place in places]
         return [
-            Judged(
+            Evaluation(
                 (error, force),
-                violations(SPEC, one),
+                constraint_violations(SPEC, one),
                 {"proposal": one.to_data(), "version": stage_version("skin_evaluation")},
             )
             for error, force, one in found
@@ -51,7 +51,10 @@ def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Pa
     again = _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal)
     assert [one.place for one in again] == [one.place for one in before] == drawn
     assert again[2].judged.values == (math.inf, math.inf)
-    assert all(one.judged.values == values(SPEC, Proposal.from_data(one.judged.note["proposal"])) for one in again)
+    assert all(
+        one.judged.values == objective_values(SPEC, SkinEvaluation.from_data(one.judged.note["proposal"]))
+        for one in again
+    )
     (tmp_path / ASKED).write_text(SPEC.model_dump_json())
     assert read_search(tmp_path).skins == 8
     told = journal.read_bytes()

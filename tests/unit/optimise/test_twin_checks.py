@@ -6,10 +6,10 @@ import pytest
 from palpate.built import ToleranceSpec
 from palpate.design import DomeSpec
 from palpate.optimise import RequirementsSpec
-from palpate.optimise.propose import plan_proposal
+from palpate.optimise.propose import plan_skin_evaluation
 
 SPEC = RequirementsSpec(name="small", depth=4.0)
-TASK = plan_proposal(SPEC, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True)
+TASK = plan_skin_evaluation(SPEC, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True)
 PRESSES = [press for checks in TASK.checks for press in checks.presses]
 
 
@@ -33,7 +33,7 @@ def test_their_frictions_have_mean_and_variance_of_those_that_are_met() -> None:
 
 def test_walls_without_friction_are_checked_once() -> None:
     smooth = SPEC.model_copy(update={"tolerance": ToleranceSpec(friction=0.0)})
-    checks = plan_proposal(smooth, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True).checks
+    checks = plan_skin_evaluation(smooth, DomeSpec(height=20, thickness=2), SPEC.materials[0], full=True).checks
     assert [len(each.presses) for each in checks] == [5]
     assert {press.wall.contact for press in checks[0].presses} == {TASK.twin.presses[0].wall.contact}
 

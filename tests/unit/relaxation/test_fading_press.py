@@ -8,7 +8,7 @@ from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import WallSpec
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.relaxation import ForceCurve, Moduli, Relaxation, hold_wall
+from palpate.relaxation import ForceCurve, Moduli, Relaxation, simulate_depth_hold
 from presses import solve_press
 
 SERIES = Relaxation((0.15, 0.15), (0.5, 5.0), Moduli.INSTANTANEOUS)
@@ -19,7 +19,7 @@ def compare(contact, ramp, depth):
     """Force over the relaxed elastic force less 1, and distance of markers from the elastic press (mm, rms)."""
     found = press_fading(SERIES, WallSpec(tilt_deg=5, depth=depth, image_step=0.25, contact=contact), ramp, HOLDS)
     curve = ForceCurve(found.elastic.depth, found.elastic.force)
-    course = hold_wall(SERIES, curve, np.append(0.0, found.time), np.append(0.0, found.depth))
+    course = simulate_depth_hold(SERIES, curve, np.append(0.0, found.time), np.append(0.0, found.depth))
     dots = place_markers(build_skin(DomeSpec(height=20, thickness=2)), MarkerSpec(count=91)).positions
     still = found.elastic.positions(dots)
     last = len(found.elastic.depth) - 1

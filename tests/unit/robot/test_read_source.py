@@ -10,7 +10,7 @@ import pytest
 
 from palpate.camera import Source
 from palpate.core import PalpateError
-from palpate.design import TILT_DEPTH
+from palpate.design import TILT_SPACE
 from palpate.robot.read_source import GONE, THERE, SourceReader
 from palpate.sensor import Flag, Reading
 from palpate.viewer.live import Live
@@ -29,7 +29,7 @@ class Counts:
         bad = isinstance(image, PalpateError)
         pose = (np.nan if bad else 1.0,) * 3
         flags = (Flag.UNREADABLE,) if bad else ()
-        return Reading(self.count, pose, (np.inf,) * 3, not bad, 0, flags, 0.0, "", space=TILT_DEPTH)
+        return Reading(self.count, pose, (np.inf,) * 3, not bad, 0, flags, 0.0, "", space=TILT_SPACE)
 
 
 class Fails(Source):

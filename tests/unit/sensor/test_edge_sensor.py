@@ -13,7 +13,14 @@ from palpate.camera import build_camera
 from palpate.dataset import DatasetSpec, generate_dataset, read_dataset, write_dataset
 from palpate.design import DomeSpec, MarkerSpec, PoseSpace, build_skin, place_markers
 from palpate.fea.edge import EdgeSpec
-from palpate.learn import TrainSpec, calibrate, find_limits, open_predictor, train, write_estimator
+from palpate.learn import (
+    TrainingSpec,
+    calibrate_interval,
+    compute_error_bounds,
+    open_predictor,
+    train,
+    write_estimator,
+)
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.sensor import Unit, open_sensor, run_sensor, write_readings
@@ -45,7 +52,7 @@ def dataset(presses):
 @pytest.fixture(scope="module")
 def estimator(dataset):
     needs("torch")
-    return train(dataset, TrainSpec(width=32, epochs=150, repeats=1))
+    return train(dataset, TrainingSpec(width=32, epochs=150, repeats=1))
 
 
 def test_lines_are_spread_evenly_by_offset_and_angle(dataset, tmp_path):
@@ -90,7 +97,7 @@ def test_offset_and_angle_are_learnt_where_the_place_alone_does_not_tell_them(da
 
 def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator, presses, tmp_path):
     path = tmp_path / "edge.onnx"
-    write_estimator(path, calibrate(estimator, dataset))
+    write_estimator(path, calibrate_interval(estimator, dataset))
     predictor = open_predictor(path)
     assert predictor.space == LINES
     unit = Unit(DOME, LAYOUT)
@@ -115,4 +122,4 @@ def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator
 
 def test_no_limit_is_told_of_an_edge(dataset, presses):
     with refused("limit-obstacle-level"):
-        find_limits(build_field(presses, LAYOUT), build_camera(), dataset.spec)
+        compute_error_bounds(build_field(presses, LAYOUT), build_camera(), dataset.spec)

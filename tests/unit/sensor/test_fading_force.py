@@ -11,7 +11,7 @@ from palpate.built import Force
 from palpate.material import get_material
 from palpate.relaxation import Moduli, Relaxation
 from palpate.sensor import Reading, Sensor
-from palpate.sensor.fading_force import FadingForce
+from palpate.sensor.fading_force import ForceRelaxation
 from palpate.sensor.reader import ReaderState
 from palpate.twin import twin_relaxation
 from palpate.twin.twin_file import material_text
@@ -27,7 +27,7 @@ def reading(vector=ELASTIC, touching=True):
 
 
 def test_a_touch_that_stays_bears_what_the_modulus_of_its_time_says():
-    fading = FadingForce(SERIES)
+    fading = ForceRelaxation(SERIES)
     fading.follow(reading([0, 0, 0], touching=False), 99.999)
     for number in range(3001):
         now = 100.0 + number * 0.01
@@ -42,7 +42,7 @@ def test_a_touch_that_stays_bears_what_the_modulus_of_its_time_says():
 
 
 def test_the_rate_of_readings_does_not_matter_and_lost_ones_are_passed_over():
-    dense, sparse = FadingForce(SERIES), FadingForce(SERIES)
+    dense, sparse = ForceRelaxation(SERIES), ForceRelaxation(SERIES)
     lost = replace(reading(), force=None)
     for number in range(201):
         now = number * 0.1
@@ -56,7 +56,7 @@ def test_the_rate_of_readings_does_not_matter_and_lost_ones_are_passed_over():
 
 
 def test_a_skin_let_go_of_pulls_nothing_and_recovers():
-    fading = FadingForce(Relaxation((0.6,), (2.0,), Moduli.INSTANTANEOUS))
+    fading = ForceRelaxation(Relaxation((0.6,), (2.0,), Moduli.INSTANTANEOUS))
     fading.follow(reading(), 0.0)
     fading.follow(reading(), 20.0)
     eased = fading.follow(reading(0.3 * ELASTIC), 20.01)
@@ -70,7 +70,7 @@ def test_a_skin_let_go_of_pulls_nothing_and_recovers():
 
 
 def test_a_clock_that_starts_anew_begins_a_new_history():
-    fading = FadingForce(SERIES)
+    fading = ForceRelaxation(SERIES)
     fading.follow(reading(), 500.0)
     fading.follow(reading(), 600.0)
     fresh = fading.follow(reading(), 3.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from palpate.core import generator
-from palpate.markers import name_markers
+from palpate.markers import assign_markers
 from palpate.sensor import Unit, draw_inspection, inspect_unit, register_dome
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "markers"))
@@ -19,7 +19,7 @@ from bent_prints import bent, design_of, draw, judge
 def test_the_radii_of_a_bent_print_are_found_and_explain_its_image(count, kept):
     drawn = bent(count, generator(3, "law", count), scale=1.6, mark=False, missing=0.0, kept=kept)
     design = design_of(count, 1.6)
-    naming = judge(name_markers(drawn["dots"], design.pattern), drawn, drawn["dots"], design).naming
+    naming = judge(assign_markers(drawn["dots"], design.pattern), drawn, drawn["dots"], design).naming
     found = register_dome(naming, design.layout, design.skin, design.camera)
     relative = found.law.growth / found.law.growth.mean() - drawn["law"] / drawn["law"].mean()
     assert np.abs(relative).max() < 0.03  # the common growth is shared with the camera's distance
@@ -42,4 +42,6 @@ def test_an_inspection_of_a_bent_print_reports_the_rings_and_draws_them():
 def test_an_even_print_has_no_law():
     design = design_of(91)
     pixels = design.pattern.expected_px + generator(5, "even").normal(0, 0.1, (91, 2))
-    assert register_dome(name_markers(pixels, design.pattern), design.layout, design.skin, design.camera).law is None
+    assert (
+        register_dome(assign_markers(pixels, design.pattern), design.layout, design.skin, design.camera).law is None
+    )

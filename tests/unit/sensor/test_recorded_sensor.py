@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from palpate.recording import RecordedModel
-from palpate.recording.model import Choosing, PoseReading
+from palpate.recording.model import EnsembleWeights, PoseReading
 from palpate.sensor import Flag
 from palpate.sensor.recorded_sensor import RecordedSensor
 
@@ -15,10 +15,10 @@ FAULT = "no dots"
 
 def model(reads_dots: bool) -> RecordedModel:
     """A model of poses from -1 to 1 that reads by dots as well, or by pictures alone."""
-    by = Choosing(("picture-ridge",), np.ones((1, 2)), WIDTH)
+    by = EnsembleWeights(("picture-ridge",), np.ones((1, 2)), WIDTH)
     outputs = (("rx", "deg", "rx"), ("ry", "deg", "ry"))
     about = {"range": [[-1.0, -1.0], [1.0, 1.0]]}
-    dots = Choosing(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_dots else None
+    dots = EnsembleWeights(("dots-ridge",), np.ones((1, 2)), 0.01 * WIDTH) if reads_dots else None
     return RecordedModel(None, None, (), {}, dots, by, np.full(2, np.inf), outputs, about)
 
 

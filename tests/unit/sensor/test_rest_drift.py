@@ -8,13 +8,13 @@ import pytest
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerLayout, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec
-from palpate.markers import Naming, Sighting
+from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import Flag, RigSpec, Unit
-from palpate.sensor.reader import Estimate, TwinReader
-from palpate.sensor.rest_drift import RestMotion
+from palpate.sensor import Flag, SensorSpec, Unit
+from palpate.sensor.reader import PoseEstimate, TwinEstimator
+from palpate.sensor.rest_drift import RestDrift
 from palpate.twin import TWIN_DERIVATIVES, Twin
 from presses import build_twin, solve_press
 
@@ -56,9 +56,9 @@ class Drawn:
     def open(self, images: int = 20, **chosen: float) -> "Following":
         rest = np.mean([self.dots() for _ in range(images)], axis=0)
         numbers = np.arange(len(rest))
-        naming = Naming(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
+        naming = MarkerAssignment(numbers, rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
         unit = Unit(DOME, self.layout, nominal=self.camera)
-        return Following(TwinReader(self.twin, unit, naming, RigSpec(noise_px=NOISE, **chosen)))
+        return Following(TwinEstimator(self.twin, unit, naming, SensorSpec(noise_px=NOISE, **chosen)))
 
     def drift(self, way: str, share: float) -> None:
         """Move camera or silicone by a share of half a pixel or so."""
@@ -78,20 +78,20 @@ def moved(**changes: float) -> CameraSpec:
 class Following:
     """A reader with its state after the last image."""
 
-    def __init__(self, reader: TwinReader) -> None:
+    def __init__(self, reader: TwinEstimator) -> None:
         self.reader, self.state = reader, reader.begin()
 
     @property
-    def rest(self) -> RestMotion:
+    def rest(self) -> RestDrift:
         return self.state.rest.motion
 
-    def read(self, sighting: Sighting) -> Estimate:
+    def read(self, sighting: TrackedMarkers) -> PoseEstimate:
         estimate, self.state = self.reader.read(sighting, self.state)
         return estimate
 
 
-def read(reader: Following, dots: np.ndarray) -> Estimate:
-    return reader.read(Sighting(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
+def read(reader: Following, dots: np.ndarray) -> PoseEstimate:
+    return reader.read(TrackedMarkers(dots, np.ones(len(dots), bool), np.arange(len(dots)), False))
 
 
 def read_pressed(reader: Following, unit: Drawn) -> np.ndarray:
@@ -164,7 +164,7 @@ def test_missing_dots_do_not_move_the_rest(twin: Twin) -> None:
     for _ in range(60):
         dots, found = unit.dots(), unit.rng.random(len(LAYOUT)) > 0.1
         dots[~found] += 5.0
-        reader.read(Sighting(dots, found, np.arange(len(dots)), False))
+        reader.read(TrackedMarkers(dots, found, np.arange(len(dots)), False))
     assert reader.rest.rms_px < 0.03
 
 
@@ -173,11 +173,13 @@ def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_follow
     unit = Drawn(twin, moved(distance=30.0), FEW, rng=np.random.default_rng(seed))
     watchful = unit.open(images=1)
     still = Following(
-        TwinReader(
+        TwinEstimator(
             twin,
             Unit(DOME, FEW, nominal=unit.camera),
-            Naming(np.arange(37), watchful.reader.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0),
-            RigSpec(noise_px=NOISE, follow_px=0.0),
+            MarkerAssignment(
+                np.arange(37), watchful.reader.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0
+            ),
+            SensorSpec(noise_px=NOISE, follow_px=0.0),
         )
     )
     for touch in range(16):

@@ -10,13 +10,13 @@ from palpate.built import PoseFitter
 from palpate.camera import CameraSpec, build_camera
 from palpate.design import DomeSpec, MarkerSpec, build_skin, place_markers
 from palpate.fea import Press, WallSpec, solve_press
-from palpate.markers import Naming, Sighting
+from palpate.markers import MarkerAssignment, TrackedMarkers
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.sensor import Flag, RigSpec, Sensor, Unit
+from palpate.sensor import Flag, Sensor, SensorSpec, Unit
 from palpate.sensor.creep_filter import FRAME_S
-from palpate.sensor.reader import Estimate, ReaderState, TwinReader
+from palpate.sensor.reader import PoseEstimate, ReaderState, TwinEstimator
 from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
 DOME = build_skin(DomeSpec(height=20, thickness=2))
@@ -57,18 +57,18 @@ def images(twin: Twin) -> list[np.ndarray]:
 
 def opened(twin: Twin, misfit: float) -> Sensor:
     rest = CAMERA.project(LAYOUT.positions)
-    naming = Naming(np.arange(len(rest)), rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
+    naming = MarkerAssignment(np.arange(len(rest)), rest, np.ones(len(rest), bool), 0.0, False, (), -1, 0.0)
     unit = Unit(DOME, LAYOUT, nominal=CameraSpec())
-    spec = RigSpec(noise_px=NOISE).model_copy(update={"misfit": misfit})  # also one that every image exceeds
-    return Sensor(unit, TwinReader(twin, unit, naming, spec), spec, Dots(rest), naming, None)
+    spec = SensorSpec(noise_px=NOISE).model_copy(update={"misfit": misfit})  # also one that every image exceeds
+    return Sensor(unit, TwinEstimator(twin, unit, naming, spec), spec, Dots(rest), naming, None)
 
 
 def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every image counts as a misfit; the second reading has other dots, and is made to fit worse."""
     offered, control = opened(twin, 1e-6), opened(twin, 1e-6)
-    foresee, read, tried = TwinReader.foresee, TwinReader.read, []
+    foresee, read, tried = TwinEstimator.foresee, TwinEstimator.read, []
 
-    def without_some(reader: TwinReader, estimate: Estimate) -> np.ndarray | None:
+    def without_some(reader: TwinEstimator, estimate: PoseEstimate) -> np.ndarray | None:
         if reader is control.reader:
             return None
         foreseen = foresee(reader, estimate)
@@ -76,14 +76,14 @@ def test_a_rejected_second_reading_leaves_no_trace(twin: Twin, monkeypatch: pyte
         tried.append(foreseen)
         return foreseen
 
-    def worse(*given: object, **words: object) -> tuple[Estimate, ReaderState]:
+    def worse(*given: object, **words: object) -> tuple[PoseEstimate, ReaderState]:
         estimate, state = read(*given, **words)
         if len(given) > 3:
             estimate = estimate._replace(fit=replace(estimate.fit, misfit=np.inf))
         return estimate, state
 
-    monkeypatch.setattr(TwinReader, "foresee", without_some)
-    monkeypatch.setattr(TwinReader, "read", worse)
+    monkeypatch.setattr(TwinEstimator, "foresee", without_some)
+    monkeypatch.setattr(TwinEstimator, "read", worse)
     for seen in images(twin):
         first, second = offered.read(seen), control.read(seen)
         assert first.pose == second.pose
@@ -140,6 +140,6 @@ def test_a_second_fit_of_one_image_keeps_the_motion_of_the_touch(twin: Twin) -> 
     state = reader.begin()
     for dots in images(twin)[:44]:
         everything = np.ones(len(dots), bool)
-        _, state = reader.read(Sighting(dots, everything, np.arange(len(dots)), False), state)
+        _, state = reader.read(TrackedMarkers(dots, everything, np.arange(len(dots)), False), state)
     assert state.rest.motion.rms_px > 0.03
     assert state.fit.flat.motion[2] == pytest.approx(0.9, abs=0.05)

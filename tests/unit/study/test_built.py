@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from palpate.core import ArtefactStore
-from palpate.grid import evaluate_grid, first_metric
+from palpate.grid import default_metric, evaluate_grid
 from palpate.study import Study, run_twins
 from palpate.study.collect import collect_designs
 from palpate.study.plan import plan_study
@@ -41,7 +41,7 @@ def test_they_are_the_first_columns_and_the_first_picture_of_the_grid(folder: Pa
     grid = evaluate_grid(collect_designs(plan_study(STUDY), ArtefactStore(folder / "store"), {}, seed=0))
     assert [row["built_rmse_deg"] for row in grid.designs] == [design.figures[0].rmse_deg for design in found]
     assert grid.columns.index("known_worst_deg") < grid.columns.index("rmse_deg")
-    assert first_metric(grid) == "built_rmse_deg"
+    assert default_metric(grid) == "built_rmse_deg"
 
 
 def test_a_study_that_does_not_ask_has_no_such_columns() -> None:

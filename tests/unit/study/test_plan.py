@@ -6,7 +6,7 @@ from errors import refused
 from palpate.study import Study, read_study
 from palpate.study.plan import plan_study
 from palpate.study.schedule import Schedule
-from palpate.study.study import BuiltSpec, MaterialSpec
+from palpate.study.study import AsBuiltSpec, MaterialSpec
 from palpate.study.task import PressTask
 from palpate.study.worker import TaskOutcome
 
@@ -150,7 +150,7 @@ def test_a_pad_is_pressed_at_every_azimuth_of_a_tilt_whole_where_half_would_not_
     with refused("forces-need-revolution"):
         plan_study(study.model_copy(update={"forces": True}))
     with refused("twin-needs-revolution"):
-        plan_study(study.model_copy(update={"built": BuiltSpec()}))
+        plan_study(study.model_copy(update={"built": AsBuiltSpec()}))
 
 
 def test_a_study_of_usual_azimuths_is_written_as_before_there_were_any() -> None:

@@ -5,13 +5,13 @@ from small_task import Sum, do, read
 
 from errors import check_values
 from palpate.core import ArtefactStore
-from palpate.study import Silence
+from palpate.study import NullObserver
 from palpate.study.schedule import Schedule, time_limit
 from palpate.study.task import Task
 from palpate.study.worker import TaskOutcome
 
 
-class Diary(Silence):
+class Diary(NullObserver):
     """Keeps the order of starts."""
 
     def __init__(self) -> None:

@@ -13,12 +13,12 @@ from palpate.design import MarkerSpec, place_markers, rotation_vector
 from palpate.design.barrel import BarrelSpec
 from palpate.fea import Press, SolverSpec
 from palpate.fea.side_wall import SideWallSpec
-from palpate.learn import find_limits
+from palpate.learn import compute_error_bounds
 from palpate.material import get_material
 from palpate.mesh import MeshSpec, locate_inner, mesh_skin
 from palpate.study import read_study
 from palpate.twin import MarkerField, build_field, build_force_field, build_twin
-from palpate.viewer.gather_presses import gather_presses
+from palpate.viewer.gather_presses import build_pressed_skin
 from presses import solve_press
 
 SKIN = BarrelSpec().build()
@@ -85,7 +85,7 @@ def test_poses_of_a_dataset_fill_the_ring_of_tilts_evenly(presses: list[Press], 
 
 
 def test_limits_are_told_of_poses_in_the_ring(field: MarkerField, camera: Camera) -> None:
-    limits = find_limits(field, camera, DatasetSpec(dropped_images=1, jitter_px=1.0))
+    limits = compute_error_bounds(field, camera, DatasetSpec(dropped_images=1, jitter_px=1.0))
     assert [limit.depth_mm for limit in limits] == [2.0, 3.0]
     assert all(limit.share == 1.0 and limit.poses > 30 for limit in limits)
     assert limits[1].least_squares_deg < limits[0].least_squares_deg < 10.0
@@ -93,7 +93,7 @@ def test_limits_are_told_of_poses_in_the_ring(field: MarkerField, camera: Camera
 
 
 def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: list[Press]) -> None:
-    drawn = gather_presses(presses)
+    drawn = build_pressed_skin(presses)
     motion = drawn.at(90.75)
     assert motion.depths_mm.tolist() == pytest.approx([0.0, 1.0, 2.0, 3.0])
     assert motion.way == pytest.approx(motion.normal)
@@ -113,7 +113,7 @@ def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: lis
 
 
 def test_the_press_drawn_at_one_end_is_the_mirror_image_of_that_at_the_other(presses: list[Press]) -> None:
-    drawn = gather_presses(presses)
+    drawn = build_pressed_skin(presses)
     one, other = drawn.at(88.0), drawn.at(92.0)
     _, across = cKDTree(drawn.nodes).query([0.0, 0.0, 260.0] + drawn.nodes * [1.0, 1.0, -1.0])
     assert other.displacement == pytest.approx(one.displacement[:, across] * [1.0, 1.0, -1.0], abs=2e-3)

@@ -9,8 +9,8 @@ import pytest
 
 from errors import refused
 from palpate.design import (
-    OFFSET_DEPTH,
-    TILT_DEPTH,
+    OFFSET_SPACE,
+    TILT_SPACE,
     MarkerSpec,
     Symmetry,
     place_markers,
@@ -19,7 +19,7 @@ from palpate.design import (
 )
 from palpate.design.flat_pad import FlatPadSpec
 from palpate.fea import WallSpec
-from palpate.mechanics import Ended
+from palpate.mechanics import EndReason
 from palpate.mesh import MeshSpec, mesh_skin
 from palpate.study.study import MaterialSpec
 from palpate.twin import MarkerField, build_field, build_force_field
@@ -49,7 +49,7 @@ class PadPress:
     azimuth_deg: float = 0.0
     reached: float = DEPTH
     symmetry: Symmetry = Symmetry.MIRRORED
-    ended: Ended = Ended.DEPTH_REACHED
+    ended: EndReason = EndReason.DEPTH_REACHED
     depth: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -59,7 +59,7 @@ class PadPress:
         skin = PAD if self.symmetry is Symmetry.MIRRORED else SimpleNamespace(name="odd", symmetry=self.symmetry)
         self.mesh = SimpleNamespace(skin=skin)
         self.wall = SimpleNamespace(
-            radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=DEPTH, pose_space=TILT_DEPTH
+            radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=DEPTH, pose_space=TILT_SPACE
         )
 
     def moved(self, points: np.ndarray, by: str = "") -> np.ndarray:
@@ -128,7 +128,7 @@ def test_what_needs_one_press_for_all_azimuths_is_refused() -> None:
     with refused("forces-need-revolution"):
         build_force_field(pressed())
     ball = PadPress(0.0)
-    ball.wall.pose_space = OFFSET_DEPTH
+    ball.wall.pose_space = OFFSET_SPACE
     with refused("azimuths-need-flat-wall"):
         build_field([ball], LAYOUT)
 

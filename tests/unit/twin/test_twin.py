@@ -14,7 +14,7 @@ from palpate.fea import Press, WallSpec
 from palpate.material import get_material
 from palpate.mechanics import SolverSpec
 from palpate.mesh import MeshSpec, mesh_skin
-from palpate.twin import TWIN_DERIVATIVES, Twin, measure_off, read_twin, write_twin
+from palpate.twin import TWIN_DERIVATIVES, Twin, measure_interpolation_error, read_twin, write_twin
 from palpate.twin.tensor_spline import fit_spline
 from presses import build_twin, solve_press
 
@@ -181,7 +181,7 @@ def test_presses_that_make_no_twin_are_refused(presses: list[Press]) -> None:
 def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press], twin: Twin, tmp_path: Path) -> None:
     """Against the distance of dots, found here by themselves; a dome that is thicker is told apart."""
     check = press(6.0, 0.9, azimuth_deg=77.0)
-    found = measure_off(twin, [check])
+    found = measure_interpolation_error(twin, [check])
     dots = twin.print_dots(LAYOUT.positions)
     apart = [
         dots.move(at(6.0, 77.0, depth), 1 / 0.9).positions - check.positions(LAYOUT.positions)[image]
@@ -189,9 +189,9 @@ def test_a_twin_says_how_far_it_is_off_between_its_presses(presses: list[Press],
         if depth > 0
     ]
     assert found == pytest.approx(np.sqrt(np.mean(np.sum(np.square(apart), axis=-1))), rel=0.4)
-    assert found < 0.01 < measure_off(twin, [press(6.0, 0.9, thickness=2.3)])
+    assert found < 0.01 < measure_interpolation_error(twin, [press(6.0, 0.9, thickness=2.3)])
     assert np.isnan(twin.off_mm)
-    assert np.isnan(measure_off(twin, []))
+    assert np.isnan(measure_interpolation_error(twin, []))
     write_twin(tmp_path / "twin.h5", replace(twin, off_mm=found))
     assert read_twin(tmp_path / "twin.h5").off_mm == found
 

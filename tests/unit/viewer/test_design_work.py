@@ -14,8 +14,8 @@ from palpate.design import DomeSpec, MarkerSpec
 from palpate.fea import WallSpec
 from palpate.viewer.job import Job
 from palpate.viewer.scene import describe_motion
-from palpate.viewer.sketch import Sketch, bounds_of, draw_sketch
-from palpate.viewer.specimen_cache import KEPT, SpecimenCache
+from palpate.viewer.sketch import DesignDraft, bounds_of, build_preview
+from palpate.viewer.specimen_cache import KEPT, DesignCache
 
 
 def work_in_steps(count, report):
@@ -106,7 +106,7 @@ def test_work_can_be_called_off():
 
 
 def test_a_sketch_is_drawn_at_rest_with_its_wall():
-    drawn = draw_sketch(Sketch(wall=WallSpec(tilt_deg=5)))
+    drawn = build_preview(DesignDraft(wall=WallSpec(tilt_deg=5)))
     motion = drawn.specimen.pressed.at(5.0)
     assert motion.depths_mm.tolist() == [0.0]
     assert np.abs(motion.displacement).max() == 0
@@ -115,13 +115,13 @@ def test_a_sketch_is_drawn_at_rest_with_its_wall():
 
 
 def test_a_camera_that_is_too_near_is_found():
-    sketch = Sketch.model_validate({"camera": {"distance": 12}})
-    assert draw_sketch(sketch).findings[0].code == "markers-out-of-sight"
+    sketch = DesignDraft.model_validate({"camera": {"distance": 12}})
+    assert build_preview(sketch).findings[0].code == "markers-out-of-sight"
 
 
 def test_rings_beyond_the_dome_are_refused():
     with refused("markers-outside-skin"):
-        draw_sketch(Sketch(markers=MarkerSpec(ring_diameters=(90.0,))))
+        build_preview(DesignDraft(markers=MarkerSpec(ring_diameters=(90.0,))))
 
 
 def test_bounds_are_those_of_the_spec():
@@ -130,8 +130,8 @@ def test_bounds_are_those_of_the_spec():
 
 
 def test_the_shelf_keeps_the_last_designs():
-    shelf = SpecimenCache()
-    drawn = draw_sketch(Sketch())
+    shelf = DesignCache()
+    drawn = build_preview(DesignDraft())
     names = [shelf.put(drawn.design, drawn.specimen) for _ in range(KEPT + 1)]
     assert shelf.find(names[-1])[0] is drawn.design
     with refused("design-expired"):

@@ -6,7 +6,7 @@ from typing import Literal, Self
 import numpy as np
 
 from palpate.core import FloatArray, IntArray, parameter
-from palpate.fea import ObstacleSpec, touch_first
+from palpate.fea import ObstacleSpec, find_first_contact
 from palpate.mechanics import Gap, Obstacle, grid_quads
 from palpate.mesh import Mesh
 
@@ -65,4 +65,4 @@ class WheelSpec(ObstacleSpec):
 
     def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         above = mesh.skin.outer_height + self.radius + self.tyre
-        return touch_first(mesh, Wheel(self.radius, self.tyre, np.array([0.0, 0.0, above])))
+        return find_first_contact(mesh, Wheel(self.radius, self.tyre, np.array([0.0, 0.0, above])))
