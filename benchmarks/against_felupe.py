@@ -63,7 +63,7 @@ def main() -> None:
 def solve_by_felupe(press: Press) -> dict[str, np.ndarray]:
     """Press the same mesh by FElupe, to the same images."""
     mesh, material = press.mesh, press.material
-    normal = normal_in_mesh(mesh, press.wall)
+    normal = normal_in_mesh(mesh, press.obstacle)
     outer = np.unique(mesh.outer_faces)
     area = np.pi * mesh.skin.outer_radius * (mesh.skin.height + mesh.skin.thickness) / len(outer)
     given, result = FOLDER / "press.npz", FOLDER / "result.npz"

@@ -35,7 +35,9 @@ def play(chosen: argparse.Namespace) -> None:
     layout = place_markers(build_skin(dome), MarkerSpec(count=169))
     material = get_material("zaid_2024_ecoflex_00_30")
     twin = read_twin(chosen.twin)
-    played = AlignmentScenario(twin, layout, dome, material, known=chosen.known, solved=chosen.solved)
+    played = AlignmentScenario(
+        twin, layout, dome, material, calibration_presses=chosen.known, by_solver=chosen.solved
+    )
     done = {(line["unit"], line.get("wall")) for line in read_lines(chosen.out)}
     for number in range(1, chosen.units + 1):
         if all((number, wall) in done for wall in (None, *range(chosen.walls))):
@@ -90,8 +92,8 @@ def count(path: Path) -> None:
 
 def tabulate(path: Path) -> None:
     """Walls as a table beside the file."""
-    names = ["unit", "wall", "tilt_deg", "friction", "touches", "images", "final_deg", "left_deg"]
-    names += ["left_half_width_deg", "most_force_n", "ending"]
+    names = ["unit", "wall", "tilt_deg", "friction", "touches", "images", "final_deg", "residual_deg"]
+    names += ["residual_half_width_deg", "most_force_n", "ending"]
     with path.with_suffix(".csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(names)

@@ -55,12 +55,12 @@ def print_splits(task: DatasetTask, store: ArtefactStore) -> None:
     for name, spec in specs.items():
         found = compare_splits(make(task, store, spec), TrainingSpec(), seed=1)
         errors = (f"{part.rmse_deg:.3f} / {part.max_error_deg:.2f}" for part in (found.by_press, found.by_image))
-        print(f"| {name} | {' | '.join(errors)} | {found.flatters:.2f} |", flush=True)
+        print(f"| {name} | {' | '.join(errors)} | {found.optimism_factor:.2f} |", flush=True)
 
 
 def print_shuffled(dataset: Dataset) -> None:
     shuffled = shuffle_labels(dataset, seed=1)
-    spread = float(np.sqrt((shuffled.part(validation=True).poses[:, :2] ** 2).mean()))
+    spread = float(np.sqrt((shuffled.subset(validation=True).poses[:, :2] ** 2).mean()))
     for name, spec in (("stopped early", EARLY), ("quick", TrainingSpec())):
         rmse = evaluate(train(shuffled, spec, 1), shuffled).rmse_deg
         print(
@@ -106,7 +106,9 @@ def print_outside(dataset: Dataset) -> None:
         "a marker 10 px off": lost[known],
     }
     for name, images in cases.items():
-        print(f"called outside, {name}: {100 * estimator.estimate(images).outside.mean():.1f} %", flush=True)
+        print(
+            f"called outside, {name}: {100 * estimator.estimate(images).out_of_distribution.mean():.1f} %", flush=True
+        )
 
 
 def keep(dataset: Dataset, rows: NDArray[np.bool_]) -> Dataset:

@@ -74,7 +74,7 @@ def main(images: str = "30", out: str = "") -> None:
             try:
                 found.append(measure(diameter, distance, seed, int(images)))
             except PalpateError as error:
-                print(f"{diameter} mm at {distance:g} mm: {error.what}")
+                print(f"{diameter} mm at {distance:g} mm: {error.problem}")
         if not found:
             continue
         noise, mean, px, bound = (np.concatenate(parts) for parts in zip(*found, strict=True))

@@ -58,7 +58,7 @@ class ExactDots:
 
 def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     """Errors (n, 2) of rx and ry, degrees, of a unit's images after known presses."""
-    spec, twin = bench.spec, bench.reads_with
+    spec, twin = bench.spec, bench.opened_model
     dots = ExactDots(build_scene(bench.nominal, bench.layout, deviation, bench.camera, spec.render))
     rest = dots.look(dots.scene.edges)
     belief = infer_from_rest(twin, bench.layout, bench.camera, rest, spec.tolerance, NOISE_PX)
@@ -69,12 +69,12 @@ def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:
     known = virtual._known(bench, dots, None, deviation, rng)
     presses = [CalibrationPress(poses, np.array(seen)) for poses, seen, _ in known]
     found = identify(model, presses, NOISE_PX, virtual._robot(bench))
-    fitter, errors = PoseFitter(model.believing(found.belief), NOISE_PX, found.mounting, None), []
+    fitter, errors = PoseFitter(model.with_posterior(found.posterior), NOISE_PX, found.mounting, None), []
     for press in [press for press in virtual.solve_unit_presses(bench, deviation) for _ in range(spec.azimuths)]:
         turned = virtual._turned(press, float(rng.uniform(0, 360)))
         for depth, seen in zip(turned.depth[1:], list(dots.through(turned))[1:], strict=True):
             told = fitter.fit(seen).pose
-            if depth >= spec.least_depth - 1e-9:
+            if depth >= spec.min_depth - 1e-9:
                 errors.append(told[:2] - virtual._robot_pose(turned, deviation, float(depth))[:2])
     return np.array(errors)
 
@@ -91,7 +91,7 @@ def designs(folder: Path) -> Iterator[_Candidate]:
     camera = choice.camera.model_copy(update={"distance": won["distance_mm"]})
     skin = skin_from_data({"kind": "ellipsoid", **shape})
     yield _Candidate(spec, "winner", skin, won["material"], markers, camera)
-    if spec.rival is not None:
+    if spec.baseline is not None:
         yield _Candidate.rival(spec)
 
 

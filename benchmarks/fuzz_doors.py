@@ -290,7 +290,7 @@ def _press_door(folder: Path) -> Door:
     from palpate.mesh import MeshSpec, mesh_skin
 
     mesh = mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=4))
-    press = solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.1, image_step=0.1))
+    press = solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), WallSpec(depth=0.1, depth_step=0.1))
     write_press(folder / "press.h5", press)
     return Door("press", ".h5", ((folder / "press.h5").read_bytes(),), read_press)
 

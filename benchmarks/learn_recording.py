@@ -103,13 +103,13 @@ def adapt(folder: Path, presses: tuple[int, ...], alone: tuple[int, ...]) -> dic
     found: dict[str, object] = {}
     for count, begin in [(n, start) for n in presses] + [(n, None) for n in alone]:
         # of all presses given, 27 % are held back by the split: more are given, so that as many teach
-        given = round(count / (1 - spec.held_out - spec.validation))
+        given = round(count / (1 - spec.test_share - spec.validation_share))
         table = place / f"first_{count}.csv"
         table.write_text("\n".join(rows[: given + 1]) + "\n")
         learnt = train_on_recording(read_recording(table), spec, store, say, begin)
         table.unlink()
         errors = [read_all(learnt.model, place, truth)]
-        key = f"{int(learnt.seen.split.teach.sum())} presses, {'adapted' if begin else 'alone'}"
+        key = f"{int(learnt.seen.split.train.sum())} presses, {'adapted' if begin else 'alone'}"
         found[key] = {"best": learnt.best, "rmse": np.round(errors[0], 4).tolist()}
         say(f"{key}: {found[key]}")
     return found

@@ -79,7 +79,7 @@ INPUTS: dict[str, Callable[[Dataset, Array], PrincipalComponents]] = {
 
 def learn_network(dataset: Dataset, choose: Callable[[Dataset, Array], PrincipalComponents]) -> Predict:
     """The network of the preset `quick` on other inputs."""
-    spec, kept = TrainingSpec(), dataset.part(validation=False)
+    spec, kept = TrainingSpec(), dataset.subset(validation=False)
     inputs = normalised(dataset, kept.images_px)
     components = choose(dataset, inputs)
     mean, sd = kept.poses.mean(axis=0), kept.poses.std(axis=0)
@@ -135,13 +135,13 @@ def fit_kernel(dataset: Dataset, kept: Dataset, length: float, penalty: float) -
 
 def learn_kernel(dataset: Dataset, by_jitter: bool) -> Predict:
     """Length and penalty chosen on presses taken from those for training, as `best` chooses or by jitter alone."""
-    kept = dataset.part(validation=False)
+    kept = dataset.subset(validation=False)
     held = hold_out(kept.press, 0.2, child_seed(SEED, "inner"))
     inner = replace(kept, validation=held)
     scores = {}
     for length in LENGTHS:
         for penalty in PENALTIES:
-            predict = fit_kernel(dataset, inner.part(validation=False), length, penalty)
+            predict = fit_kernel(dataset, inner.subset(validation=False), length, penalty)
             clean, jittered = judge(inner, predict)
             scores[length, penalty] = jittered.rmse_deg * (1.0 if by_jitter else clean.rmse_deg)
     best = min(scores, key=lambda pair: scores[pair])
@@ -151,7 +151,7 @@ def learn_kernel(dataset: Dataset, by_jitter: bool) -> Predict:
 
 def judge(dataset: Dataset, predict: Predict) -> tuple[Metrics, Metrics]:
     """Errors on the held-out presses, clean and with jitter."""
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     noisy = draw_jitter(held.images_px, dataset.spec.jitter_px, generator(SEED, "judge"))
     return measure_errors(predict(held.images_px), held.poses), measure_errors(predict(noisy), held.poses)
 

@@ -91,7 +91,7 @@ def _register(naming, drawn, design, row) -> None:
         print("pose:", error, file=sys.stderr)
         return
     for places, into in (
-        (design.layout.positions if found.law is None else found.law.positions, row.law_px),
+        (design.layout.positions if found.distortion is None else found.distortion.positions, row.law_px),
         (design.layout.positions, row.nominal_px),
     ):
         off = found.camera.project(places) - drawn["smooth"]

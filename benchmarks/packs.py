@@ -109,8 +109,8 @@ def hollow(parts: dict, spec: PackSpec) -> float:
     from palpate.cad import cylinder, revolve
     from palpate.design import build_contact_module
 
-    module = build_contact_module(build_skin(spec.dome), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
-    top = module.dome.height + module.dome.thickness
+    module = build_contact_module(build_skin(spec.skin), spec.mount, 1 / (1 - spec.process.shrinkage_percent / 100))
+    top = module.skin.height + module.skin.thickness
     inner = cylinder(module.flange_foot, module.foot, top + 0.5)
     left = inner
     for name, part in parts.items():
@@ -122,7 +122,7 @@ def hollow(parts: dict, spec: PackSpec) -> float:
 
 def check_artwork(folder: Path, spec: PackSpec) -> dict[str, float]:
     """Greatest distance of a dot in DXF and SVG from the compensated place, and on the dome from the marker."""
-    dome = build_skin(spec.dome)
+    dome = build_skin(spec.skin)
     layout = place_markers(dome, spec.markers)
     with (folder / "markers.csv").open() as file:
         page = np.array([[float(row["page_x_mm"]), float(row["page_y_mm"])] for row in csv.DictReader(file)])

@@ -49,7 +49,7 @@ def describe(height: float, thickness: float, tilt: float, law: str) -> dict[str
     row: dict[str, object] = {"height_mm": height, "thickness_mm": thickness, "tilt_deg": tilt, "contact": law}
     row |= {"ended": str(press.ended), "ended_depth_mm": press.ended_depth, "branch": str(press.branch[-1])}
     row |= {"force_n": float(np.linalg.norm(press.force[-1])), "peak_stress_mpa": float(press.peak_stress.max())}
-    row["least_stretch"], row["greatest_stretch"] = stretches(press)
+    row["min_stretch"], row["max_stretch"] = stretches(press)
     camera = build_camera()
     for count in (7, 169):
         dots = place_markers(skin, MarkerSpec(count=count)).positions

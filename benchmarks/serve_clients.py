@@ -42,7 +42,7 @@ def serve(path: Path, seconds: float, told: "multiprocessing.Queue") -> None:
     twin = read_twin(path)
     layout = place_markers(twin.skin, MarkerSpec(count=169))
     scene = build_scene(twin.skin, layout, Deviation(), CameraSpec(), RenderSpec(noise=2.0, blur_px=0.7))
-    images = [scene.at_rest()]
+    images = [scene.render_rest()]
     sensor = open_sensor(images, Unit(twin.skin, layout), twin)
     began = time.monotonic()
 

@@ -16,7 +16,7 @@ def main() -> tuple[float, float]:
     presses = [pp.solve_press(mesh, silicone, obstacle_from_data(edge | {"offset": mm})) for mm in (0, 2, 4)]
     dataset = generate_dataset(presses, layout, build_camera(), DatasetSpec(n_presses=600, jitter_px=0.2))
     estimator = train(dataset, TrainingSpec(width=32, epochs=150, repeats=1))
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     deep = held.poses[:, 2] > 2
     errors = dataset.space.line_error(estimator.predict(held.images_px[deep]), held.poses[deep])
     offset_mm, angle_deg = np.sqrt(np.mean(errors**2, axis=0)).tolist()

@@ -52,7 +52,7 @@ def make_recording(folder: Path) -> None:
     scene = build_scene(skin, layout, deviation, CameraSpec(), LIGHT)
     mesh, material = mesh_skin(skin, MeshSpec()), get_material("zaid_2024_ecoflex_00_30")
     solved = [
-        solve_press(mesh, material, WallSpec(tilt_deg=tilt, depth=5.6, image_step=0.8, contact=FRICTION))
+        solve_press(mesh, material, WallSpec(tilt_deg=tilt, depth=5.6, depth_step=0.8, contact=FRICTION))
         for tilt in (0.0, 2.5, 5.0, 7.5, 10.0)
     ]
     rows: list[list[object]] = []
@@ -62,11 +62,11 @@ def make_recording(folder: Path) -> None:
         cv2.imwrite(str(folder / str(rows[-1][0])), render(scene.camera, scene.edges, noise))
     for press in range(1, 20):
         one, azimuth = solved[press % len(solved)], float(rng.uniform(0, 360))
-        turned = replace(one, wall=one.wall.model_copy(update={"azimuth_deg": azimuth}))
-        images = list(scene.through(turned))
+        turned = replace(one, obstacle=one.obstacle.model_copy(update={"azimuth_deg": azimuth}))
+        images = list(scene.render_press(turned))
         for depth in DEPTHS:
             step = int(np.argmin(np.abs(turned.depth - depth)))
-            tilt = turned.wall.tilt_deg
+            tilt = turned.obstacle.tilt_deg
             pose = tilt * np.cos(np.radians(azimuth)), tilt * np.sin(np.radians(azimuth)), turned.depth[step]
             force = float(np.linalg.norm(turned.force[step]))
             rows.append([f"{len(rows):02d}.png", press, *(f"{value:.4f}" for value in (*pose, force))])

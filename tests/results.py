@@ -47,7 +47,7 @@ def make_design(height=20.0, thickness=2.0, markers=169, failure=""):
             "estimator": ("ff",),
             "learning": ("dd",),
         },
-        limits=LIMITS,
+        bounds=LIMITS,
         coverage=None if failure else COVERAGE,
         repeat_rmse_deg=() if failure else (size, size + 0.1, size - 0.1),
         spec={"dataset": {"seed": 4}},

@@ -24,7 +24,7 @@ TILTS = (0.0, 4.0, 8.0)
 
 def solve(tilt_deg, **wall):
     mesh = mesh_skin(build_skin(DOME), MeshSpec(cells=CELLS))
-    return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, image_step=1.0, **wall))
+    return solve_press(mesh, MATERIAL, WallSpec(tilt_deg=tilt_deg, depth=5.0, depth_step=1.0, **wall))
 
 
 def small_dataset(**spec):
@@ -41,7 +41,7 @@ def write_small_model(path):
 def write_small_twin(path):
     contacts, solver = ("no-slip", 1.4, 0.8, 0.4), SolverSpec(derivatives=TWIN_DERIVATIVES)
     walls = [
-        WallSpec(tilt_deg=tilt, depth=5.0, image_step=0.5, contact=contact)
+        WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
         for contact in contacts
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]

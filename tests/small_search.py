@@ -46,7 +46,7 @@ def propose(place: Place) -> SkinEvaluation:
 def judge(places: Sequence[Place]) -> list[Evaluation]:
     found = [propose(place) for place in places]
     return [
-        Evaluation((one.options[-1].figure.worst_deg,), constraint_violations(SPEC, one), {"proposal": one.to_data()})
+        Evaluation((one.options[-1].accuracy.p95_deg,), constraint_violations(SPEC, one), {"proposal": one.to_data()})
         for one in found
     ]
 
@@ -58,7 +58,9 @@ def write_search(folder: Path, *, finished: bool) -> Front:
     front = Front(
         SPEC,
         tuple(
-            SkinTrial(one.number, SkinEvaluation.from_data(one.judged.note["proposal"]), one.judged.violations)
+            SkinTrial(
+                one.number, SkinEvaluation.from_data(one.evaluation.record["proposal"]), one.evaluation.violations
+            )
             for one in tried
         ),
     )

@@ -51,7 +51,7 @@ def frame(axes: Axes3D, title: str) -> None:
 
 def draw_wall(axes: Axes3D, press: Press) -> None:
     """The wall at full depth."""
-    dome, tilt = press.mesh.skin, np.radians(press.wall.tilt_deg)
+    dome, tilt = press.mesh.skin, np.radians(press.obstacle.tilt_deg)
     normal = np.array([0, -np.sin(tilt), np.cos(tilt)])
     middle = np.array([0, 0, dome.center_z - press.depth[-1]]) + dome.outer_radius * normal
     along = np.array([0, np.cos(tilt), np.sin(tilt)])

@@ -113,16 +113,16 @@ def presses() -> Results:
         "no slip": solve("dome", WallSpec(tilt_deg=6, contact="no-slip", **wall), derivatives=TWIN_DERIVATIVES),
         "frictionless": solve("dome", WallSpec(tilt_deg=6, contact="frictionless", **wall)),
         "friction": solve("dome", WallSpec(tilt_deg=9, contact=0.6, azimuth_deg=40, unload=True, **wall)),
-        "snap": solve("thin", WallSpec(depth=8, image_step=2.0)),
-        "inverted": solve("thin", WallSpec(depth=8, image_step=2.0), branch=Branch.INVERTED),
-        "low": solve("low", WallSpec(tilt_deg=3, depth=3, image_step=1.0)),
+        "snap": solve("thin", WallSpec(depth=8, depth_step=2.0)),
+        "inverted": solve("thin", WallSpec(depth=8, depth_step=2.0), branch=Branch.INVERTED),
+        "low": solve("low", WallSpec(tilt_deg=3, depth=3, depth_step=1.0)),
         "ellipsoid": solve(
-            "ellipsoid", WallSpec(tilt_deg=4, drift=0.1, twist_rate_deg=1.0, bend=5.0, **wall), whole=True
+            "ellipsoid", WallSpec(tilt_deg=4, lateral_rate=0.1, twist_rate_deg=1.0, curvature=5.0, **wall), whole=True
         ),
         "ball": solve("dome", BallSpec(radius=6, offset=3, **wall)),
         "cylinder": solve("dome", CylinderSpec(**wall)),
-        "edge": solve("dome", read_obstacle("edge", WallSpec(depth=2, image_step=1.0))),
-        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, image_step=0.2), filled=True),
+        "edge": solve("dome", read_obstacle("edge", WallSpec(depth=2, depth_step=1.0))),
+        "gel": solve("cone", WallSpec(tilt_deg=1, depth=0.4, depth_step=0.2), filled=True),
     }
     meshes = {name: mesh_skin(skin_of(name), MeshSpec()) for name in SKINS}
     sizes = {
@@ -133,7 +133,7 @@ def presses() -> Results:
 
 def small_presses(contact: str | float = "no-slip", **update: Any) -> list[Press]:
     return [
-        solve("dome", WallSpec(tilt_deg=tilt, depth=5.0, image_step=1.0, contact=contact), **update)
+        solve("dome", WallSpec(tilt_deg=tilt, depth=5.0, depth_step=1.0, contact=contact), **update)
         for tilt in (0.0, 4.0, 8.0)
     ]
 
@@ -210,7 +210,7 @@ def force_estimators() -> Results:
 @cache
 def small_twin() -> Twin:
     walls = [
-        WallSpec(tilt_deg=tilt, depth=5.0, image_step=0.5, contact=contact)
+        WallSpec(tilt_deg=tilt, depth=5.0, depth_step=0.5, contact=contact)
         for contact in ("no-slip", 1.4, 0.8, 0.4)
         for tilt in (0.0, 3.0, 6.0, 9.0)
     ]
@@ -218,11 +218,11 @@ def small_twin() -> Twin:
 
 
 def twins() -> Results:
-    printed = small_twin().print_dots(place_markers(skin_of("dome"), MARKERS).positions)
+    printed = small_twin().with_markers(place_markers(skin_of("dome"), MARKERS).positions)
     results: Results = {}
     for name, touch in {"straight": (0.0, 0.0, 2.0), "tilted": (5.0, -2.0, 3.3), "shallow": (1.0, 7.0, 0.7)}.items():
-        moved = printed.move(np.array(touch), 0.7, 0.02)
-        results[name] = {"positions": moved.positions, "by": moved.by, "force": moved.force}
+        moved = printed.evaluate(np.array(touch), 0.7, 0.02)
+        results[name] = {"positions": moved.positions, "by": moved.jacobian, "force": moved.force}
     return results
 
 
@@ -230,7 +230,11 @@ def accuracies() -> Results:
     layout, camera = place_markers(skin_of("dome"), MARKERS), build_camera()
     found = {
         known: predict_accuracy(
-            small_twin(), layout, camera, ToleranceSpec(), AccuracySpec(30, 20, max_tilt_deg=9.0, known=known)
+            small_twin(),
+            layout,
+            camera,
+            ToleranceSpec(),
+            AccuracySpec(30, 20, max_tilt_deg=9.0, calibration_presses=known),
         )
         for known in (0, 4)
     }
@@ -251,8 +255,8 @@ def skin_evaluations() -> Results:
     return {
         f"option {number}": {
             "rings": option.markers.ring_diameters or (),
-            "rmse": option.figure.rmse_deg,
-            "worst": option.figure.worst_deg,
+            "rmse": option.accuracy.rmse_deg,
+            "worst": option.accuracy.p95_deg,
         }
         for number, option in enumerate(found.options)
     }

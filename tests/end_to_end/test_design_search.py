@@ -80,9 +80,9 @@ def test_a_search_finds_the_same_however_it_was_done(
         importlib.import_module("palpate.optimise.optimise_design"), "stage_version", lambda stage: "another"
     )
     assert optimise_design(spec, tmp_path / "cut", workers=2) == whole, "what was judged before is judged again"
-    assert len(again.tried) == 5
+    assert len(again.trials) == 5
     assert again.winner is not None
-    assert again.winner.tried.meets
+    assert again.winner.trial.feasible
     assert 0 < again.winner.value("error") < 0.5
 
 
@@ -126,16 +126,16 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     spec, out = read_requirements(wanted), tmp_path / "out"
     front = validate_front(optimise_design(spec, out, workers=2), out, workers=2)
     made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
-    proof = front.proof
+    proof = front.validation
     assert proof is not None, front.shortfall
     assert [one.title for one in proof.designs] == ["winner", "rival"]
     for one in proof.designs:
-        assert one.played is not None
-        assert (one.played.units, one.played.without_pose) == (3, 0)
-        assert one.off < 0.6, "three units on a coarse mesh"
+        assert one.simulated is not None
+        assert (one.simulated.units, one.simulated.without_pose) == (3, 0)
+        assert one.relative_error < 0.6, "three units on a coarse mesh"
         assert one.trained is not None
         assert (one.trained.units, one.trained.without_pose) == (3, 0)
-        assert one.trained != one.played
+        assert one.trained != one.simulated
         assert one.trained.rmse_deg < 1, "a sensor that always says upright would be off by 3.7"
     if proof.second is None:
         assert "CalculiX" in proof.second_problem
@@ -146,7 +146,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     write_front(out, front, "palpate optimise")
     page = (out / "report.md").read_text()
     check_values(page, "winner", "rival", "RMSE")
-    assert validate_front(optimise_design(spec, out, workers=1), out, workers=1).proof == proof
+    assert validate_front(optimise_design(spec, out, workers=1), out, workers=1).validation == proof
     assert all(path.stat().st_mtime_ns == when for path, when in made.items()), "nothing is played twice"
     # the same units by the bench itself
     twin = find_artefact(
@@ -163,7 +163,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         ArtefactStore(tmp_path / "bench"),
     )
     rx, ry, _ = (score.errors for score in pool_units(list(run_bench(bench))))
-    rival = proof.designs[1].played
+    rival = proof.designs[1].simulated
     assert rival is not None
     assert rival.rmse_deg == pytest.approx(((rx.rmse**2 + ry.rmse**2) / 2) ** 0.5, rel=1e-9)
-    assert 0 < rival.worst_deg <= max(rx.max, ry.max)
+    assert 0 < rival.p95_deg <= max(rx.max, ry.max)

@@ -167,7 +167,7 @@ def test_whoever_does_the_tasks_the_grid_is_the_same(
     assert sum(json.loads(done.stdout)["computed"].values()) == 12
     assert numbers(tmp_path) == numbers(finished)
     output = json.loads(finish(["status", tiny_study, "--out", tmp_path, "--json"]).stdout)
-    assert (output["made"], output["of"], output["left_s"]) == (12, 12, 0)
+    assert (output["made"], output["of"], output["remaining_s"]) == (12, 12, 0)
 
 
 @pytest.mark.slow

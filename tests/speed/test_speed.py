@@ -62,23 +62,23 @@ def test_press_derivatives(measure):
 
 def test_twin_move(measure, twin):
     """Where 169 dots go, and how by pose, friction, thickness, bend and drift, a thousand times."""
-    dots = twin.print_dots(LAYOUT.positions)
+    dots = twin.with_markers(LAYOUT.positions)
     poses = np.random.default_rng(1).uniform([-5, -5, 2], [5, 5, 4.5], (1000, 3))
     moved = measure(
-        lambda: [dots.move(pose, 0.5, drift=np.zeros(3)) for pose in poses],
-        lambda found: {"iterations": len(found), "unknowns": found[0].by.size},
+        lambda: [dots.evaluate(pose, 0.5, lateral=np.zeros(3)) for pose in poses],
+        lambda found: {"iterations": len(found), "unknowns": found[0].jacobian.size},
     )
-    assert np.isfinite([each.by for each in moved]).all()
+    assert np.isfinite([each.jacobian for each in moved]).all()
 
 
 def test_fit_pose(measure, twin):
     """Pose, friction and their covariance from 120 images of a press, each from where the last one was."""
-    dots, rng = twin.print_dots(LAYOUT.positions), np.random.default_rng(2)
+    dots, rng = twin.with_markers(LAYOUT.positions), np.random.default_rng(2)
     rest = CAMERA.project(LAYOUT.positions)
     belief = infer_from_rest(twin, LAYOUT, CameraSpec(), rest, ToleranceSpec(), 0.05)
     model = build_unit_model(twin, LAYOUT, belief, ToleranceSpec())
     poses = np.column_stack([np.full(120, 4.0), np.full(120, -2.0), np.linspace(1.5, 4.5, 120)])
-    seen = [CAMERA.project(dots.move(pose, 1.0).positions) + rng.normal(0, 0.05, rest.shape) for pose in poses]
+    seen = [CAMERA.project(dots.evaluate(pose, 1.0).positions) + rng.normal(0, 0.05, rest.shape) for pose in poses]
 
     def fit():
         fitter = PoseFitter(model, 0.05)

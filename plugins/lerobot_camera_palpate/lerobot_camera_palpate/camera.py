@@ -161,7 +161,7 @@ class PalpateCamera(Camera):
                 reading = describe_reading(sensor.read(item)) if sensor else None
                 with self._news:
                     if isinstance(item, PalpateError):
-                        self._reason = item.what
+                        self._reason = item.problem
                     else:
                         self._newest, self._taken = _Seen(self._coloured(item), time.monotonic(), reading), False
                     self._news.notify_all()

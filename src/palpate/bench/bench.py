@@ -88,7 +88,7 @@ class VirtualBench:
     ----------
     spec
         How it presses, looks and counts.
-    dome, markers, material, camera
+    skin, markers, material, camera
         The design and what the training took for granted.
     model
         What reads: a trained network (.onnx), or the design's twin (.h5).
@@ -99,7 +99,7 @@ class VirtualBench:
     """
 
     spec: VirtualBenchSpec
-    dome: SkinSpec
+    skin: SkinSpec
     markers: MarkerSpec
     material: Material
     camera: CameraSpec
@@ -115,23 +115,23 @@ class VirtualBench:
     @cached_property
     def nominal(self) -> Skin:
         """The design's dome."""
-        return build_skin(self.dome)
+        return build_skin(self.skin)
 
     @cached_property
-    def reads_with(self) -> Predictor | Twin:
+    def opened_model(self) -> Predictor | Twin:
         """The model, opened."""
         return open_model(self.model)
 
     @property
     def name(self) -> str:
         """The design in words."""
-        return f"H {self.dome.height:g}, T {self.dome.thickness:g} mm, {len(self.layout)} markers"
+        return f"H {self.skin.height:g}, T {self.skin.thickness:g} mm, {len(self.layout)} markers"
 
     def facts(self) -> dict[str, Any]:
         """What every report begins with, as JSON data: spec, design, model and versions."""
         return {
             "spec": self.spec.model_dump(mode="json"),
-            "dome": self.dome.model_dump(mode="json"),
+            "dome": self.skin.model_dump(mode="json"),
             "markers": len(self.layout),
             "model_sha256": self.model_sha256,
             "made_by": provenance() | {"unit_trial": stage_version("unit_trial")},
@@ -149,7 +149,7 @@ class VirtualBench:
             "one press of a unit is turned to every azimuth",
             "Judge its estimator by `palpate run`: presses held out.",
         )
-        check_model(self.reads_with, Unit(self.nominal, self.layout, nominal=self.camera), TILT_SPACE)
+        check_model(self.opened_model, Unit(self.nominal, self.layout, nominal=self.camera), TILT_SPACE)
 
     @cached_property
     def model_sha256(self) -> str:
@@ -213,16 +213,16 @@ def _play(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
     presses = list(solve_unit_presses(bench, deviation))
     try:
         _refuse_none(presses)
-        sensor = open_sensor([scene.at_rest()], unit, bench.reads_with)
+        sensor = open_sensor([scene.render_rest()], unit, bench.opened_model)
         rng = generator(bench.spec.seed, "directions", deviation.unit)
         zero, learnt = None, tuple[ParameterEstimate, ...]()
-        if bench.spec.known:
+        if bench.spec.calibration_presses:
             known = identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
             learnt = tuple(compare_parameters(known, deviation, _slip(bench, deviation), bench.spec.tolerance))
         elif bench.spec.zero:
             flat = _press(bench, deviation, unit_tilts(bench.spec, deviation.unit)[0])
             first = _read(bench, scene, sensor, _turned(flat, float(rng.uniform(0, 360))), deviation)
-            zero = find_depth_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.least_depth)
+            zero = find_depth_zero(first.estimates[:, 2], first.truth[:, 2], bench.spec.min_depth)
         tables = [
             _read(bench, scene, sensor, _turned(press, float(rng.uniform(0, 360))), deviation, number).images
             for number, press in enumerate(item for item in presses for _ in range(bench.spec.azimuths))
@@ -248,25 +248,27 @@ def _known(
 
     They are on a flat wall. Its load cell is read once, at the deepest image of the first.
     """
-    tilts = [round(share * bench.spec.max_tilt_deg, 3) for share in CALIBRATION_TILTS[: bench.spec.known]]
-    level = replace(deviation, bend=0.0)
+    tilts = [
+        round(share * bench.spec.max_tilt_deg, 3) for share in CALIBRATION_TILTS[: bench.spec.calibration_presses]
+    ]
+    level = replace(deviation, curvature=0.0)
     solved, first, found = [_press(bench, level, tilt) for tilt in tilts], float(rng.uniform(0, 360)), []
-    for number in range(bench.spec.known):
+    for number in range(bench.spec.calibration_presses):
         press = _turned(solved[number % len(solved)], (first + CALIBRATION_TURN_DEG * number) % 360.0)
         poses = np.array([_robot_pose(press, deviation, depth) for depth in press.depth])
         poses[:, :2] += rng.normal(0.0, bench.spec.robot_tilt_deg, 2)
         poses[:, 2] += rng.normal(0.0, bench.spec.robot_depth)
-        deep = press.depth >= bench.spec.least_depth - 1e-9
+        deep = press.depth >= bench.spec.min_depth - 1e-9
         cell = np.full(int(deep.sum()), np.nan)
         if not number:
             cell[-1] = _weigh(press)[-1]
-        found.append((poses[deep], list(compress(scene.through(press), deep)), cell))
+        found.append((poses[deep], list(compress(scene.render_press(press), deep)), cell))
     return found
 
 
 def _weigh(press: Press) -> FloatArray:
     """What a load cell under the wall says at each image of a press (n,), N along its normal."""
-    return press.force @ wall_normal(np.radians(press.wall.radial), 0.0)  # as it was solved, not turned
+    return press.force @ wall_normal(np.radians(press.obstacle.radial), 0.0)  # as it was solved, not turned
 
 
 def _robot(bench: VirtualBench) -> RobotUncertainty:
@@ -275,11 +277,11 @@ def _robot(bench: VirtualBench) -> RobotUncertainty:
 
 def _robot_pose(press: Press, deviation: Deviation, depth: float) -> tuple[float, float, float]:
     """rx, ry (degrees) and depth (mm) of an image on the robot's scale."""
-    tilt, azimuth = press.wall.radial, np.radians(press.wall.turn_deg + deviation.seating_turn_deg)
+    tilt, azimuth = press.obstacle.radial, np.radians(press.obstacle.turn_deg + deviation.seating_turn_deg)
     rx = tilt * np.cos(azimuth) + deviation.seating_x_deg
     ry = tilt * np.sin(azimuth) + deviation.seating_y_deg
     # the robot starts where a dome of the design's thickness would be touched
-    late = deviation.touch - deviation.thickness / np.cos(np.radians(tilt))
+    late = deviation.depth_zero - deviation.thickness / np.cos(np.radians(tilt))
     return float(rx), float(ry), float(depth + late)
 
 
@@ -289,13 +291,13 @@ def _read(
     """Truth and readings of the images of a press that count."""
     rows = []
     slip = _slip(bench, deviation)
-    for depth, force, image in zip(press.depth, _weigh(press), scene.through(press), strict=True):
+    for depth, force, image in zip(press.depth, _weigh(press), scene.render_press(press), strict=True):
         reading = sensor.read(image)
-        if depth >= bench.spec.least_depth - 1e-9:
+        if depth >= bench.spec.min_depth - 1e-9:
             told, half = list(reading.pose), list(reading.half_width)
             if reading.fit is not None:
-                pressing = reading.fit.force.pressing
-                told += [pressing.value, reading.fit.slip]
+                pressing = reading.fit.force.normal_force
+                told += [pressing.value, reading.fit.inverse_friction]
                 half += [pressing.half_width, reading.fit.half_width[3]]
             nothing = [np.nan] * (len(MEASURANDS) - len(told))
             truth = (*_robot_pose(press, deviation, float(depth)), force, slip)
@@ -312,12 +314,12 @@ def _slip(bench: VirtualBench, deviation: Deviation) -> float:
 
 
 def _turned(press: Press, azimuth_deg: float) -> Press:
-    """The press with its wall in another direction; its solution turns with it (`Scene.through`)."""
-    return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+    """The press with its wall in another direction; its solution turns with it (`Scene.render_press`)."""
+    return replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
 def _solve(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Press:
-    mesh = mesh_skin(build_skin(deviation.dome(bench.dome)), _mesh_spec(bench, deviation, branch))
+    mesh = mesh_skin(build_skin(deviation.dome(bench.skin)), _mesh_spec(bench, deviation, branch))
     material, wall = deviation.material(bench.material), _wall(bench, deviation, tilt_deg, branch)
     if branch is Branch.INVERTED:
         return solve_press(mesh, material, wall, branch=branch)
@@ -330,12 +332,12 @@ def _mesh_spec(bench: VirtualBench, deviation: Deviation, branch: Branch) -> Mes
         return MeshSpec(cells=own, core=_INVERTED_CORE)
     whole = bool(deviation.lateral or deviation.twist_deg)
     cells = bench.spec.cells or (_own_cells(bench) if whole else round(FINER * _own_cells(bench)))
-    return MeshSpec(cells=cells, whole=whole, filled=bench.material.fills)
+    return MeshSpec(cells=cells, whole=whole, filled=bench.material.has_gel)
 
 
 def _own_cells(bench: VirtualBench) -> int:
     """Cells from pole to rim by which the nominal skin is pressed."""
-    return mesh_skin(bench.nominal, MeshSpec(filled=bench.material.fills)).spec.cells or 0
+    return mesh_skin(bench.nominal, MeshSpec(filled=bench.material.has_gel)).spec.cells or 0
 
 
 def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> WallSpec:
@@ -348,12 +350,12 @@ def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Br
     return WallSpec(
         tilt_deg=tilt_deg,
         depth=bench.spec.depth,
-        image_step=bench.spec.image_step,
+        depth_step=bench.spec.depth_step,
         contact=deviation.friction or bench.spec.contact,
-        bend=_bend(bench, deviation, tilt_deg),
+        curvature=_bend(bench, deviation, tilt_deg),
         **dict(
             zip(
-                WallSpec.DRIFTS if branch is Branch.FLAT else (),
+                WallSpec.LATERAL_FIELDS if branch is Branch.FLAT else (),
                 (most * shares).round(6).tolist(),
                 strict=branch is Branch.FLAT,
             )
@@ -364,14 +366,14 @@ def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Br
 def _bend(bench: VirtualBench, deviation: Deviation, tilt_deg: float) -> float:
     """Curvature of the wall of a press, 1/m, either way."""
     share = generator(bench.spec.seed, "bend", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0)
-    return round(deviation.bend * float(share), 4)
+    return round(deviation.curvature * float(share), 4)
 
 
 def _press_recipe(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Branch) -> Recipe:
     other = bench.spec.solver == "calculix"
     solver = {"calculix": CalculixSpec().model_dump(mode="json")} if other else SolverSpec().model_dump(mode="json")
     mesh, wall = _mesh_spec(bench, deviation, branch), _wall(bench, deviation, tilt_deg, branch)
-    return press_recipe(deviation.dome(bench.dome), mesh, deviation.material(bench.material), wall, solver, branch)
+    return press_recipe(deviation.dome(bench.skin), mesh, deviation.material(bench.material), wall, solver, branch)
 
 
 def unit_recipe(bench: VirtualBench, deviation: Deviation) -> Recipe:

@@ -31,7 +31,7 @@ class BudgetLine:
     ----------
     name
         Field of `ToleranceSpec`, or ``images``, ``model`` and ``touch_unknown``.
-    words
+    label
         What a person reads.
     tolerance
         How large it was, with its unit.
@@ -46,7 +46,7 @@ class BudgetLine:
     """
 
     name: str
-    words: str
+    label: str
     tolerance: str
     angle_deg: float
     angle_max_deg: float
@@ -73,16 +73,16 @@ def run_budget(bench: VirtualBench) -> Iterator[BudgetLine]:
     for played in (nominal, clean):
         if played.failure:
             raise PalpateError(f"The nominal unit cannot be played: {played.failure}", code="unit-not-played")
-    yield _line("model", "the model itself, nominal unit, clean images", "", clean.perfect(), [clean])
+    yield _line("model", "the model itself, nominal unit, clean images", "", clean.with_exact_poses(), [clean])
     yield _line("images", "light, blur, noise and dirt", "", clean, [nominal])
     for item in IMPERFECTIONS:
         if getattr(bench.spec.tolerance, item.name):
             yield _alone(bench, item, nominal)
-    if bench.spec.zero and bench.spec.tolerance.touch:
+    if bench.spec.zero and bench.spec.tolerance.depth_zero:
         touch = next(item for item in IMPERFECTIONS if item.name == "touch")
         blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
         line = _alone(blind, touch, run_unit_trial(blind, Deviation()))
-        yield replace(line, name="touch_unknown", words="touch zero, not looked for")
+        yield replace(line, name="touch_unknown", label="touch zero, not looked for")
 
 
 def total(lines: Sequence[BudgetLine]) -> float:
@@ -98,7 +98,7 @@ def _alone(bench: VirtualBench, item: Imperfection, nominal: UnitTrial) -> Budge
     ]
     unit = next(note.unit for note in parameters(ToleranceSpec) if note.name == item.name)
     size = f"{getattr(bench.spec.tolerance, item.name):g}" + (f" {unit}" if unit != "1" else "")
-    return _line(item.name, item.words, f"±{size}" if item.signed else size, nominal, played)
+    return _line(item.name, item.label, f"±{size}" if item.signed else size, nominal, played)
 
 
 def _line(name: str, words: str, tolerance: str, nominal: UnitTrial, units: Sequence[UnitTrial]) -> BudgetLine:
@@ -110,7 +110,7 @@ def _line(name: str, words: str, tolerance: str, nominal: UnitTrial, units: Sequ
     angle, depth = changes[:, :2], changes[:, 2]
     return BudgetLine(
         name=name,
-        words=words,
+        label=words,
         tolerance=tolerance,
         angle_deg=float(np.sqrt(np.mean(angle**2))),
         angle_max_deg=float(np.abs(angle).max()),

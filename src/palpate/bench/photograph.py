@@ -36,16 +36,16 @@ class Scene:
     render: RenderSpec
     printed: BoolArray
 
-    def at_rest(self) -> NDArray[np.uint8]:
+    def render_rest(self) -> NDArray[np.uint8]:
         """Image (h, w) of the untouched dome."""
         return self._look(self.edges, "rest")
 
-    def through(self, press: Press) -> Iterator[NDArray[np.uint8]]:
+    def render_press(self, press: Press) -> Iterator[NDArray[np.uint8]]:
         """Images (h, w) of a press, rest included; one of a whole model was solved at azimuth 0."""
-        own = turn_about_axis(np.radians(press.wall.turn_deg)) if press.mesh.spec.whole else np.eye(3)
+        own = turn_about_axis(np.radians(press.obstacle.turn_deg)) if press.mesh.spec.whole else np.eye(3)
         flat = press.positions(self.edges.reshape(-1, 3) @ own) @ own.T
         for number, points in enumerate(flat):
-            yield self._look(points.reshape(self.edges.shape), press.wall.radial, press.wall.turn_deg, number)
+            yield self._look(points.reshape(self.edges.shape), press.obstacle.radial, press.obstacle.turn_deg, number)
 
     def _look(self, edges: FloatArray, *which: str | float) -> NDArray[np.uint8]:
         noise = child_seed(self.render.seed, "noise", *which)
@@ -79,8 +79,8 @@ def build_scene(
 
 def _misprint(skin: Skin, points: FloatArray, deviation: Deviation, rng: np.random.Generator) -> FloatArray:
     """Centres (m, 3) mm as printed: the pad is off as a whole, every dot by itself."""
-    x, y = points[:, 0] + deviation.pad_x, points[:, 1] + deviation.pad_y
+    x, y = points[:, 0] + deviation.print_shift_x, points[:, 1] + deviation.print_shift_y
     printed = skin.inner_point(np.hypot(x, y), np.arctan2(y, x))
     first, second = tangent_pair(skin.normal(printed))
-    off = deviation.dot * rng.uniform(-1.0, 1.0, (len(points), 2))
+    off = deviation.marker_position * rng.uniform(-1.0, 1.0, (len(points), 2))
     return skin.nearest(printed + off[:, :1] * first + off[:, 1:] * second)

@@ -40,7 +40,7 @@ class ParameterEstimate(NamedTuple):
         What it is.
     mean, sd
         What was told.
-    before
+    prior_sd
         Standard deviation before any press.
     """
 
@@ -48,7 +48,7 @@ class ParameterEstimate(NamedTuple):
     truth: float
     mean: float
     sd: float
-    before: float
+    prior_sd: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class UnitTrial:
         taken out.
     zero
         The depth's zero by the first press; `None` where it was not asked for.
-    learnt
+    parameters
         What known presses told of the unit; empty without any.
     failure
         Why the unit could not be played; empty where it was.
@@ -73,7 +73,7 @@ class UnitTrial:
     deviation: Deviation
     images: FloatArray
     zero: DepthZero | None = None
-    learnt: tuple[ParameterEstimate, ...] = ()
+    parameters: tuple[ParameterEstimate, ...] = ()
     failure: str = ""
 
     def column(self, *names: str) -> FloatArray:
@@ -105,7 +105,7 @@ class UnitTrial:
         """(n,) from image to pose."""
         return self.column("latency_ms")[:, 0]
 
-    def perfect(self) -> UnitTrial:
+    def with_exact_poses(self) -> UnitTrial:
         """The same images, as if their poses had been read without an error."""
         images = self.images.copy()
         images[:, [COLUMNS.index(f"{name}_read") for name in POSE]] = self.truth
@@ -122,7 +122,7 @@ def write_trial(path: Path, played: UnitTrial) -> None:
         "columns": COLUMNS,
         "images": [[value if math.isfinite(value) else None for value in row] for row in played.images.tolist()],
         "zero": asdict(played.zero) if played.zero else None,
-        "learnt": [each._asdict() for each in played.learnt],
+        "learnt": [each._asdict() for each in played.parameters],
         "failure": played.failure,
     }
     path.write_text(json.dumps(data), encoding="utf-8")
@@ -135,21 +135,21 @@ def read_trial(path: Path, deviation: Deviation) -> UnitTrial:
         deviation=deviation,
         images=np.array(data["images"], float).reshape(-1, len(COLUMNS)),
         zero=DepthZero(**data["zero"]) if data["zero"] else None,
-        learnt=tuple(ParameterEstimate(**each) for each in data["learnt"]),
+        parameters=tuple(ParameterEstimate(**each) for each in data["learnt"]),
         failure=data["failure"],
     )
 
 
 def compare_parameters(
-    found: IdentificationResult, deviation: Deviation, slip: float, tolerance: ToleranceSpec
+    found: IdentificationResult, deviation: Deviation, inverse_friction: float, tolerance: ToleranceSpec
 ) -> Iterator[ParameterEstimate]:
-    """What known presses told of a unit that slips by 1/µ = `slip`, beside what it is."""
+    """What known presses told of a unit that slips by 1/µ = `inverse_friction`, beside what it is."""
     for row in found.rows(tolerance):
         name = row["name"]
         if name.startswith("1/friction"):
-            truth = slip
+            truth = inverse_friction
         elif name == "touch":  # a thicker dome is touched earlier
-            truth = deviation.touch - deviation.thickness
+            truth = deviation.depth_zero - deviation.thickness
         else:
             truth = 1.0 + deviation.modulus if name == "stiffness" else float(getattr(deviation, name))
         yield ParameterEstimate(name, truth, row["mean"], row["sd"], row["before"])

@@ -30,23 +30,23 @@ class UnitResult:
     ----------
     number
         0 for the nominal unit.
-    played
+    trial
         Its readings.
     scores
         Roll, pitch and depth; empty where the unit could not be played or never gave a pose.
     """
 
     number: int
-    played: UnitTrial
+    trial: UnitTrial
     scores: tuple[Score, ...]
 
     @property
     def without_pose(self) -> int:
         """Images that gave no pose."""
-        return int((~np.isfinite(self.played.estimates).all(axis=1)).sum())
+        return int((~np.isfinite(self.trial.estimates).all(axis=1)).sum())
 
     @property
-    def as_good(self) -> bool:
+    def meets_paper(self) -> bool:
         """Whether every image gave a pose, and roll and pitch are at least as good as the paper's."""
         if not self.scores or self.without_pose:
             return False
@@ -83,10 +83,10 @@ def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple
     units = [result for result in results if result.number and result.scores]
     if not units:
         return ()
-    truth = np.concatenate([result.played.truth for result in units])
-    estimates = np.concatenate([result.played.corrected() for result in units])
-    press = np.concatenate([1000 * result.number + result.played.press for result in units])
-    kept = ~np.concatenate([result.played.flagged for result in units]) | (not trusted)
+    truth = np.concatenate([result.trial.truth for result in units])
+    estimates = np.concatenate([result.trial.corrected() for result in units])
+    press = np.concatenate([1000 * result.number + result.trial.press for result in units])
+    kept = ~np.concatenate([result.trial.flagged for result in units]) | (not trusted)
     return score_readings(truth[kept], estimates[kept], press[kept]) if kept.any() else ()
 
 
@@ -99,7 +99,7 @@ def describe_bench(bench: VirtualBench, results: Sequence[UnitResult]) -> dict[s
         "camera": bench.camera.model_dump(mode="json"),
         "units": [_describe_unit(result) for result in results],
         "pooled": [score.as_dict() for score in pool_units(results)],
-        "as_good_as_the_paper": {"units": sum(result.as_good for result in sampled), "of": len(sampled)},
+        "as_good_as_the_paper": {"units": sum(result.meets_paper for result in sampled), "of": len(sampled)},
     }
 
 
@@ -118,7 +118,7 @@ def write_bench(folder: Path, bench: VirtualBench, results: Sequence[UnitResult]
 def unit_rows(result: UnitResult) -> list[list[str]]:
     """Rows of a table by `COLUMNS`, one a component."""
     name = unit_name(result.number)
-    flagged = int(result.played.flagged.sum())
+    flagged = int(result.trial.flagged.sum())
     return [
         [name, f"{score.component} {score.unit}", *score_cells(score), str(result.without_pose), str(flagged)]
         for score in result.scores
@@ -143,21 +143,21 @@ def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> str:
     lines = [
         f"# Virtual bench: {bench.name}",
         "",
-        f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.least_depth:g} to {spec.depth:g} "
+        f"Model {bench.model_sha256[:12]}, no training on the bench. Images {spec.min_depth:g} to {spec.depth:g} "
         f"mm deep, {spec.tilts} tilts up to {spec.max_tilt_deg:g}° in {spec.azimuths} directions each; presses by "
         f"{spec.solver}; seed {spec.seed}. {_beforehand(spec)}",
         "",
         *markdown_table(("", "component", "RMSE", "MAE", "max", "SD"), list(_summary(results))),
         "",
-        f"{sum(result.as_good for result in sampled)} of {len(sampled)} sampled units have RMSE ≤ {WANTED_RMSE_DEG}° "
-        f"and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
+        f"{sum(result.meets_paper for result in sampled)} of {len(sampled)} sampled units have "
+        f"RMSE ≤ {WANTED_RMSE_DEG}° and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
         "",
         *_learnt_lines(sampled),
-        *_single_lines(sampled, known=bool(spec.known)),
+        *_single_lines(sampled, known=bool(spec.calibration_presses)),
         "## Every unit",
         "",
         *markdown_table(COLUMNS, [row for result in results for row in unit_rows(result)]),
-        *[f"\nUnit {result.number}: {result.played.failure}" for result in results if result.played.failure],
+        *[f"\nUnit {result.number}: {result.trial.failure}" for result in results if result.trial.failure],
         "",
         "## Tolerances",
         "",
@@ -179,7 +179,7 @@ def tolerance_rows(tolerance: ToleranceSpec) -> list[list[str]]:
 
 def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
     nominal = next((result.scores for result in results if result.number == 0), ())
-    flagged = sum(int(result.played.flagged.sum()) for result in results if result.number)
+    flagged = sum(int(result.trial.flagged.sum()) for result in results if result.number)
     together = [("nominal unit", nominal), ("sampled units together", pool_units(results))]
     if flagged:
         together.append((f"without {flagged} flagged images", pool_units(results, trusted=True)))
@@ -197,7 +197,7 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
 def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
     """What known presses told of the units, against what they are."""
     told: dict[str, list[ParameterEstimate]] = {}
-    for learnt in (each for result in sampled for each in result.played.learnt):
+    for learnt in (each for result in sampled for each in result.trial.parameters):
         told.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
     if not told:
         return []
@@ -221,7 +221,7 @@ def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
 
 def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
     """How well single images tell force and friction, and how often intervals hold."""
-    played = [result.played for result in sampled if result.scores]
+    played = [result.trial for result in sampled if result.scores]
     if not played or not np.isfinite(collect_estimates(played, "force_n")[1]).any():
         return []
     rows = []
@@ -244,25 +244,25 @@ def _single_lines(sampled: Sequence[UnitResult], *, known: bool) -> list[str]:
 def _beforehand(spec: VirtualBenchSpec) -> str:
     """What is done with each unit before the presses that count, and how its robot moves."""
     told = "The depth's zero is " + ("found by one press beforehand." if spec.zero else "not corrected.")
-    if spec.known:
-        told = f"Each unit is told by {spec.known} known presses and one reading of a load cell."
+    if spec.calibration_presses:
+        told = f"Each unit is told by {spec.calibration_presses} known presses and one reading of a load cell."
     tolerance = spec.tolerance
     if tolerance.lateral or tolerance.twist_deg:
         told += (
             f" Robots drift by up to {tolerance.lateral:g} mm in both directions and {tolerance.twist_deg:g}° in a "
             "press."
         )
-    if tolerance.bend:
-        told += f" Walls have curvatures of up to {tolerance.bend:g} /m, known presses are on a flat one."
+    if tolerance.curvature:
+        told += f" Walls have curvatures of up to {tolerance.curvature:g} /m, known presses are on a flat one."
     if spec.inverted:
         told += f" The last {spec.inverted} units stand inverted; known presses are made before."
-    if tolerance.friction_most:
-        told += f" Friction is {tolerance.friction:g} to {tolerance.friction_most:g}, even in 1/µ."
+    if tolerance.friction_max:
+        told += f" Friction is {tolerance.friction_min:g} to {tolerance.friction_max:g}, even in 1/µ."
     return told
 
 
 def _describe_unit(result: UnitResult) -> dict[str, Any]:
-    played = result.played
+    played = result.trial
     return {
         "unit": result.number,
         "deviation": played.deviation.as_dict(),
@@ -271,10 +271,10 @@ def _describe_unit(result: UnitResult) -> dict[str, Any]:
         "depth_bias_without_zero_mm": float(np.nanmean(played.estimates[:, 2] - played.truth[:, 2]))
         if result.scores
         else None,
-        "learnt": [each._asdict() for each in played.learnt],
+        "learnt": [each._asdict() for each in played.parameters],
         "without_pose": result.without_pose,
         "flagged": int(played.flagged.sum()),
         "latency_ms": np.quantile(played.latency_ms, [0.5, 0.99]).tolist() if len(played.latency_ms) else [],
-        "as_good_as_the_paper": result.as_good,
+        "as_good_as_the_paper": result.meets_paper,
         "failure": played.failure,
     }

@@ -67,7 +67,7 @@ class SimulatedSource(Source):
             yield (0.0, 0.0, 0.0), rest
         for press in self._touches:
             edges = press.positions(rest.reshape(-1, 3))
-            wall = press.wall
+            wall = press.obstacle
             down = np.arange(0.0, press.depth[-1], _STEP)
             for depth in np.append(down, down[::-1]):
                 after = int(np.clip(np.searchsorted(press.depth, depth), 1, len(press.depth) - 1))
@@ -98,8 +98,8 @@ def simulate_sensor(
     """
     unit.skin.require_revolution("its one press is turned to other azimuths", "Simulate a dome, or a round pad.")
     depth = min(8.0, 0.4 * unit.skin.height)
-    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, image_step=0.8)
-    mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))
+    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=depth, depth_step=0.8)
+    mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
     press = solve_press(mesh, material, wall)
     return SimulatedSource(unit, presses * [press])
 
@@ -109,4 +109,4 @@ def sample_presses(presses: Sequence[Press], seed: int = 0) -> Iterator[Press]:
     rng = generator(seed, "touches")
     while True:
         press, azimuth = presses[int(rng.integers(len(presses)))], float(rng.uniform(0.0, 360.0))
-        yield replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth}))
+        yield replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth}))

@@ -44,7 +44,7 @@ def write_budget(folder: Path, bench: VirtualBench, lines: Sequence[BudgetLine])
 def budget_row(line: BudgetLine) -> list[str]:
     """A line of the table by `BUDGET_COLUMNS`."""
     figures = (line.angle_deg, line.angle_max_deg, line.depth)
-    return [line.words, line.tolerance, *(f"{value:.3f}" for value in figures), str(line.units)]
+    return [line.label, line.tolerance, *(f"{value:.3f}" for value in figures), str(line.units)]
 
 
 def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> str:
@@ -67,7 +67,7 @@ def budget_page(bench: VirtualBench, lines: Sequence[BudgetLine]) -> str:
             "",
             *(f"* `{name}: {value:g}`" for name, value in advice.items()),
             *([] if advice else ["None: nothing that a training could see costs more than the model itself."]),
-            *[f"\n{line.words}: {failure}" for line in lines for failure in line.failures],
+            *[f"\n{line.label}: {failure}" for line in lines for failure in line.failures],
             "",
         ]
     )
@@ -81,7 +81,7 @@ def draw_budget(lines: Sequence[BudgetLine]) -> Figure:
     places = np.arange(len(shown))
     axis.barh(places, [line.angle_max_deg for line in shown], color="0.85", label="greatest")
     axis.barh(places, [line.angle_deg for line in shown], color="C0", label="root mean square")
-    axis.set_yticks(places, [f"{line.words} {line.tolerance}".strip() for line in shown])
+    axis.set_yticks(places, [f"{line.label} {line.tolerance}".strip() for line in shown])
     axis.set_xlabel("change of rx and ry (degrees)")
     axis.legend(frameon=False, loc="lower right")
     axis.spines[["top", "right"]].set_visible(False)

@@ -36,7 +36,7 @@ class UnitPress(NamedTuple):
     rx: float
     ry: float
     friction: float
-    slip: float
+    inverse_friction: float
     depths: FloatArray
     inverted: bool
 
@@ -109,13 +109,13 @@ def simulate_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin:
 def build_benchmark_unit(spec: BenchmarkSpec, design: BenchmarkDesign, unit: int, twin: Twin) -> BenchmarkUnit:
     """Build one unit; parameters are those of `simulate_unit`."""
     skin = build_skin(design.skin)
-    layout = place_markers(skin, design.print)
+    layout = place_markers(skin, design.marker_layout)
     deviation = deviation_of(spec, design, unit)
     light = spec.render.model_copy(update={"seed": child_seed(_seed_of(spec, design, unit), "light", unit)})
     scene = build_scene(skin, layout, deviation, spec.camera, light)
     edges_mm = scene.edges[:, :: _CORNERS // _CARRIED].reshape(-1, 3)
-    other = None if twin.inverted is None else twin.inverted.print_dots(edges_mm)
-    return BenchmarkUnit(deviation, scene, scene.printed, twin.print_dots(edges_mm), other)
+    other = None if twin.inverted is None else twin.inverted.with_markers(edges_mm)
+    return BenchmarkUnit(deviation, scene, scene.printed, twin.with_markers(edges_mm), other)
 
 
 def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> list[UnitPress]:
@@ -126,14 +126,14 @@ def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> 
         parts = (np.arange(spec.images) + rng.random(spec.images)) / spec.images
         tilt, azimuth = spec.max_tilt_deg * np.sqrt(share), 2.0 * np.pi * turn
         rx, ry = (round(float(tilt * way), _DIGITS) for way in (np.cos(azimuth), np.sin(azimuth)))
-        slips, friction = twin.slips, np.inf
-        if len(slips) > 1 and spec.tolerance.friction > 0:
-            friction = round(float(spec.tolerance.draw_friction(float(rub))), _DIGITS)
+        slips, friction = twin.inverse_frictions, np.inf
+        if len(slips) > 1 and spec.tolerance.friction_min > 0:
+            friction = round(float(spec.tolerance.friction_at(float(rub))), _DIGITS)
         slip = min(1.0 / friction, float(slips[-1]))
         inverted = twin.inverted is not None and bool(state < spec.inverted_share)
         own = twin.inverted if inverted and twin.inverted is not None else twin
-        first = max(spec.least_depth, float(own.depths_mm[0]))
-        last = min(spec.depth, float(own.depths_mm[-1]), own.reach(float(tilt), slip))
+        first = max(spec.min_depth, float(own.depths_mm[0]))
+        last = min(spec.depth, float(own.depths_mm[-1]), own.max_depth(float(tilt), slip))
         depths = np.round(first + (last - first) * parts, _DIGITS)
         found.append(UnitPress(rx, ry, friction, slip, depths, inverted))
     return found
@@ -142,7 +142,7 @@ def draw_unit_presses(spec: BenchmarkSpec, twin: Twin, seed: int, unit: int) -> 
 def press_unit(drawn: BenchmarkUnit, press: UnitPress, depth: float) -> tuple[FloatArray, tuple[float, ...]]:
     """Outlines (m, k, 3) mm of a pressed unit's dots, and its `LABELS`."""
     dots = drawn.inverted if press.inverted and drawn.inverted is not None else drawn.flat
-    moved = dots.move(np.array([press.rx, press.ry, depth]), press.slip, drawn.deviation.thickness)
+    moved = dots.evaluate(np.array([press.rx, press.ry, depth]), press.inverse_friction, drawn.deviation.thickness)
     force = (1.0 + drawn.deviation.modulus) * moved.force
     tilt, azimuth = np.radians(np.hypot(press.rx, press.ry)), np.arctan2(press.ry, press.rx)
     normal = wall_normal(float(tilt * np.cos(azimuth)), float(tilt * np.sin(azimuth)))

@@ -16,7 +16,7 @@ from palpate.twin import Twin
 
 
 def predict_by_fit(
-    benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, say: Callable[[str], None]
+    benchmark: BenchmarkSet, design: BenchmarkDesign, twin: Twin, report: Callable[[str], None]
 ) -> Predictions:
     """Fit every image of the test of one design.
 
@@ -26,11 +26,11 @@ def predict_by_fit(
         Which.
     twin
         Of the design's skin; of another mesh than that which the set is drawn from.
-    say
+    report
         Told after each unit.
     """
     found, spec = benchmark.markers("test", design.name), benchmark.spec
-    layout = place_markers(twin.skin, design.print)
+    layout = place_markers(twin.skin, design.marker_layout)
     names = (*POSE, FORCE, *(half_width_column(name) for name in (*POSE, FORCE)))
     table = np.empty((len(found.image), len(names)))
     for unit in np.unique(found.unit):
@@ -39,9 +39,9 @@ def predict_by_fit(
         fitter = PoseFitter(build_unit_model(twin, layout, belief, spec.tolerance), spec.noise_px)
         for row in order_images(found, int(unit)):
             fit = fitter.fit(found.markers_px[row])
-            force = fit.force.pressing
+            force = fit.force.normal_force
             table[row] = (*fit.pose, force.value, *fit.half_width[:3], force.half_width)
-        say(f"{design.name}: unit {unit} fitted")
+        report(f"{design.name}: unit {unit} fitted")
     return Predictions(found.image, dict(zip(names, table.T, strict=True)))
 
 

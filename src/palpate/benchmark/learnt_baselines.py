@@ -52,7 +52,7 @@ def predict_by_markers(
 
 
 def predict_by_images(
-    benchmark: BenchmarkSet, spec: BaselineSpec, kept: Path, say: Callable[[str], None]
+    benchmark: BenchmarkSet, spec: BaselineSpec, checkpoint: Path, report: Callable[[str], None]
 ) -> Predictions:
     """What one network on the pictures of all designs says of the pictures of the test.
 
@@ -60,9 +60,9 @@ def predict_by_images(
     ----------
     benchmark, spec
         Of what, and how.
-    kept
+    checkpoint
         File that holds what is known after each epoch.
-    say
+    report
         Told after each epoch.
 
     Raises
@@ -74,11 +74,11 @@ def predict_by_images(
     lesson = TrainingSet(
         inputs=np.concatenate([teach[1], judge[1]]),
         targets=np.concatenate([teach[2], judge[2]]),
-        teach=np.repeat([True, False], [len(teach[0]), len(judge[0])]),
-        judge=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
+        train=np.repeat([True, False], [len(teach[0]), len(judge[0])]),
+        validation=np.repeat([False, True], [len(teach[0]), len(judge[0])]),
         seed=spec.seed,
     )
-    part = train_image_network("picture", lesson, len(POSE), TrainerSpec(spec.picture_epochs), kept, say)
+    part = train_image_network("picture", lesson, len(POSE), TrainerSpec(spec.picture_epochs), checkpoint, report)
     off = np.abs(part.predict(judge[1]) - judge[2])
     half = np.quantile(off, _LEVEL, axis=0, method="higher")
     poses = part.predict(test[1])

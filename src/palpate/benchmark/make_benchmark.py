@@ -81,7 +81,9 @@ def make_benchmark(
     store, folder = ArtefactStore(out / "store"), out / SET
     if (folder / CHECKSUMS).is_file():
         shutil.rmtree(folder)
-    off = {task.design.name: float(read_twin(find_artefact(store, task.twin)).off_mm) for task in tasks}
+    off = {
+        task.design.name: float(read_twin(find_artefact(store, task.twin)).interpolation_error_mm) for task in tasks
+    }
     numbers = _number(spec)
     images: dict[str, int] = {}
     pictures: dict[str, int] = {}

@@ -17,7 +17,7 @@ _NEIGHBOURS = 6
 
 def design_rest(benchmark: BenchmarkSet, design: BenchmarkDesign) -> FloatArray:
     """Dots (m, 2) px of a design as built without a fault, at rest."""
-    layout = place_markers(build_skin(design.skin), design.print)
+    layout = place_markers(build_skin(design.skin), design.marker_layout)
     return build_camera(benchmark.spec.camera).project(layout.positions)
 
 

@@ -62,7 +62,7 @@ def run_baselines(
     out: Path,
     only: Sequence[str] = (),
     workers: int | None = None,
-    say: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> dict[str, list[BenchmarkScore]]:
     """Make predictions ``out/NAME.csv`` and the tables ``out/baselines.md``, ``.csv`` and ``.json``.
 
@@ -80,7 +80,7 @@ def run_baselines(
         Names of `BASELINES`; empty: all.
     workers
         Processes that solve the presses of twins; `None`: one a core.
-    say
+    report
         Told how it goes.
 
     Returns
@@ -98,14 +98,14 @@ def run_baselines(
         raise PalpateError(
             f"There is no baseline {unknown[0]}.", f"Give some of {', '.join(BASELINES)}.", code="baseline-unknown"
         )
-    desk = _Desk(benchmark, spec, out, workers, say)
+    desk = _Desk(benchmark, spec, out, workers, report)
     scores: dict[str, list[BenchmarkScore]] = {}
     for name in [name for name in BASELINES if not only or name in only]:
         started = time.process_time()
         found = _make(desk, name)
         write_predictions(out / f"{name}.csv", found)
         scores[name] = _judge(benchmark, found, name)
-        say(f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s")
+        report(f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s")
         _write(out, scores)
     return scores
 

@@ -32,7 +32,7 @@ class ErrorLine:
 
     Attributes
     ----------
-    rmse, max, nineteen
+    rmse, max, p95
         Root mean square, greatest, and what 19 of 20 values stay below; degrees, mm or N.
     coverage, half_width
         Share of true values in the given intervals, and their mean half-width; nan without intervals.
@@ -40,7 +40,7 @@ class ErrorLine:
 
     rmse: float
     max: float
-    nineteen: float
+    p95: float
     coverage: float
     half_width: float
 
@@ -90,14 +90,14 @@ class BenchmarkScore:
         return self.lines[0]
 
     @property
-    def worst_unit_deg(self) -> float:
+    def worst_unit_p95_deg(self) -> float:
         """Greatest angle, of all units, below which 19 of 20 values of the unit stay, degrees."""
-        return max(line.parts["angle"].nineteen for line in self.lines if line.by == "unit")
+        return max(line.parts["angle"].p95 for line in self.lines if line.by == "unit")
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data."""
         lines = [line.as_dict() for line in self.lines]
-        return {"track": self.track, "worst_unit_deg": self.worst_unit_deg, "lines": lines}
+        return {"track": self.track, "worst_unit_p95_deg": self.worst_unit_p95_deg, "lines": lines}
 
 
 def score_file(benchmark: BenchmarkSet, path: Path, track: Track = "markers") -> BenchmarkScore:
@@ -183,7 +183,7 @@ def _line(errors: list[FloatArray], halves: list[FloatArray]) -> ErrorLine:
     return ErrorLine(
         rmse=float(np.sqrt((size**2).mean())),
         max=float(size.max()),
-        nineteen=float(np.quantile(size, _NINETEEN, method="inverted_cdf")),
+        p95=float(np.quantile(size, _NINETEEN, method="inverted_cdf")),
         coverage=float("nan") if told is None else float((size <= told).mean()),
         half_width=float("nan") if told is None else float(told.mean()),
     )

@@ -44,8 +44,8 @@ def _compare(name: str, score: BenchmarkScore) -> list[str]:
         str(every.images),
         f"{angle.rmse:.3f}°",
         f"{angle.max:.2f}°",
-        f"{angle.nineteen:.3f}°",
-        f"{score.worst_unit_deg:.3f}°",
+        f"{angle.p95:.3f}°",
+        f"{score.worst_unit_p95_deg:.3f}°",
         f"{depth.rmse:.3f} mm",
         f"{depth.max:.2f} mm",
         f"{force.rmse:.3f} N" if force else "",
@@ -60,6 +60,6 @@ def _row(line: ScoreLine) -> list[str]:
         if found is None:
             cells += [""] * 5
             continue
-        cells += [f"{value:.4f}" for value in (found.rmse, found.max, found.nineteen)]
+        cells += [f"{value:.4f}" for value in (found.rmse, found.max, found.p95)]
         cells += ["" if math.isnan(value) else f"{value:.4f}" for value in (found.coverage, found.half_width)]
     return cells

@@ -42,7 +42,7 @@ class BenchmarkUnitTask(Task):
         return Recipe("benchmark", spec, (self.twin.recipe.key,), stage_version("benchmark_unit"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.twin,)
 
     @property
@@ -66,8 +66,8 @@ def plan_units(spec: BenchmarkSpec) -> tuple[BenchmarkUnitTask, ...]:
 
 def plan_design_twin(spec: BenchmarkSpec, design: BenchmarkDesign, presses: TwinPressSpec) -> TwinTask:
     """The twin of one design, from these presses."""
-    study = single_design_study(design.skin, design.print, MaterialSpec(name=spec.material))
+    study = single_design_study(design.skin, design.marker_layout, MaterialSpec(name=spec.material))
     built = AsBuiltSpec(contacts=presses.contacts, inverted=presses.inverted, checks=presses.checks)
-    wall = study.wall.model_copy(update={"depth": spec.depth, "image_step": presses.image_step})
+    wall = study.wall.model_copy(update={"depth": spec.depth, "depth_step": presses.depth_step})
     changed = {"mesh": MeshSpec(cells=presses.cells), "tilts_deg": presses.tilts_deg, "built": built, "wall": wall}
     return plan_twin(study.model_copy(update=changed), design.skin)

@@ -101,7 +101,7 @@ def write_card(folder: Path, spec: BenchmarkSpec, counts: SetCounts) -> None:
         tables="\n".join(_tables()),
         material=spec.material,
         tilt=spec.max_tilt_deg,
-        least=spec.least_depth,
+        least=spec.min_depth,
         most=spec.depth,
         inverted=spec.inverted_share,
         noise=spec.noise_px,

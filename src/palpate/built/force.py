@@ -58,12 +58,12 @@ class Force:
     normal: FloatArray
 
     @property
-    def pressing(self) -> ScalarEstimate:
+    def normal_force(self) -> ScalarEstimate:
         """Along the wall's normal."""
         return self._along(self.normal)
 
     @property
-    def tangential(self) -> ScalarEstimate:
+    def tangential_force(self) -> ScalarEstimate:
         """In the wall's plane, without its direction."""
         across = self.vector - (self.vector @ self.normal) * self.normal
         size = float(np.linalg.norm(across))

@@ -18,7 +18,7 @@ from palpate.camera import Camera
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-_KEPT = ("friction", "friction_most")
+_KEPT = ("friction", "friction_max")
 """Fields that stay as they are: friction is fitted in each image."""
 _UNSEEN = ("modulus", "stiffening", "missing", "touch", "friction")
 """Imperfections that cost no angle in the model of a twin's fit."""
@@ -61,7 +61,7 @@ def predict_budget(
     tuple[PredictedCost, ...]
         One an imperfection that is not zero, after those named ``all`` and ``noise``.
     """
-    spec = replace(spec or AccuracySpec(), known=0)
+    spec = replace(spec or AccuracySpec(), calibration_presses=0)
     none = tolerance.model_copy(update={name: 0.0 for name in ToleranceSpec.model_fields if name not in _KEPT})
     every, noise = (predict_accuracy(twin, layout, camera, each, spec).rmse_deg for each in (tolerance, none))
     found = []
@@ -72,7 +72,7 @@ def predict_budget(
             without = predict_accuracy(
                 twin, layout, camera, tolerance.model_copy(update={item.name: 0.0}), spec
             ).rmse_deg
-            found.append(PredictedCost(item.name, item.words, size, _beyond(alone, noise), _beyond(every, without)))
+            found.append(PredictedCost(item.name, item.label, size, _beyond(alone, noise), _beyond(every, without)))
     found.sort(key=lambda cost: -cost.saved_deg)
     return (
         PredictedCost("all", "everything together", 1.0, every, every),

@@ -61,29 +61,29 @@ class IdentificationResult:
 
     Attributes
     ----------
-    belief
+    posterior
         What is now known of the unit.
     mounting
         How it sits on the robot.
-    slips, slips_sd
+    inverse_frictions, inverse_frictions_sd
         (p,) 1/µ of every press.
     misfit
         Mean square of what is left over its expectation; about 1.
-    robot_off
+    robot_error
         (p, 3) fitted error of the robot's poses, over its standard deviation.
     scale
         Its stiffness over the design's.
     told
-        The numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS` themselves. `belief` and `mounting` have those with
-        which the twin explains the images best, and reads others, whatever of them is the twin's own error.
+        The numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS` themselves. `posterior` and `mounting` have those
+        with which the twin explains the images best, and reads others, whatever of them is the twin's own error.
     """
 
-    belief: UnitPosterior
+    posterior: UnitPosterior
     mounting: Mounting
-    slips: FloatArray
-    slips_sd: FloatArray
+    inverse_frictions: FloatArray
+    inverse_frictions_sd: FloatArray
     misfit: float
-    robot_off: FloatArray
+    robot_error: FloatArray
     scale: StiffnessScale
     told: ToldUnit
 
@@ -96,13 +96,13 @@ class IdentificationResult:
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
             for name, mean, sd, first in zip(names, means, spread, before, strict=True)
         ]
-        slips = zip(self.slips, self.slips_sd, strict=True)
+        slips = zip(self.inverse_frictions, self.inverse_frictions_sd, strict=True)
         return found + [
             {
                 "name": f"1/friction of press {k + 1}",
                 "mean": float(mean),
                 "sd": float(sd),
-                "before": tolerance.slip[1],
+                "before": tolerance.inverse_friction_prior[1],
             }
             for k, (mean, sd) in enumerate(slips)
         ]
@@ -135,7 +135,7 @@ def identify(
             "Press at least once, better three times, at known poses.",
             code="calibration-press-missing",
         )
-    return UnitFit(model, presses, noise_px, robot or RobotUncertainty()).run(model)
+    return UnitFit(model, presses, noise_px, robot or RobotUncertainty()).solve(model)
 
 
 def twin_error_sd(skin: Skin) -> FloatArray:
@@ -157,7 +157,7 @@ class NormalEquations(NamedTuple):
     ----------
     normal, gradient
         (n, n) and (n,) of half the weighted squares, over the variance.
-    noise
+    gradient_noise
         (n, n) covariance of the gradient by the noise of images alone.
     common
         (n, 2 m) how the gradient changes with each coordinate (px) of the dots at rest.
@@ -167,7 +167,7 @@ class NormalEquations(NamedTuple):
 
     normal: FloatArray
     gradient: FloatArray
-    noise: FloatArray
+    gradient_noise: FloatArray
     common: FloatArray
     misfit: float
 
@@ -187,30 +187,35 @@ class UnitFit:
         robot: RobotUncertainty,
     ) -> None:
         self.twin, self.presses = model.dots.twin, presses
-        self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.seen))
+        self.noise = noise = np.broadcast_to(np.asarray(noise_px, float), len(model.visible))
         self.noise_px = float(np.median(noise))
         self.robot_sd = np.array([robot.tilt_deg, robot.tilt_deg, robot.depth])
-        self.drift_sd = np.array(model.tolerance.drift_sd)
+        self.drift_sd = np.array(model.tolerance.lateral_sd)
         self.drifts = bool(self.drift_sd.any())
-        skin, camera = model.dots.twin.skin, model.belief.nominal
+        skin, camera = model.dots.twin.skin, model.posterior.nominal
         drift_px = _DRIFT_PX * pixel_scale(skin, camera)
         self.shared_variance = noise**2 + model_px(skin, camera) ** 2 + self.drifts * drift_px**2
         self.variance = noise**2 + self.shared_variance
         self.shared, self.own = len(UNIT_PARAMETERS) + 4, 7 if self.drifts else 4
         self.size = self.shared + self.own * len(presses)
-        self.slip, self.slip_sd = len(self.twin.slips) > 1, model.tolerance.slip[1]
-        self.slips = slice(self.shared, None, self.own)
+        self.has_friction, self.slip_sd = (
+            len(self.twin.inverse_frictions) > 1,
+            model.tolerance.inverse_friction_prior[1],
+        )
+        self.friction_slice = slice(self.shared, None, self.own)
 
-    def run(self, model: UnitModel) -> IdentificationResult:
+    def solve(self, model: UnitModel) -> IdentificationResult:
         """Iterate to the maximum of the posterior."""
-        belief, prior = model.belief, prior_mounting(model.belief, model.tolerance)
+        belief, prior = model.posterior, prior_mounting(model.posterior, model.tolerance)
         information = self.information(prior)
         before = np.zeros(self.size)
-        before[self.slips] = model.tolerance.slip[0] if self.slip else self.twin.slips[0]
+        before[self.friction_slice] = (
+            model.tolerance.inverse_friction_prior[0] if self.has_friction else self.twin.inverse_frictions[0]
+        )
         values, now = self._begin(model, before), belief
         mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
         for iteration in range(_ITERATIONS):
-            model = model.believing(now)
+            model = model.with_posterior(now)
             found = self.assemble(model, mounting, values)
             normal = found.normal + information
             gradient = found.gradient - information @ (values - before)
@@ -219,8 +224,10 @@ class UnitFit:
             change = np.zeros(self.size)
             change[free] = np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
             values = values + change
-            values[self.slips] = np.clip(
-                values[self.slips], self.twin.slips[0], min(self.twin.slips[-1], MAX_INVERSE_FRICTION)
+            values[self.friction_slice] = np.clip(
+                values[self.friction_slice],
+                self.twin.inverse_frictions[0],
+                min(self.twin.inverse_frictions[-1], MAX_INVERSE_FRICTION),
             )
             now = replace(belief, mean=belief.mean + values[: len(UNIT_PARAMETERS)])
             mounting = Mounting(values[len(UNIT_PARAMETERS) : self.shared], prior.covariance)
@@ -232,12 +239,12 @@ class UnitFit:
         _refuse(now.mean / believable, found.misfit, off)
         shared = covariance[: self.shared, : self.shared]
         return IdentificationResult(
-            belief=replace(now, covariance=shared[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)]),
+            posterior=replace(now, covariance=shared[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)]),
             mounting=replace(mounting, covariance=shared),
-            slips=values[self.slips],
-            slips_sd=np.sqrt(np.diag(covariance)[self.slips]),
+            inverse_frictions=values[self.friction_slice],
+            inverse_frictions_sd=np.sqrt(np.diag(covariance)[self.friction_slice]),
             misfit=found.misfit,
-            robot_off=off,
+            robot_error=off,
             scale=prior_stiffness_scale(model.tolerance),
             told=self._tell(belief, found, information, values - before),
         )
@@ -250,10 +257,10 @@ class UnitFit:
             fits = [fitter.fit(pixels) for pixels in press.pixels]
             own = self.shared + self.own * k
             off += [pose - fit.pose for pose, fit in zip(press.poses, fits, strict=True)]
-            if self.slip:
-                values[own] = np.median([fit.slip for fit in fits])
+            if self.has_friction:
+                values[own] = np.median([fit.inverse_friction for fit in fits])
             if self.drifts:
-                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.drift for fit in fits]
+                travels = [deepest / max(float(fit.pose[2]), 0.1 * deepest) * fit.lateral for fit in fits]
                 values[own + 4 : own + 7] = np.median(travels, axis=0)
         values[[self.shared - 4, self.shared - 3, self.shared - 1]] = np.median(off, axis=0)
         return values
@@ -262,7 +269,9 @@ class UnitFit:
         """Inverse covariance of all unknowns before the presses."""
         found = np.zeros((self.size, self.size))
         found[: self.shared, : self.shared] = np.linalg.inv(prior.covariance + 1e-18 * np.eye(self.shared))
-        spread = np.array([self.slip_sd if self.slip else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)])
+        spread = np.array(
+            [self.slip_sd if self.has_friction else 1e-6, *self.robot_sd, *np.maximum(self.drift_sd, 1e-6)]
+        )
         own = np.arange(self.shared, self.size)
         found[own, own] = np.tile(spread[: self.own] ** -2.0, len(self.presses))
         return found
@@ -282,7 +291,7 @@ class UnitFit:
         together = inverse @ found.common
         covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
         off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.slips] = _TWIN_SD["slip"]
+        off[self.friction_slice] = _TWIN_SD["slip"]
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
 
@@ -304,11 +313,11 @@ class UnitFit:
         """
         normal, whole = found.normal, found.normal + information
         off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.slips] = _TWIN_SD["slip"]
+        off[self.friction_slice] = _TWIN_SD["slip"]
         lens = np.zeros(self.size)
         lens[: len(UNIT_PARAMETERS)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
-        error = found.noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
+        error = found.gradient_noise + common @ common.T + (whole * off**2) @ whole + (normal * lens**2) @ normal
         # in standard deviations before the presses; what is not told at all has no error
         scale = np.sqrt(np.diag(np.linalg.inv(information)))
         normal, error = normal * np.outer(scale, scale), error * np.outer(scale, scale)
@@ -319,23 +328,23 @@ class UnitFit:
         before = np.concatenate([belief.mean, np.zeros(len(MOUNTING_PARAMETERS))])
         return ToldUnit(before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared])
 
-    def look(
+    def predict(
         self, model: UnitModel, mounting: Mounting, pose: FloatArray, own: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Pixels (m, 2) in one image of a press that has these own unknowns, and derivatives (m, 2, 15 + own)."""
         at = mounting.to_dome(pose + own[1:4])
         share = float(at[2] / self.twin.depths_mm[-1])
-        looked = model.look(at, float(own[0]), share * own[4:7] if self.drifts else None)
-        assert looked.by_unit is not None
+        looked = model.predict(at, float(own[0]), share * own[4:7] if self.drifts else None)
+        assert looked.unit_jacobian is not None
         turn = np.eye(3)
         turn[:2, :2] = mounting.turn.T
-        by_robot = looked.by_pose[..., :3] @ turn
+        by_robot = looked.pose_jacobian[..., :3] @ turn
         parts = (
-            looked.by_unit,
-            -by_robot @ mounting.by_mounting(at),
-            looked.by_pose[..., 3:4] * self.slip,
+            looked.unit_jacobian,
+            -by_robot @ mounting.jacobian(at),
+            looked.pose_jacobian[..., 3:4] * self.has_friction,
             by_robot,
-            share * looked.by_pose[..., 5:],
+            share * looked.pose_jacobian[..., 5:],
         )
         return looked.pixels, np.concatenate(parts, axis=-1)
 
@@ -343,14 +352,14 @@ class UnitFit:
         """What all dots say."""
         normal, noise = np.zeros((2, self.size, self.size))
         gradient = np.zeros(self.size)
-        common = np.zeros((self.size, 2 * len(model.seen)))
+        common = np.zeros((self.size, 2 * len(model.visible)))
         squares, count = 0.0, 0
         for k, press in enumerate(self.presses):
             own = self.shared + self.own * k
             columns = [*range(self.shared), *range(own, own + self.own)]
             for pose, seen in zip(press.poses, press.pixels, strict=True):
-                there = np.isfinite(seen).all(axis=1) & model.seen
-                pixels, slopes = self.look(model, mounting, pose, values[own : own + self.own])
+                there = np.isfinite(seen).all(axis=1) & model.visible
+                pixels, slopes = self.predict(model, mounting, pose, values[own : own + self.own])
                 left = (seen - pixels)[there].reshape(-1)
                 jacobian = slopes[there].reshape(len(left), -1)
                 variance = self.variance[there]

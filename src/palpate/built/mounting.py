@@ -48,7 +48,7 @@ class Mounting:
         mean = self.mean if correction is None else self.mean + correction
         return np.array([*(_turn(mean[2]) @ pose[:2] + mean[:2]), pose[2] + mean[3]])
 
-    def by_mounting(self, pose: FloatArray) -> FloatArray:
+    def jacobian(self, pose: FloatArray) -> FloatArray:
         """Derivative (3, 4) of the robot's pose by the mounting, at a pose (3,) of the dome's frame."""
         found = np.zeros((3, 4))
         found[0, 0] = found[1, 1] = found[2, 3] = 1.0
@@ -59,14 +59,16 @@ class Mounting:
 
 def mounting_prior_sd(tolerance: ToleranceSpec) -> FloatArray:
     """Standard deviations (4,) of `MOUNTING_PARAMETERS` before any press."""
-    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.touch]) / np.sqrt(3.0)
+    sd = np.array([tolerance.seating_tilt_deg] * 2 + [tolerance.seating_turn_deg, tolerance.depth_zero]) / np.sqrt(
+        3.0
+    )
     return np.maximum(sd, 1e-6)
 
 
-def prior_mounting(belief: UnitPosterior, tolerance: ToleranceSpec) -> Mounting:
+def prior_mounting(posterior: UnitPosterior, tolerance: ToleranceSpec) -> Mounting:
     """How a unit sits on its robot before any press: within the tolerances."""
     covariance = np.zeros((len(UNIT_PARAMETERS) + 4, len(UNIT_PARAMETERS) + 4))
-    covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)] = belief.covariance
+    covariance[: len(UNIT_PARAMETERS), : len(UNIT_PARAMETERS)] = posterior.covariance
     covariance[len(UNIT_PARAMETERS) :, len(UNIT_PARAMETERS) :] = np.diag(mounting_prior_sd(tolerance) ** 2)
     return Mounting(np.zeros(4), covariance)
 

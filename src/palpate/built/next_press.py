@@ -38,7 +38,7 @@ class NextPress(NamedTuple):
 
 
 def rank_next_presses(
-    model: UnitModel, mounting: Mounting, slip: float, spec: AccuracySpec
+    model: UnitModel, mounting: Mounting, inverse_friction: float, spec: AccuracySpec
 ) -> tuple[float, tuple[NextPress, ...]]:
     """Expected errors now, and after each of some presses, the best first.
 
@@ -46,7 +46,7 @@ def rank_next_presses(
     ----------
     model, mounting
         What is known of the unit.
-    slip
+    inverse_friction
         1/µ of its presses.
     spec
         Working range, noise and robot.
@@ -57,16 +57,18 @@ def rank_next_presses(
         RMSE of rx and ry by what is not known of the unit, degrees, now and after each candidate.
     """
     places = _tilted(spec, model, (0.2, 0.6, 1.0), 90)
-    now, found = _rmse(model, mounting, slip, places, spec.noise_px), []
+    now, found = _rmse(model, mounting, inverse_friction, places, spec.noise_px), []
     for share in _TILTS:
         for turn_deg in _TURNS_DEG if share else (0,):
             tilt = share * spec.max_tilt_deg
-            poses = _deepening(model, spec, tilt, turn_deg, slip)
-            pixels = np.array([model.look(pose, slip, unit=False).pixels for pose in poses])
-            known = [(CalibrationPress(poses, pixels), slip)]
+            poses = _deepening(model, spec, tilt, turn_deg, inverse_friction)
+            pixels = np.array([model.predict(pose, inverse_friction, unit=False).pixels for pose in poses])
+            known = [(CalibrationPress(poses, pixels), inverse_friction)]
             learnt = predict_posterior(model, mounting, known, spec.noise_px, spec.robot)
             after = replace(mounting, covariance=learnt.covariance)
-            found.append(NextPress(tilt, float(turn_deg), _rmse(model, after, slip, places, spec.noise_px)))
+            found.append(
+                NextPress(tilt, float(turn_deg), _rmse(model, after, inverse_friction, places, spec.noise_px))
+            )
     return now, tuple(sorted(found, key=lambda press: press.rmse_deg))
 
 
@@ -78,19 +80,19 @@ def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_
         np.array([spec.max_tilt_deg * share * np.cos(turn), spec.max_tilt_deg * share * np.sin(turn), depth])
         for share in shares
         for turn in turns
-        for depth in (spec.least_depth, 0.9 * deepest)
+        for depth in (spec.min_depth, 0.9 * deepest)
     ]
 
 
 def _deepening(model: UnitModel, spec: AccuracySpec, tilt: float, turn_deg: float, slip: float) -> FloatArray:
     turn, twin = np.radians(turn_deg), model.dots.twin
-    depths = np.linspace(spec.least_depth, twin.reach(tilt, slip), _IMAGES)
+    depths = np.linspace(spec.min_depth, twin.max_depth(tilt, slip), _IMAGES)
     return np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
 
 
 def _rmse(model: UnitModel, mounting: Mounting, slip: float, places: Sequence[FloatArray], noise_px: float) -> float:
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     squares = [
-        (pose_gain(model, mounting, spread, pose, slip, noise_px).by_unit[:2] ** 2).sum(axis=1) for pose in places
+        (pose_gain(model, mounting, spread, pose, slip, noise_px).unit_gain[:2] ** 2).sum(axis=1) for pose in places
     ]
     return float(np.sqrt(np.mean(squares)))

@@ -24,13 +24,13 @@ class PoseFit:
     ----------
     pose
         (3,) rx, ry (degrees) and depth (mm) in the dome's frame, or on the robot's scale where the mounting is known.
-    slip
+    inverse_friction
         1/µ.
     covariance
         (4, 4) of pose and slip, what is unknown of the unit included.
-    bend, bend_sd
+    curvature, curvature_sd
         Curvature of the wall, 1/m, and its standard deviation; 0 where it was not asked.
-    drift
+    lateral
         (3,) how far the wall travelled in its plane (mm) and turned (degrees) on the way; 0 where it was not asked.
     force
         On the wall.
@@ -40,7 +40,7 @@ class PoseFit:
         Mean weighted square of what is left, about 1 where the model is that of what is seen.
     steps
         Gauss–Newton steps taken.
-    theta
+    state
         (8,) `CONTACT_STATE`, in the dome's frame.
     cost
         Half the weighted squares of what is left, and of what was fitted against its prior.
@@ -51,16 +51,16 @@ class PoseFit:
     """
 
     pose: FloatArray
-    slip: float
+    inverse_friction: float
     covariance: FloatArray
-    bend: float
-    bend_sd: float
-    drift: FloatArray
+    curvature: float
+    curvature_sd: float
+    lateral: FloatArray
     force: Force
     residual_px: float
     misfit: float
     steps: int
-    theta: FloatArray
+    state: FloatArray
     cost: float
     unit: FloatArray
     inverted: bool = False

@@ -4,7 +4,7 @@ With J the derivative of a dot's pixels by all that is unknown, every dot adds J
 of an image, of the image at rest, and of known presses. So the matrices of all rings that might be printed are made
 once, and the figure of any choice among them is a sum and an inverse. It is the figure of `foresee` with its draws
 replaced by their expectation. Dots of a group have one noise, so that those of another size weigh the same matrices
-otherwise (`RingInformation.printed`).
+otherwise (`RingInformation.with_markers`).
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ class RingInformation:
     model_px: float
     twin_off: FloatArray
 
-    def printed(
+    def with_markers(
         self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
     ) -> RingInformation:
         """The same of dots of another size, whose noise in an image follows from it.
@@ -110,12 +110,12 @@ class RingInformation:
         before, after = (2.0 * noise**2 + self.model_px**2 for noise in (self.noise_px, noise_px))
         reads, crossed, common, known = before / after, before / after, np.ones(len(before)), self.presses
         if known is not None:
-            alike = known.alike_variance + noise_px**2 - self.noise_px**2
-            share = (self.noise_px**2 + known.alike_variance) / (noise_px**2 + alike)
+            alike = known.common_variance + noise_px**2 - self.noise_px**2
+            share = (self.noise_px**2 + known.common_variance) / (noise_px**2 + alike)
             known = known._replace(
                 normal=known.normal * share[:, None, None],
                 by_dot=known.by_dot[:0],  # summed up already
-                alike_variance=alike,
+                common_variance=alike,
             )
             crossed, common = crossed * share, share**2
         return replace(
@@ -127,7 +127,7 @@ class RingInformation:
             noise_px=noise_px,
         )
 
-    def at_best(self) -> RingInformation:
+    def lower_bound(self) -> RingInformation:
         """The same for the best of estimators: its variance is convex, and no greater.
 
         Noise is all that it has to do with, and where presses are known, it knows what is alike in all images.
@@ -136,8 +136,8 @@ class RingInformation:
         assumed, presses = 2.0 * own + self.model_px**2, self.presses
         if presses is None:
             return replace(self, reads=self.reads * assumed / (2.0 * own), model_px=0.0)
-        normal = presses.normal * (own + presses.alike_variance[:, None, None]) / own
-        presses = presses._replace(normal=normal, alike_variance=0.0 * presses.alike_variance)
+        normal = presses.normal * (own + presses.common_variance[:, None, None]) / own
+        presses = presses._replace(normal=normal, common_variance=0.0 * presses.common_variance)
         same = replace(self, presses=presses, reads=self.reads * assumed / own, model_px=0.0)
         return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_off=0.0 * self.twin_off)
 
@@ -190,12 +190,12 @@ class RingInformation:
         before[:_SHARED, :_SHARED] = np.linalg.inv(covariance + 1e-18 * np.eye(_SHARED))
         before[np.arange(_SHARED, size), np.arange(_SHARED, size)] = known.own_prior
         normal, own = part[:, None, None] * known.normal[on], self.noise_px[on] ** 2
-        model = known.alike_variance[on] / (own + known.alike_variance[on])
+        model = known.common_variance[on] / (own + known.common_variance[on])
         inverse = np.linalg.inv(before + normal.sum(axis=0))
         alike, at_rest, averaged = (
             inverse @ np.einsum("g,gij->ij", share, each) @ inverse
             for share, each in (
-                (part * known.alike_variance[on], self.common[on]),
+                (part * known.common_variance[on], self.common[on]),
                 (part * own, self.common[on]),
                 (model, normal),
             )
@@ -232,7 +232,7 @@ def compute_ring_information(
     slopes, spread = rest_jacobian(twin, layout, camera, tolerance, spec.noise_px)
     places = sample_working_range(twin, spec, tolerance, generator(spec.seed, "foresee", "poses"))
     touch = contact_prior_sd(tolerance)
-    if len(twin.slips) == 1:
+    if len(twin.inverse_frictions) == 1:
         touch[3] = 0.0
     mounting = Mounting(np.zeros(4), np.diag(np.concatenate([sd, mounting_prior_sd(tolerance)]) ** 2))
     inside = np.ones(group.max() + 1, dtype=np.bool_)
@@ -244,17 +244,17 @@ def compute_ring_information(
     alike = known.by_dot if known else np.zeros((len(group), 2, 0))
     reads, crossed = [], []
     for pose, slip in places:
-        looked = model.look(pose, slip, np.zeros(3) if touch[4:].any() else None)
-        assert looked.by_unit is not None
+        looked = model.predict(pose, slip, np.zeros(3) if touch[4:].any() else None)
+        assert looked.unit_jacobian is not None
         rows = np.zeros((len(group), 2, len(touch) + _UNIT))
-        rows[..., : looked.by_pose.shape[-1]] = looked.by_pose
-        rows[..., len(touch) :] = looked.by_unit
+        rows[..., : looked.pose_jacobian.shape[-1]] = looked.pose_jacobian
+        rows[..., len(touch) :] = looked.unit_jacobian
         _leave(inside, group, camera, looked.pixels)
         reads.append(sum_by_group(rows, rows / variance, group))
         crossed.append(sum_by_group(alike, rows / variance, group))
     with np.errstate(divide="ignore"):
         touch_prior = touch**-2.0
-    pad = np.full(2, max(tolerance.pad, 1e-6) / np.sqrt(3.0))
+    pad = np.full(2, max(tolerance.print_shift, 1e-6) / np.sqrt(3.0))
     return RingInformation(
         rest=sum_by_group(slopes, slopes / spread**2, group),
         rest_prior=np.concatenate([sd[: len(CAMERA_PARAMETERS)], pad]) ** -2.0,
@@ -263,7 +263,7 @@ def compute_ring_information(
         crossed=np.array(crossed),
         reads=np.array(reads),
         touch_prior=touch_prior,
-        by_mounting=np.array([mounting.by_mounting(pose) for pose, _ in places]),
+        by_mounting=np.array([mounting.jacobian(pose) for pose, _ in places]),
         inside=inside,
         unit_sd=sd,
         mounting_sd=mounting_prior_sd(tolerance),

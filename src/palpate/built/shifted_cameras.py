@@ -57,7 +57,7 @@ class CameraDerivatives:
             self._scale[:, k] = (_scale(high) - _scale(low)) / twice
             self._middle[:, k] = (_middle(high) - _middle(low)) / twice
 
-    def slopes(
+    def jacobian(
         self, points: FloatArray, shown: Projection | None = None, carried: FloatArray | None = None
     ) -> FloatArray:
         """Derivatives (m, 2, 10) of the pixels of points.

@@ -50,13 +50,13 @@ class TwinError:
 
     Attributes
     ----------
-    places
+    poses
         (n, 2) tilts (degrees) and depths (mm) of the images that were read.
     squares
         (n, 2) mean square error of rx and ry (degrees²), and square error of the depth (mm²), of each.
     """
 
-    places: FloatArray
+    poses: FloatArray
     squares: FloatArray
 
     @property
@@ -64,13 +64,13 @@ class TwinError:
         """Over all images (3,): rx and ry (one figure for both, degrees) and depth (mm)."""
         return np.asarray(np.sqrt(self.squares.mean(axis=0)[[0, 0, 1]]))
 
-    def near(self, pose: FloatArray) -> FloatArray:
+    def at(self, pose: FloatArray) -> FloatArray:
         """The same (3,) about a pose (3,), rx, ry (degrees) and depth (mm), by Gaussian weights of images nearby.
 
         Twins are off most where a wall is tilted and hardly touches.
         """
-        widths = np.maximum(_NEAR * self.places.max(axis=0), 1e-9)
-        away = (((self.places - [np.hypot(pose[0], pose[1]), pose[2]]) / widths) ** 2).sum(axis=1)
+        widths = np.maximum(_NEAR * self.poses.max(axis=0), 1e-9)
+        away = (((self.poses - [np.hypot(pose[0], pose[1]), pose[2]]) / widths) ** 2).sum(axis=1)
         weight = np.exp(-0.5 * (away - away.min()))
         return np.asarray(np.sqrt(weight @ self.squares / weight.sum())[[0, 0, 1]])
 
@@ -118,7 +118,7 @@ def _read_checks(
     fitter = PoseFitter(model, NOISE_PX)
     if told:
         unit = identify(model, told, NOISE_PX)
-        fitter = PoseFitter(model.believing(unit.belief), NOISE_PX, unit.mounting)
+        fitter = PoseFitter(model.with_posterior(unit.posterior), NOISE_PX, unit.mounting)
     poses, errors = [], []
     for number, press in enumerate(press for press in checks.read for _ in range(_READ_TURNS)):
         seen = simulate_exact_markers(model, press, _READ_TURN_DEG * number)
@@ -133,15 +133,15 @@ def simulate_exact_markers(
     model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0
 ) -> CalibrationPress:
     """Poses and exact dots of a press before it jumps, deeper than at rest, with its wall turned about the axis."""
-    turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
-    azimuth = np.radians(turned.wall.turn_deg)
+    turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
+    azimuth = np.radians(turned.obstacle.turn_deg)
     here = (press.depth > 0.0) & (press.branch == Branch.FLAT)
     here &= press.depth >= _least(press.depth[here], least_depth)
-    tilt = press.wall.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
+    tilt = press.obstacle.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
     poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
-    edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.seen), -1, 3)
+    edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.visible), -1, 3)
     pixels = np.array([project_markers(model.camera, each).centres for each in edges])
-    return CalibrationPress(poses, np.where(model.seen[:, None], pixels, np.nan))
+    return CalibrationPress(poses, np.where(model.visible[:, None], pixels, np.nan))
 
 
 def _least(depths: FloatArray, least_depth: float) -> float:

@@ -29,7 +29,7 @@ class IdentifiedUnit:
     ----------
     skin_data, markers_mm
         Its design: the skin's spec as plain data, and the layout (m, 3) mm.
-    belief, mounting
+    posterior, mounting
         What is known of it, and how it sits on its robot.
     scale
         Its stiffness over the design's.
@@ -37,7 +37,7 @@ class IdentifiedUnit:
 
     skin_data: dict[str, Any]
     markers_mm: FloatArray
-    belief: UnitPosterior
+    posterior: UnitPosterior
     mounting: Mounting
     scale: StiffnessScale
 
@@ -60,7 +60,7 @@ def write_unit(path: Path, unit: IdentifiedUnit) -> None:
     PalpateError
         If the file cannot be written.
     """
-    belief, mounting = unit.belief, unit.mounting
+    belief, mounting = unit.posterior, unit.mounting
     sd = np.sqrt(np.diag(mounting.covariance))
     values = np.concatenate([belief.mean, mounting.mean])
     content = {
@@ -118,6 +118,10 @@ def read_unit(path: Path) -> IdentifiedUnit:
     size = len(UNIT_PARAMETERS) + len(MOUNTING_PARAMETERS)
     sound = covariance.shape == (size, size) and np.isfinite(covariance).all() and np.isfinite(values).all()
     sound = sound and unit.scale.mean > 0 and unit.scale.sd >= 0
-    if not sound or len(unit.belief.rest_px) != len(unit.markers_mm) or np.linalg.eigvalsh(covariance).min() < -1e-9:
+    if (
+        not sound
+        or len(unit.posterior.rest_px) != len(unit.markers_mm)
+        or np.linalg.eigvalsh(covariance).min() < -1e-9
+    ):
         raise PalpateError(f"{path} holds numbers that cannot be.", _AGAIN, code="unit-file-damaged")
     return unit

@@ -129,7 +129,9 @@ def infer_from_rest(
     """
     seen = np.isfinite(rest_px).all(axis=1)
     before = unit_prior_sd(tolerance)
-    sd = np.concatenate([before[: len(CAMERA_PARAMETERS)], np.full(2, max(tolerance.pad, _LEAST_SD) / np.sqrt(3.0))])
+    sd = np.concatenate(
+        [before[: len(CAMERA_PARAMETERS)], np.full(2, max(tolerance.print_shift, _LEAST_SD) / np.sqrt(3.0))]
+    )
     spread = _rest_spread(twin, nominal, tolerance, noise_px)
     printed = MarkerLayout(layout.positions[seen], layout.diameter)
 
@@ -175,7 +177,7 @@ def _at_rest(twin: Twin, layout: MarkerLayout, nominal: CameraSpec, values: Floa
 def _rest_spread(twin: Twin, nominal: CameraSpec, tolerance: ToleranceSpec, noise_px: float) -> float:
     """Standard deviation of a coordinate at rest about its place in the layout, px."""
     scale = float(nominal.fx_px / (nominal.distance + twin.skin.height))
-    return float(np.hypot(noise_px, scale * tolerance.dot / np.sqrt(3.0)))
+    return float(np.hypot(noise_px, scale * tolerance.marker_position / np.sqrt(3.0)))
 
 
 def _traces(camera: Camera, twin: Twin, points: FloatArray, diameter: float) -> FloatArray:
@@ -190,26 +192,26 @@ class PredictedImage(NamedTuple):
     ----------
     pixels
         (m, 2) px; NaN for a dot that was not seen at rest.
-    by_pose
+    pose_jacobian
         (m, 2, 5 or 8): px over a degree of rx, of ry, mm of depth, 1/µ, and 1/m of the wall's bend; where drift is
         given, over a mm of it in x and in y, and a degree of twist.
-    by_unit
+    unit_jacobian
         (m, 2, 11) px over `UNIT_PARAMETERS`; `None` where it was not asked for.
     bias
         (m, 2) px from the trace of a dot's centre to the centre of its trace.
-    force, force_by
+    force, force_jacobian
         (3,) N on the wall, and (3, 5 or 8) by the same.
-    force_thicker
+    force_by_thickness
         (3,) N over a mm of thickness.
     """
 
     pixels: FloatArray
-    by_pose: FloatArray
-    by_unit: FloatArray | None
+    pose_jacobian: FloatArray
+    unit_jacobian: FloatArray | None
     bias: FloatArray
     force: FloatArray
-    force_by: FloatArray
-    force_thicker: FloatArray
+    force_jacobian: FloatArray
+    force_by_thickness: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,13 +222,13 @@ class UnitModel:
     ----------
     layout, tolerance
         Its print as designed, and how far it may be from its design.
-    belief
+    posterior
         What is known of it.
     camera
         The camera believed in.
     dots
         The twin of its print; a dot that was not seen is at its place in the layout.
-    seen
+    visible
         (m,) whether a dot was seen at rest.
     outlines
         The twin of the edges of dots: what is seen is the centre of a trace, which is not the trace of the centre,
@@ -241,55 +243,56 @@ class UnitModel:
 
     layout: MarkerLayout
     tolerance: ToleranceSpec
-    belief: UnitPosterior
+    posterior: UnitPosterior
     camera: Camera
     dots: MarkerTwin
-    seen: BoolArray
+    visible: BoolArray
     outlines: MarkerTwin
     place_by: FloatArray
     waves_beside: tuple[tuple[FloatArray, FloatArray], ...]
     shifted: CameraDerivatives
 
-    def believing(self, belief: UnitPosterior) -> UnitModel:
+    def with_posterior(self, posterior: UnitPosterior) -> UnitModel:
         """The model of the same unit, of which something else is known."""
-        return build_unit_model(self.dots.twin, self.layout, belief, self.tolerance)
+        return build_unit_model(self.dots.twin, self.layout, posterior, self.tolerance)
 
-    def on(self, twin: Twin) -> UnitModel:
+    def on_branch(self, twin: Twin) -> UnitModel:
         """The model of the same unit on another branch."""
-        return build_unit_model(twin, self.layout, self.belief, self.tolerance)
+        return build_unit_model(twin, self.layout, self.posterior, self.tolerance)
 
     @property
     def size(self) -> float:
         """How many times as great the skin is as that of the constants (`palpate.built.scale`)."""
         return size_scale(self.dots.twin.skin)
 
-    def look(
+    def predict(
         self,
         pose: FloatArray,
-        slip: float,
-        drift: FloatArray | None = None,
-        bend: float = 0.0,
+        inverse_friction: float,
+        lateral: FloatArray | None = None,
+        curvature: float = 0.0,
         *,
         unit: bool = True,
         near: PredictedImage | None = None,
     ) -> PredictedImage:
-        """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `slip`.
+        """Pixels of the dots at rx, ry (degrees) and depth (mm), under a friction of 1/µ = `inverse_friction`.
 
-        `drift` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and `bend` its
-        curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit. These and the bias of
-        traces change little from pose to pose: they are those of a look at one that is `near`, where that is given.
+        `lateral` (3,) is how far the wall travelled in its plane (mm) and turned (degrees) on the way, and
+        `curvature` its curvature, 1/m. With `unit`, also the derivatives by what is not known of the unit. These and
+        the bias of traces change little from pose to pose: they are those of a look at one that is `near`, where that
+        is given.
         """
-        moved = self.dots.move(pose, slip, float(self.belief.mean[-1]), drift, bend)
+        moved = self.dots.evaluate(pose, inverse_friction, float(self.posterior.mean[-1]), lateral, curvature)
         pixels, slopes = shown = project_with_jacobian(self.camera, moved.positions)
-        by_pose = slopes @ moved.by
+        by_pose = slopes @ moved.jacobian
         if near is not None:
-            by_unit, bias = near.by_unit, near.bias
+            by_unit, bias = near.unit_jacobian, near.bias
         else:
             by_unit = self._by_unit(moved, shown, by_pose[..., 4]) if unit else None
             bias = self._bias(moved.amplitudes, pixels)
-        pixels = np.where(self.seen[:, None], pixels + bias, np.nan)
+        pixels = np.where(self.visible[:, None], pixels + bias, np.nan)
         touch = [k for k in range(by_pose.shape[-1]) if k != 4]
-        by_force = moved.force_by
+        by_force = moved.force_jacobian
         return PredictedImage(
             pixels, by_pose[..., touch], by_unit, bias, moved.force, by_force[:, touch], by_force[:, 4]
         )
@@ -300,45 +303,49 @@ class UnitModel:
         carried = self.place_by.copy()
         for waves, along in self.waves_beside:
             carried += (waves @ moved.amplitudes).reshape(-1, 3)[:, :, None] * along[:, None, :]
-        return np.dstack([self.shifted.slopes(moved.positions, shown, carried), by_thickness])
+        return np.dstack([self.shifted.jacobian(moved.positions, shown, carried), by_thickness])
 
     def _bias(self, amplitudes: FloatArray, pixels: FloatArray) -> FloatArray:
         """From the traces of centres (m, 2) px to the centres of traces, where the waves have amplitudes (2 r,)."""
-        edges = self.outlines.carry(amplitudes).reshape(len(pixels), -1, 3)
+        edges = self.outlines.positions_at(amplitudes).reshape(len(pixels), -1, 3)
         return np.asarray(project_markers(self.camera, edges).centres - pixels)
 
 
-def build_unit_model(twin: Twin, layout: MarkerLayout, belief: UnitPosterior, tolerance: ToleranceSpec) -> UnitModel:
+def build_unit_model(
+    twin: Twin, layout: MarkerLayout, posterior: UnitPosterior, tolerance: ToleranceSpec
+) -> UnitModel:
     """Make the model of a unit from what is known of it."""
-    skin, camera = twin.skin, belief.camera()
+    skin, camera = twin.skin, posterior.camera()
     steps = _STEP * unit_prior_sd(tolerance)
-    seen: BoolArray = np.asarray(np.isfinite(belief.rest_px).all(axis=1), dtype=np.bool_)
-    about = np.where(seen[:, None], _places(camera, twin, belief.rest_px, np.zeros_like(belief.rest_px)), np.nan)
+    seen: BoolArray = np.asarray(np.isfinite(posterior.rest_px).all(axis=1), dtype=np.bool_)
+    about = np.where(
+        seen[:, None], _places(camera, twin, posterior.rest_px, np.zeros_like(posterior.rest_px)), np.nan
+    )
     about = np.where(np.isfinite(about), about, layout.positions)
     bias = _traces(camera, twin, about, layout.diameter) - camera.project(about)
-    places = _places(camera, twin, belief.rest_px, bias)
+    places = _places(camera, twin, posterior.rest_px, bias)
     seen = np.logical_and(seen, np.isfinite(places).all(axis=1))
     places = np.where(seen[:, None], places, layout.positions)
     rates, shifted = np.zeros((len(places), 3, len(CAMERA_PARAMETERS))), []
     for k in range(len(CAMERA_PARAMETERS)):
         change = steps[k] * np.eye(len(UNIT_PARAMETERS))[k]
-        pair = belief.camera(change), belief.camera(-change)
-        high, low = (_places(each, twin, belief.rest_px, bias) for each in pair)
+        pair = posterior.camera(change), posterior.camera(-change)
+        high, low = (_places(each, twin, posterior.rest_px, bias) for each in pair)
         rates[..., k] = np.nan_to_num((high - low) / (2 * steps[k]))
         shifted.append(pair)
     _, along, around = skin.tangents(places)
     beside = []
     for tangent in (along, around):
-        high, low = (twin.print_dots(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
+        high, low = (twin.with_markers(skin.nearest(places + side * _STEP_MM * tangent)).waves for side in (1, -1))
         beside.append(((high - low) / (2 * _STEP_MM), np.einsum("mi,mik->mk", tangent, rates)))
     return UnitModel(
         layout,
         tolerance,
-        belief,
+        posterior,
         camera,
-        twin.print_dots(places),
+        twin.with_markers(places),
         seen,
-        twin.print_dots(marker_outlines(skin, places, layout.diameter, _CORNERS).reshape(-1, 3)),
+        twin.with_markers(marker_outlines(skin, places, layout.diameter, _CORNERS).reshape(-1, 3)),
         rates,
         tuple(beside),
         CameraDerivatives(camera, shifted, steps),
@@ -349,5 +356,5 @@ def _places(camera: Camera, twin: Twin, pixels: FloatArray, bias: FloatArray) ->
     """Where the rays of dots (m, 2) px leave the undeformed inner surface, (m, 3) mm; NaN where there is none."""
     known = np.isfinite(pixels).all(axis=1)
     places = np.full((len(pixels), 3), np.nan)
-    places[known] = twin.skin.hit(*camera.sight(pixels[known] - bias[known]))
+    places[known] = twin.skin.hit(*camera.sight_lines(pixels[known] - bias[known]))
     return places

@@ -38,7 +38,7 @@ class CalibrationSpec(Spec):
     window_px: int | None = parameter(
         None, unit="px", meaning="half the window in which a chessboard's corner is refined", ge=1, le=50
     )
-    least_images: int = parameter(4, unit="1", meaning="images below which nothing is fitted", ge=3, le=1000)
+    min_images: int = parameter(4, unit="1", meaning="images below which nothing is fitted", ge=3, le=1000)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,11 +126,10 @@ def _find_views(
 
 
 def _refuse_few(views: list[_View], rejected: list[tuple[str, str]], spec: CalibrationSpec) -> None:
-    if len(views) < spec.least_images:
+    if len(views) < spec.min_images:
         first = f" {rejected[0][0]}: {rejected[0][1]}." if rejected else ""
         raise PalpateError(
-            f"{len(views)} of {len(views) + len(rejected)} images can be used, "
-            f"{spec.least_images} are needed.{first}",
+            f"{len(views)} of {len(views) + len(rejected)} images can be used, {spec.min_images} are needed.{first}",
             "Check the board's kind, counts and focus; take ten or more images, tilted to all sides.",
             code="calibration-few-images",
         )

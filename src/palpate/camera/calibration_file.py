@@ -120,7 +120,7 @@ def _calibration(name: str, content: dict[str, Any]) -> Calibration:
     if kind is lens_from_model("plumb_bob") and len(distortion) == 4:
         distortion = np.append(distortion, 0.0)
     if kind is None or len(distortion) != len(kind.parameters()):
-        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.loadable())
+        known = (f"{lens.model or key} takes {', '.join(lens.parameters())}" for key, lens in LENSES.available())
         raise PalpateError(
             f"{name} has {len(distortion)} coefficients for the lens model {named}.",
             f"{'; '.join(known)}: one is no stand-in for the other.",

@@ -107,7 +107,7 @@ def open_source(text: str) -> Source:
     name, colon, rest = text.partition(":")
     if colon and name in SOURCES:
         return _open(SOURCES.get(name), rest)
-    kind = next((kind for _, kind in SOURCES.loadable() if kind.accepts(text)), None)
+    kind = next((kind for _, kind in SOURCES.available() if kind.accepts(text)), None)
     if kind is None and Path(text).is_file():
         raise PalpateError(
             f"{Path(text).name} is no video that is known.",
@@ -119,7 +119,7 @@ def open_source(text: str) -> Source:
 
 def recording_suffixes() -> tuple[str, ...]:
     """Endings of all files that `open_source` knows, in small letters with the dot."""
-    return tuple(suffix for _, kind in SOURCES.loadable() for suffix in kind.suffixes)
+    return tuple(suffix for _, kind in SOURCES.available() for suffix in kind.suffixes)
 
 
 def _open(kind: Any, text: str) -> Source:

@@ -14,7 +14,7 @@ class Verdict(StrEnum):
 
     HOLDS = "holds"
     FAILS = "does not hold"
-    OPEN = "not decided"
+    UNDECIDED = "not decided"
 
 
 @dataclass(frozen=True)

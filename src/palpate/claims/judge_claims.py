@@ -38,7 +38,7 @@ ASSESSMENTS: dict[str, Callable[[Evidence], ClaimFinding]] = {
 
 BUILT = Path("twins", "built.csv")
 """What `palpate twin` foresees of built units, in its result folder."""
-NO_MESHES = ClaimFinding(Verdict.OPEN, "", "needs the folder of `palpate convergence --out FOLDER`")
+NO_MESHES = ClaimFinding(Verdict.UNDECIDED, "", "needs the folder of `palpate convergence --out FOLDER`")
 
 
 def read_evidence(folders: Sequence[Path]) -> tuple[tuple[Evidence, ...], tuple[Path, ...]]:
@@ -86,7 +86,7 @@ def assess_claims(grids: Sequence[Evidence], meshes: Sequence[Path] = ()) -> tup
         for evidence, name in zip(grids, names, strict=True):
             answers.append(ClaimAnswer(CLAIMS[claim], name, _judge(judge, evidence)))
         if not grids:
-            answers.append(ClaimAnswer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.OPEN, "", "needs a grid")))
+            answers.append(ClaimAnswer(CLAIMS[claim], "no grid", ClaimFinding(Verdict.UNDECIDED, "", "needs a grid")))
     return tuple(answers)
 
 
@@ -105,4 +105,4 @@ def _judge(judge: Callable[[Evidence], ClaimFinding], evidence: Evidence) -> Cla
     try:
         return judge(evidence)
     except MissingEvidenceError as missing:
-        return ClaimFinding(Verdict.OPEN, "", str(missing))
+        return ClaimFinding(Verdict.UNDECIDED, "", str(missing))

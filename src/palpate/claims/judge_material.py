@@ -51,7 +51,7 @@ def judge_mesh(path: Path) -> ClaimFinding:
     if first == len(meshes) - 1:  # the finest is compared with itself alone
         open_ended = meshes[-1][0] <= PRINTED_ELEMENTS
         return (
-            ClaimFinding(Verdict.OPEN, figures, "needs finer meshes")
+            ClaimFinding(Verdict.UNDECIDED, figures, "needs finer meshes")
             if open_ended
             else ClaimFinding.of(False, figures)
         )

@@ -65,7 +65,7 @@ def judge_inversion(evidence: Evidence) -> ClaimFinding:
         return ClaimFinding.of(conforms and steeper, figures)
     if conforms and "from" in both[0]:
         return ClaimFinding(
-            Verdict.OPEN,
+            Verdict.UNDECIDED,
             figures,
             "T = 1 mm keeps its flat state, while the inverted one exists beside it: under no slip by itself, "
             "without friction by a pull below 0.3 kPa; which a real dome takes depends on the wall, "

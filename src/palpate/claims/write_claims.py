@@ -176,7 +176,7 @@ def _write_pictures(folder: Path, grids: Sequence[Evidence]) -> dict[tuple[str, 
 
 def _first_layout(grid: SpecificationGrid) -> SpecificationGrid:
     """The designs of the layout that comes first."""
-    return grid.keep([row for row in grid.designs if row["markers"] == grid.designs[0]["markers"]])
+    return grid.select([row for row in grid.designs if row["markers"] == grid.designs[0]["markers"]])
 
 
 def _write_picture(path: Path, figure: Figure) -> None:

@@ -67,8 +67,8 @@ def bench(
     played = VirtualBench(chosen, design.skin_spec(), design.markers, material, CameraSpec(), model, store)
     played.check()
     announce_compilation()
-    if budget and isinstance(played.reads_with, Twin):
-        _foreseen(played, played.reads_with, out, json)
+    if budget and isinstance(played.opened_model, Twin):
+        _foreseen(played, played.opened_model, out, json)
     else:
         (_budget if budget else _units)(played, out, json)
 
@@ -80,7 +80,7 @@ def _model(flags: BenchFlags) -> Path:
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
-        _say(f"{error.what} It is made first, in some 3 minutes of one core, and kept.")
+        _say(f"{error.problem} It is made first, in some 3 minutes of one core, and kept.")
     skin = flags.design.skin_spec()
     study = single_design_study(skin, flags.design.markers, flags.reads.material)
     made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
@@ -102,7 +102,7 @@ def _units(played: VirtualBench, out: Path, json: bool) -> None:
         results.append(result)
         angles = " ".join(f"{s.component} {s.errors.rmse:.3f}/{s.errors.max:.2f}°" for s in result.scores[:2])
         name = f"unit {result.number}" if result.number else "nominal unit"
-        _say(f"[{len(results)}/{played.spec.units + 1}] {name}: {result.played.failure or angles}")
+        _say(f"[{len(results)}/{played.spec.units + 1}] {name}: {result.trial.failure or angles}")
         write_bench(out, played, results)
     described = describe_bench(played, results)
     if json:
@@ -114,9 +114,7 @@ def _units(played: VirtualBench, out: Path, json: bool) -> None:
 
 def _foreseen(played: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
     """The budget of units that are read by their twin, calculated instead of played."""
-    spec = AccuracySpec(
-        least_depth=played.spec.least_depth, max_tilt_deg=played.spec.max_tilt_deg, seed=played.spec.seed
-    )
+    spec = AccuracySpec(min_depth=played.spec.min_depth, max_tilt_deg=played.spec.max_tilt_deg, seed=played.spec.seed)
     costs = predict_budget(twin, played.layout, build_camera(played.camera), played.spec.tolerance, spec)
     rows = [[cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}"] for cost in costs]
     names = ["imperfection", "tolerance", "alone_deg", "saved_deg"]
@@ -139,7 +137,7 @@ def _budget(played: VirtualBench, out: Path, json: bool) -> None:
     lines = []
     for line in run_budget(played):
         lines.append(line)
-        _say(f"{line.words}: {line.angle_deg:.3f}°")
+        _say(f"{line.label}: {line.angle_deg:.3f}°")
         write_budget(out, played, lines)
     described = describe_budget(played, lines)
     if json:

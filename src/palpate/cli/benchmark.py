@@ -38,18 +38,18 @@ def make(
     ],
     seed: Annotated[int | None, Parameter(help="Seed of everything; without it, as the spec says.")] = None,
     hidden_seed: Annotated[int | None, Parameter(help=_HIDDEN)] = None,
-    hands: WorkerFlags = WorkerFlags(),
+    worker_flags: WorkerFlags = WorkerFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Write the open set into OUT/set, the same bytes from the same seed."""
     from palpate.benchmark import BenchmarkSpec, make_benchmark, read_benchmark_spec
 
     check_folder(out)
-    hands.check()
+    worker_flags.check()
     chosen = read_benchmark_spec(spec)
     given = {name: value for name, value in (("seed", seed), ("hidden_seed", hidden_seed)) if value is not None}
     chosen = BenchmarkSpec.model_validate({**chosen.model_dump(), **given})
-    made = make_benchmark(chosen, out, hands.workers, Lines())
+    made = make_benchmark(chosen, out, worker_flags.workers, Lines())
     counts = made.counts
     if json:
         told = {"images": counts.images, "pictures": counts.pictures, "presses": counts.presses}
@@ -91,7 +91,7 @@ def score(
     shown = [k for k, name in enumerate(SCORE_COLUMNS) if name.split(" ", 1)[-1] not in _MORE]
     table = [[row[k] for k in shown] for row in rows]
     print_table(f"{predictions.name}, {track}: degrees, mm and N", [SCORE_COLUMNS[k] for k in shown], table)
-    print(f"Of the worst unit 19 of 20 values of rx and ry are within {found.worst_unit_deg:.3f}°.")
+    print(f"Of the worst unit 19 of 20 values of rx and ry are within {found.worst_unit_p95_deg:.3f}°.")
 
 
 @app.command
@@ -103,16 +103,16 @@ def baselines(
     ],
     spec: Annotated[str | None, Parameter(help=_BASELINES)] = None,
     only: Annotated[tuple[str, ...], Parameter(help=_ONLY, negative="", consume_multiple=True)] = (),
-    hands: WorkerFlags = WorkerFlags(),
+    worker_flags: WorkerFlags = WorkerFlags(),
     json: JsonFlag = False,
 ) -> None:
     """Run five baselines, judge each, and hold them against each other in a table."""
     from palpate.benchmark import read_baseline_spec, read_set, run_baselines
 
     check_folder(out)
-    hands.check()
+    worker_flags.check()
     chosen = read_baseline_spec(spec)
-    scores = run_baselines(read_set(folder), chosen, out, only, hands.workers, _say)
+    scores = run_baselines(read_set(folder), chosen, out, only, worker_flags.workers, _say)
     if json:
         print_json({name: [each.as_dict() for each in own] for name, own in scores.items()})
         return

@@ -25,7 +25,7 @@ def guarded(command: Callable[[], Any]) -> int:
     try:
         code = command()
     except PalpateError as error:
-        return _refuse(error.what, error.remedy, error.code)
+        return _refuse(error.problem, error.remedy, error.code)
     except ValidationError as error:
         return _refuse(_say_all(error), "See --help for units and bounds.", _kind(error))
     except CycloptsError as error:

@@ -71,7 +71,7 @@ def _read(folder: Path) -> Iterator[tuple[str, NDArray[Any] | str]]:
         try:
             yield path.name, read_image(path)
         except PalpateError as error:
-            yield path.name, error.what
+            yield path.name, error.problem
 
 
 def _describe(found: Calibration) -> dict[str, Any]:

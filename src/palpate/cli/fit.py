@@ -218,7 +218,7 @@ def describe_fit(samples: Sequence[Sample], found: Fit, *, alone: bool) -> dict[
     facts["ranking"] = [
         {
             "model": item.name,
-            "behind": item.behind,
+            "behind": item.delta_aicc,
             "left_out": item.left_out,
             "relative": max(q.relative for q in item.fit.quality) if item.fit else math.nan,
             "condition": item.fit.condition if item.fit else math.nan,

@@ -86,7 +86,7 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
             {
                 "name": test.name,
                 "rows": len(test.time),
-                "came_s": test.came[1] - test.came[0],
+                "came_s": test.ramp_times[1] - test.ramp_times[0],
                 "notes": list(test.notes),
             }
             for test in tests
@@ -105,7 +105,7 @@ def describe_relaxation(tests: Sequence[RelaxationTest], found: RelaxationFit) -
         "first_s": found.first,
         "last_s": found.last,
         "left": [
-            {"time_s": time, "left": float(series.left(time)), "modulus": float(series.modulus(time))}
+            {"time_s": time, "left": float(series.relaxation_function(time)), "modulus": float(series.modulus(time))}
             for time in times
         ],
         "greatest": found.greatest,

@@ -130,7 +130,7 @@ def _choose(directory: Path, where: str | None, sort: str | None) -> Specificati
 
     grid = read_grid(directory)
     rows = grid.designs if where is None else filter_rows(grid.designs, where)
-    return grid.keep(rows if sort is None else sort_rows(rows, sort))
+    return grid.select(rows if sort is None else sort_rows(rows, sort))
 
 
 def _print_comparison(comparison: Comparison, metrics: Sequence[str], names: tuple[str, str]) -> None:

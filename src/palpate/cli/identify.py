@@ -95,7 +95,7 @@ def identify(
     if files.out is not None:
         write_unit(
             files.out,
-            IdentifiedUnit(unit.skin.spec_data, unit.layout.positions, found.belief, found.mounting, found.scale),
+            IdentifiedUnit(unit.skin.spec_data, unit.layout.positions, found.posterior, found.mounting, found.scale),
         )
     if files.report is not None:
         write_identification(files.report, found, sensor, robot.spec())

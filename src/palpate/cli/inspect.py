@@ -45,7 +45,7 @@ def inspect(
     if picture:
         _write_picture(picture, inspection)
     if json:
-        law = inspection.law
+        law = inspection.distortion
         shown = {"passed": inspection.passed, "rms_px": inspection.registration.rms_px, "markers": rows}
         print_json(shown | ({"rings": _rings(inspection), "law_rms_px": law.rms_px} if law else {}))
     else:
@@ -95,7 +95,7 @@ def _print(title: str, inspection: Inspection, rows: list[dict[str, Any]]) -> No
 
 def _rings(inspection: Inspection) -> list[dict[str, Any]]:
     """A row for each ring of a bent print: as designed, as found, and where."""
-    law = inspection.law
+    law = inspection.distortion
     if law is None:
         return []
     return [
@@ -116,7 +116,7 @@ def _rings(inspection: Inspection) -> list[dict[str, Any]]:
 
 
 def _print_law(inspection: Inspection) -> None:
-    rows, law = _rings(inspection), inspection.law
+    rows, law = _rings(inspection), inspection.distortion
     if law is None:
         return
     print_table("Rings", list(rows[0]), [[str(cell) for cell in row.values()] for row in rows])

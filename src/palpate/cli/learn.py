@@ -43,7 +43,7 @@ _START = "Model to begin with: of another unit of the same make (model.h5), or o
 class TableFlags:
     """What the table's columns are, where their names do not tell, and an image at rest."""
 
-    learn: Annotated[str | None, Parameter(help=_LEARN)] = None
+    targets: Annotated[str | None, Parameter(help=_LEARN)] = None
     image: Annotated[str | None, Parameter(help=_IMAGE)] = None
     press: Annotated[str | None, Parameter(help=_PRESS)] = None
     angles: Annotated[Literal["deg", "rad"] | None, Parameter(help=_ANGLES)] = None
@@ -53,7 +53,7 @@ class TableFlags:
 
     def choice(self) -> ColumnMapping:
         """These flags as the reader takes them."""
-        names = tuple(name.strip() for name in (self.learn or "").split(",") if name.strip())
+        names = tuple(name.strip() for name in (self.targets or "").split(",") if name.strip())
         return ColumnMapping(
             names, self.image or "", self.press or "", self.angles or "", self.lengths or "", self.euler or ""
         )
@@ -79,7 +79,7 @@ def learn(
 
     check_folder(out)
     begin = read_pretrained(start) if start is not None else None
-    found = read_recording(recording, table.choice(), table.rest, spec.most, spec.seed)
+    found = read_recording(recording, table.choice(), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
         _say(note)
     store, first = ArtefactStore(out / "store"), None
@@ -105,7 +105,7 @@ def _write(out: Path, learnt: RecordingResult) -> None:
     try:
         _accept(out, learnt)
     except PalpateError as error:
-        _say(f"No acceptance report: {error.what}")
+        _say(f"No acceptance report: {error.problem}")
 
 
 def _accept(out: Path, learnt: RecordingResult) -> None:
@@ -122,14 +122,12 @@ def _accept(out: Path, learnt: RecordingResult) -> None:
         )
     columns = [names.index(name) for name in TILT_SPACE.names]
     seen = learnt.seen
-    judged = seen.split.judge
+    judged = seen.split.test
     press = np.unique(seen.press[judged], return_inverse=True)[1].reshape(-1)
     images = tuple(seen.recording.names[row] for row in seen.rows[judged])
     poses = seen.targets[judged][:, columns]
     truth = GroundTruth((), images, press, poses, np.full(len(poses), np.nan))
-    accepted = accept_unit(
-        truth, learnt.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, least_depth=0)
-    )
+    accepted = accept_unit(truth, learnt.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, min_depth=0))
     write_acceptance(out, accepted, f"{seen.recording.name}, presses held out")
 
 

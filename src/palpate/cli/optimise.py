@@ -34,10 +34,10 @@ class SearchFlags:
     sampler: Annotated[
         Literal["gp", "random"], Parameter(help="Who proposes skins: a Gaussian process, or chance as a control.")
     ] = "gp"
-    control: Annotated[
+    random_skins: Annotated[
         int | None, Parameter(help="Skins drawn by chance beside it, which the report holds it against.")
     ] = None
-    prove: Annotated[Literal["none", "played", "trained"] | None, Parameter(help=_PROVE)] = None
+    validate: Annotated[Literal["none", "played", "trained"] | None, Parameter(help=_PROVE)] = None
     packs: Annotated[bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")] = (
         False
     )
@@ -46,15 +46,20 @@ class SearchFlags:
         """The requirements with what flags say of them."""
         if self.skins is not None and not 1 <= self.skins <= 100_000:
             raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.", code="option-out-of-bounds")
-        if self.control is not None and not 0 <= self.control <= 100_000:
-            raise PalpateError(f"--control is {self.control}.", "Give 0 to 100000.", code="option-out-of-bounds")
-        given = {"skins": self.skins, "proof": self.prove, "control": self.control}
+        if self.random_skins is not None and not 0 <= self.random_skins <= 100_000:
+            raise PalpateError(f"--control is {self.random_skins}.", "Give 0 to 100000.", code="option-out-of-bounds")
+        given = {"skins": self.skins, "proof": self.validate, "control": self.random_skins}
         return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
     def words(self) -> list[str]:
         """The flags as they are typed."""
         sampler = None if self.sampler == "gp" else self.sampler
-        given = {"--skins": self.skins, "--sampler": sampler, "--control": self.control, "--prove": self.prove}
+        given = {
+            "--skins": self.skins,
+            "--sampler": sampler,
+            "--control": self.random_skins,
+            "--prove": self.validate,
+        }
         words = [word for flag, value in given.items() if value is not None for word in (flag, str(value))]
         return [*words, "--packs"] if self.packs else words
 
@@ -66,7 +71,7 @@ def optimise(
         Path | None, Parameter(name=("--out", "-o"), help="Result folder; without it, results/NAME.")
     ] = None,
     search: SearchFlags = SearchFlags(),
-    hands: ClusterFlags = ClusterFlags(),
+    worker_flags: ClusterFlags = ClusterFlags(),
     json: JsonFlag = False,
 ) -> int:
     """Search for the sensor that reads best when built, under the limits of a YAML file.
@@ -84,17 +89,19 @@ def optimise(
         write_packs,
     )
 
-    hands.check()
+    worker_flags.check()
     spec = search.change(read_requirements(requirements))
     if search.packs:
         load_extra("build123d", "cad")  # now, not after hours
     folder = out or RESULTS / spec.name
     command = shlex.join(["palpate", "optimise", requirements, "--out", str(folder), *search.words()])
-    workers = hands.workers
-    front = optimise_design(spec, folder, workers, Lines(), sampler=search.sampler, cluster=hands.cluster or "")
+    workers = worker_flags.workers
+    front = optimise_design(
+        spec, folder, workers, Lines(), sampler=search.sampler, cluster=worker_flags.cluster or ""
+    )
     write_front(folder, front, command)  # a proof takes hours, and what was found does not wait for it
-    front = validate_front(front, folder, workers, Lines(), hands.cluster or "")
-    if front.proof is not None:
+    front = validate_front(front, folder, workers, Lines(), worker_flags.cluster or "")
+    if front.validation is not None:
         write_front(folder, front, command)
     if search.packs:
         write_packs(folder, front)

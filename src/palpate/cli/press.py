@@ -60,13 +60,13 @@ class WallPressFlags:
         """The skin that is pressed."""
         return build_skin(read_skin(self.skin, self.dome))
 
-    def pressed_by(self) -> ObstacleSpec:
+    def obstacle_spec(self) -> ObstacleSpec:
         """The obstacle of these flags."""
         return self.wall
 
     def problem(self) -> tuple[Mesh, Material, ObstacleSpec]:
         """What is pressed: mesh, material and obstacle of these flags."""
-        return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.pressed_by()
+        return mesh_skin(self.build(), self.material.mesh(self.mesh)), self.material.material(), self.obstacle_spec()
 
 
 @Parameter(name="*")
@@ -76,7 +76,7 @@ class PressFlags(WallPressFlags):
 
     obstacle: Annotated[str, Parameter(help=_OBSTACLE, group="Wall")] = "wall"
 
-    def pressed_by(self) -> ObstacleSpec:
+    def obstacle_spec(self) -> ObstacleSpec:
         """The obstacle of these flags."""
         return read_obstacle(self.obstacle, self.wall)
 
@@ -130,7 +130,7 @@ def press(
     json: JsonFlag = False,
 ) -> None:
     """Press one skin by a flat wall, or another obstacle, and follow it increment by increment."""
-    how.chosen(flags.pressed_by())
+    how.chosen(flags.obstacle_spec())
     followed = None if points is None else _read_inner_points(points, flags.build())
     if export is not None:
         check_export(export)
@@ -165,7 +165,7 @@ def describe_press(press: Press, points: FloatArray | None = None) -> dict[str, 
             "peak_stress_mpa": float(press.peak_stress[i]),
             "contact_area_mm2": float(press.contact_area[i]),
             "apex_gap_mm": float(press.apex_gap[i]),
-            "hold_tension_mpa": float(press.hold_tension[i]),
+            "hold_tension_mpa": float(press.stabilisation_tension[i]),
         }
         for i in range(len(press.depth))
     ]

@@ -31,7 +31,7 @@ class Lines(Observer):
         self._done += 1
         _say(f"[{self._done}/{self._tasks}] {task}: {reason or f'done in {seconds:.1f} s'}")
 
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         """Say it."""
         _say(sentence)
 
@@ -65,7 +65,7 @@ class Bars(Observer):
             self._progress.console.print(f"{task}: {reason}", style="red", markup=False)
         self._show()
 
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         """Print it above the bar."""
         self._progress.console.print(sentence, markup=False)
 

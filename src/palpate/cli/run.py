@@ -82,7 +82,7 @@ def run(
     study: Annotated[str, Parameter(help="YAML file of the study, or a preset: first, paper, best.")],
     *,
     out: Annotated[Path | None, Parameter(help="Result folder; without it, results/NAME.")] = None,
-    hands: TaskFlags = TaskFlags(),
+    worker_flags: TaskFlags = TaskFlags(),
     device: Annotated[
         Literal["cpu", "cuda", "auto"] | None, Parameter(help="Where networks train; without it, as the study says.")
     ] = None,
@@ -95,10 +95,10 @@ def run(
     chosen = read_study(study)
     if device is not None:
         chosen = chosen.model_copy(update={"learning": chosen.learning.model_copy(update={"device": device})})
-    hands.check()
+    worker_flags.check()
     folder = out or RESULTS / chosen.name
     try:
-        result = _run_watched(chosen, folder, hands, quiet=json)
+        result = _run_watched(chosen, folder, worker_flags, quiet=json)
     except KeyboardInterrupt:
         print(f"Interrupted; {folder} keeps what is done. Run the same command to go on.", file=sys.stderr)
         return INTERRUPTED

@@ -54,7 +54,7 @@ def find(
             detector = prepare_detector(image, spec)
             blobs = detector.find(image)
         except PalpateError as error:
-            rows.append({"image": path.name, "dots": None, "reason": error.what})
+            rows.append({"image": path.name, "dots": None, "reason": error.problem})
             continue
         row = {"image": path.name, "dots": len(blobs), "polarity": "dark" if detector.dark else "bright"}
         row |= {"diameter_px": round(detector.diameter_px, 2), "noise": round(blobs.noise, 2), "reason": ""}
@@ -105,7 +105,7 @@ def live(
     with _open(source, unit, material) as opened:
         images = opened.images()
         sensor = open_sensor(
-            _at_rest(images, many), unit, reads_with, flags.rig, known=_known_press(flags, unit, material)
+            _at_rest(images, many), unit, reads_with, flags.rig, reference_press=_known_press(flags, unit, material)
         )
         sensor.clock = opened.clock
         print(_describe_rest(sensor), file=sys.stderr)
@@ -115,11 +115,11 @@ def live(
                 f"{many} images at rest leave nothing to read.", "Record more.", code="rest-images-leave-none"
             )
         readings = run_sensor(sensor, islice(chain([first], images), flags.count))
-        written = write_readings(out, readings, sensor.reader.space) if out else readings
+        written = write_readings(out, readings, sensor.estimator.space) if out else readings
         rows = (describe_reading(reading) for reading in written)
-        _print_json(rows) if json else _print_lines(rows, sensor.reader.space)
+        _print_json(rows) if json else _print_lines(rows, sensor.estimator.space)
         if sensor.rest is not None:
-            print(sensor.rest.sentence(), file=sys.stderr)
+            print(sensor.rest.summary(), file=sys.stderr)
     return 0
 
 
@@ -152,7 +152,7 @@ def _open(source: str, unit: Unit, material: Material) -> Source:
 
 def _describe_rest(sensor: Sensor) -> str:
     where = sensor.registration
-    sentence = f"{sensor.naming.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
+    sentence = f"{sensor.assignment.found.sum()} markers named; they fit the design to {where.rms_px:.3f} px"
     if not sensor.spec.refine_lens:
         return sentence + "."
     lens, (focal, column, row) = where.camera.spec, where.lens_sd

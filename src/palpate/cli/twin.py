@@ -50,7 +50,7 @@ class TwinFlags:
     design: DesignFlags = DesignFlags()
     material: MaterialFlags = MaterialSpec()
     tolerance: Annotated[tuple[str, ...], Parameter(help=_TOLERANCE, negative="", consume_multiple=True)] = ()
-    known: Annotated[int | None, Parameter(help=_KNOWN)] = None
+    calibration_presses: Annotated[int | None, Parameter(help=_KNOWN)] = None
 
     def study(self, source: str | None) -> Study:
         """The study that is named, or that of these flags, with what is asked of built units."""
@@ -68,7 +68,12 @@ class TwinFlags:
             )
         asked = study.built or AsBuiltSpec()
         tolerance = read_tolerance(self.tolerance) if self.tolerance else asked.tolerance
-        built = asked.model_copy(update={"known": self.known or asked.known, "tolerance": tolerance})
+        built = asked.model_copy(
+            update={
+                "calibration_presses": self.calibration_presses or asked.calibration_presses,
+                "tolerance": tolerance,
+            }
+        )
         return study.model_copy(update={"built": built})
 
 
@@ -76,7 +81,7 @@ def twin(
     source: Annotated[str | None, Parameter(help=_SOURCE)] = None,
     *,
     out: Annotated[Path | None, Parameter(name=("--out", "-o"), help=_OUT)] = None,
-    hands: WorkerFlags = WorkerFlags(),
+    worker_flags: WorkerFlags = WorkerFlags(),
     flags: TwinFlags = TwinFlags(),
     json: JsonFlag = False,
 ) -> int:
@@ -87,12 +92,14 @@ def twin(
     """
     from palpate.study import run_twins
 
-    if flags.known is not None and not 1 <= flags.known <= 100:
-        raise PalpateError(f"--known is {flags.known}.", "Give 1 to 100 known presses.", code="option-out-of-bounds")
-    hands.check()
+    if flags.calibration_presses is not None and not 1 <= flags.calibration_presses <= 100:
+        raise PalpateError(
+            f"--known is {flags.calibration_presses}.", "Give 1 to 100 known presses.", code="option-out-of-bounds"
+        )
+    worker_flags.check()
     study = flags.study(source)
     folder = out or RESULTS / study.name
-    found = run_twins(study, folder, hands.workers, Lines())
+    found = run_twins(study, folder, worker_flags.workers, Lines())
     rows = [row for design in found for row in _rows(design)]
     _keep(folder / "twins", found, rows)
     if json:
@@ -124,7 +131,7 @@ def _off(path: Path) -> float:
     """What a twin says of itself, mm; nan where it was not checked."""
     from palpate.twin import read_twin
 
-    return read_twin(path).off_mm
+    return read_twin(path).interpolation_error_mm
 
 
 def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
@@ -133,14 +140,14 @@ def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
             "height_mm": design.skin.height,
             "thickness_mm": design.skin.thickness,
             "markers": design.markers.count,
-            "known": figure.known,
+            "known": figure.calibration_presses,
             "rmse_deg": round(figure.rmse_deg, 4),
-            "worst_deg": round(figure.worst_deg, 4),
+            "worst_deg": round(figure.p95_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
             "twin_off_mm": round(_off(design.twin), 4) if design.twin else None,
         }
-        for figure in design.figures
+        for figure in design.accuracies
     ]
 
 

@@ -75,7 +75,7 @@ class PrintFlags(DesignFlags):
             lens = CameraSpec.model_validate(
                 (lens or CameraSpec()).model_dump() | {"window": read_window(self.window)}
             )
-        return Unit(skin, layout, marked=self.mark, lens=lens)
+        return Unit(skin, layout, has_orientation_mark=self.mark, lens=lens)
 
 
 @Parameter(name="*")
@@ -90,7 +90,7 @@ class UnitFlags(PrintFlags):
         from palpate.built import read_unit
 
         known = read_unit(self.unit_file) if self.unit_file else None
-        return replace(super().unit(), known=known)
+        return replace(super().unit(), identified=known)
 
 
 @Parameter(name="*")
@@ -129,7 +129,7 @@ class ModelFlags:
 
 
 def _pass_over(error: PalpateError) -> None:
-    print(f"Passed over: {error.what}", file=sys.stderr)
+    print(f"Passed over: {error.problem}", file=sys.stderr)
 
 
 def _words(spec: Spec, always: str = "") -> str:

@@ -10,7 +10,7 @@ class PalpateError(Exception):
 
     Parameters
     ----------
-    what
+    problem
         One sentence that says what is wrong, with the offending number and its unit.
     remedy
         What to do about it, in one sentence; empty where the sentence already says so.
@@ -20,7 +20,7 @@ class PalpateError(Exception):
 
     def __init__(self, what: str, remedy: str = "", *, code: str) -> None:
         super().__init__(f"{what} {remedy}".strip())
-        self.what = what
+        self.problem = what
         self.remedy = remedy
         self.code = code
 

@@ -135,7 +135,7 @@ class ArtefactStore:
         quarantine(path, fault)
         return None
 
-    def holds(self, recipe: Recipe, suffix: str = ".h5") -> bool:
+    def has(self, recipe: Recipe, suffix: str = ".h5") -> bool:
         """Whether there is an artefact that is whole as far as its size can tell; nothing of it is read.
 
         One whose size is wrong is set aside. A changed bit is noticed when the artefact is read, see `find`.

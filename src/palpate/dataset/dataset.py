@@ -102,11 +102,11 @@ class Dataset:
         deepest = self.poses[:, 2].max()
         return float(self.travel_mm[np.isclose(self.poses[:, 2], deepest)].mean())
 
-    def part(self, *, validation: bool) -> Self:
+    def subset(self, *, validation: bool) -> Self:
         """The held-out images, or those for training, as a dataset of their own."""
-        return self.choose(self.validation == validation, validation=validation)
+        return self.select(self.validation == validation, validation=validation)
 
-    def choose(self, rows: BoolArray, *, validation: bool) -> Self:
+    def select(self, rows: BoolArray, *, validation: bool) -> Self:
         """Images (n,), all for training or all held out, as a dataset of their own."""
         return replace(
             self,

@@ -52,7 +52,7 @@ class RandomisationSpec(Spec):
         return tuple(sorted(frictions, reverse=True))
 
     @property
-    def of_the_camera(self) -> bool:
+    def varies_camera(self) -> bool:
         """Whether the camera varies."""
         return any((self.camera_offset, self.camera_distance, self.camera_tilt_deg, self.focal))
 

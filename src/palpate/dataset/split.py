@@ -16,7 +16,7 @@ class LeakageError(PalpateError):
 
     Parameters
     ----------
-    what
+    problem
         Which press or pose stands on both sides.
     code
         Whether it is a press or a pose.
@@ -95,5 +95,5 @@ def check_leakage(press: IntArray, poses: FloatArray, validation: BoolArray, spa
     for pose in rounded[~validation]:
         if tuple(pose) in held_out:
             parts = zip(space.components, pose * SAME_POSE, strict=False)
-            shown = ", ".join(f"{item.axis} {value:.3f}{item.sign}" for item, value in parts)
+            shown = ", ".join(f"{item.axis} {value:.3f}{item.unit_symbol}" for item, value in parts)
             raise LeakageError(f"The pose {shown} is in training and in validation.", code="split-shares-pose")

@@ -63,29 +63,29 @@ class RandomisedField:
         Frictions by falling coefficient, then thicknesses.
     weights
         (n presses, len(others)) share of each other's difference from the base.
-    beside
+    tangent_fields
         Fields of dots displaced along two tangents by `_STEP`; empty where the print is exact.
-    off
+    tangent_offsets
         (n presses, m, 2) displacement of each dot along them, mm.
     """
 
     base: MarkerField
     others: tuple[MarkerField, ...]
     weights: FloatArray
-    beside: tuple[MarkerField, ...]
-    off: FloatArray
+    tangent_fields: tuple[MarkerField, ...]
+    tangent_offsets: FloatArray
 
     @property
     def rest(self) -> FloatArray:
         """(m, 3) markers of the undeformed design, mm."""
         return self.base.rest
 
-    def labels(self, rotations: FloatArray, image: int) -> tuple[TextArray, TextArray]:
+    def labels(self, rotations: FloatArray, depth_index: int) -> tuple[TextArray, TextArray]:
         """Branch of every virtual press at one depth, or why there is none; see `MarkerField.labels`."""
         tilt = np.hypot(rotations[:, 0], rotations[:, 1])
-        branch, reason = self.base.labels(tilt, image)
+        branch, reason = self.base.labels(tilt, depth_index)
         for weight, other in zip(self.weights.T, self.others, strict=True):
-            its_branch, its_reason = other.labels(tilt, image)
+            its_branch, its_reason = other.labels(tilt, depth_index)
             apart = (weight > 0) & (its_branch != branch) & (branch != "")
             reason[apart] = np.where(its_reason[apart] != "", its_reason[apart], "units on different branches")
             branch[apart] = ""
@@ -93,24 +93,24 @@ class RandomisedField:
 
     def rest_of(self, rows: NDArray[np.intp]) -> FloatArray:
         """(k, m, 3) markers at rest of the virtual presses `rows`, mm."""
-        if not self.beside:
+        if not self.tangent_fields:
             return np.broadcast_to(self.rest, (len(rows), *self.rest.shape))
-        return self.rest + self._aside(rows, [field.rest for field in self.beside], self.rest)
+        return self.rest + self._aside(rows, [field.rest for field in self.tangent_fields], self.rest)
 
-    def positions(self, rotations: FloatArray, rows: NDArray[np.intp], image: int) -> FloatArray:
+    def positions(self, rotations: FloatArray, rows: NDArray[np.intp], depth_index: int) -> FloatArray:
         """(k, m, 3) deformed markers of the virtual presses `rows` at one depth, mm."""
         rx, ry = rotations[rows].T
-        base = self.base.positions(rx, ry, image)
+        base = self.base.positions(rx, ry, depth_index)
         moved = base.copy()
         for weight, other in zip(self.weights[rows].T, self.others, strict=True):
             used = np.flatnonzero(weight)
-            moved[used] += weight[used, None, None] * (other.positions(rx[used], ry[used], image) - base[used])
-        if self.beside:
-            moved += self._aside(rows, [field.positions(rx, ry, image) for field in self.beside], base)
+            moved[used] += weight[used, None, None] * (other.positions(rx[used], ry[used], depth_index) - base[used])
+        if self.tangent_fields:
+            moved += self._aside(rows, [field.positions(rx, ry, depth_index) for field in self.tangent_fields], base)
         return moved
 
     def _aside(self, rows: NDArray[np.intp], beside: Sequence[FloatArray], base: FloatArray) -> FloatArray:
-        steps = zip(np.moveaxis(self.off[rows], -1, 0), beside, strict=True)
+        steps = zip(np.moveaxis(self.tangent_offsets[rows], -1, 0), beside, strict=True)
         return np.asarray(sum(off[..., None] * (points - base) / _STEP for off, points in steps))
 
 
@@ -144,7 +144,7 @@ def randomise_field(
                 "Press less deep, or vary less.",
                 code="dataset-variation-short",
             )
-    count = len(sample_poses(spec, base.offset))
+    count = len(sample_poses(spec, base.max_offset))
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
     off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
     return RandomisedField(

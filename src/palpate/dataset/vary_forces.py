@@ -30,14 +30,14 @@ class RandomisedForces:
     others: tuple[ForceField, ...]
     weights: FloatArray
 
-    def forces(self, rotations: FloatArray, rows: NDArray[np.intp], image: int) -> FloatArray:
+    def forces(self, rotations: FloatArray, rows: NDArray[np.intp], depth_index: int) -> FloatArray:
         """(k, 3) N, dome's frame, in the virtual presses `rows` at one depth."""
         rx, ry = rotations[rows].T
-        base = self.base.forces(rx, ry, image)
+        base = self.base.forces(rx, ry, depth_index)
         found = base.copy()
         for weight, other in zip(self.weights[rows].T, self.others, strict=True):
             used = np.flatnonzero(weight)
-            found[used] += weight[used, None] * (other.forces(rx[used], ry[used], image) - base[used])
+            found[used] += weight[used, None] * (other.forces(rx[used], ry[used], depth_index) - base[used])
         return found
 
 

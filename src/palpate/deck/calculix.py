@@ -60,13 +60,13 @@ def find_ccx() -> str:
 
 
 def solve_press_calculix(
-    mesh: Mesh, material: Material, wall: ObstacleSpec | None = None, spec: CalculixSpec | None = None
+    mesh: Mesh, material: Material, obstacle: ObstacleSpec | None = None, spec: CalculixSpec | None = None
 ) -> Press:
     """Solve one press by CalculiX.
 
     Parameters
     ----------
-    mesh, material, wall
+    mesh, material, obstacle
         As in `palpate.fea.solve_press`; the bricks are those of the mesh without its face and centre nodes.
     spec
         Deck and time limit.
@@ -75,17 +75,17 @@ def solve_press_calculix(
     -------
     Press
         At the 27-node mesh: face and centre nodes are interpolated. `contact_energy`, `dissipation` and
-        `hold_tension` are nan, `negative_pivots` -1; `jump_depth` is the first increment whose apex has left the
-        wall. Its `solved_by` says ``calculix``.
+        `stabilisation_tension` are nan, `negative_pivots` -1; `jump_depth` is the first increment whose apex has left
+        the wall. Its `solved_by` says ``calculix``.
 
     Raises
     ------
     PalpateError
         If ``ccx`` is missing, takes too long, or leaves no increment; the last two name the folder with its log.
     """
-    wall, spec = wall or WallSpec(), spec or CalculixSpec()
+    obstacle, spec = obstacle or WallSpec(), spec or CalculixSpec()
     program = find_ccx()
-    text = deck_text(mesh, material, wall, spec.deck)
+    text = deck_text(mesh, material, obstacle, spec.deck)
     folder = Path(tempfile.mkdtemp(prefix="palpate-ccx-"))
     (folder / "press.inp").write_text(text)
     cpu_s, code = _run(program, folder, spec.timeout)
@@ -97,15 +97,15 @@ def solve_press_calculix(
             code="solver-no-increment",
         )
     unknowns, iterations = read_counts(folder / "press.log", folder / "press.cvg")
-    ended, message = _reason(found, mesh, wall, folder)
+    ended, message = _reason(found, mesh, obstacle, folder)
     if ended is not EndReason.NOT_CONVERGED:
         shutil.rmtree(folder)
-    fields = _fields(found, mesh, material, wall)
+    fields = _fields(found, mesh, material, obstacle)
     inverted = fields["branch"] == str(Branch.INVERTED)
     return Press(
         mesh=mesh,
         material=material,
-        wall=wall,
+        obstacle=obstacle,
         solver=SolverSpec(),
         solved_by="calculix",
         **fields,
@@ -132,8 +132,8 @@ class CalculixSolver(PressSolver):
 
     spec: CalculixSpec = field(default_factory=CalculixSpec)
 
-    def check(self, wall: ObstacleSpec) -> None:
-        if wall.unload:
+    def check(self, obstacle: ObstacleSpec) -> None:
+        if obstacle.unload:
             raise PalpateError(
                 "CalculiX presses from rest to full depth.",
                 "Leave out --unload, or --solver.",
@@ -141,8 +141,8 @@ class CalculixSolver(PressSolver):
             )
         find_ccx()
 
-    def solve(self, mesh: Mesh, material: Material, wall: ObstacleSpec) -> Press:
-        return solve_press_calculix(mesh, material, wall, self.spec)
+    def solve(self, mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> Press:
+        return solve_press_calculix(mesh, material, obstacle, self.spec)
 
 
 def _run(program: str, folder: Path, timeout: float) -> tuple[float, int]:
@@ -213,12 +213,12 @@ def _fields(found: CalculixIncrements, mesh: Mesh, material: Material, wall: Obs
         "energy": parts * np.array([stored_energy(mesh, material, u) for u in displacement]),
         "contact_energy": nothing,
         "dissipation": nothing,
-        "work": PchipInterpolator(depth, force @ wall.way(mesh)).antiderivative()(depth),
+        "work": PchipInterpolator(depth, force @ wall.approach_axis(mesh)).antiderivative()(depth),
         "branch": np.where(gap > _INVERTED_GAP * mesh.skin.thickness, str(Branch.INVERTED), str(Branch.FLAT)),
         "peak_stress": np.concatenate([[0.0], found.peak_stress]),
         "contact_area": parts * area,
         "apex_gap": gap,
-        "hold_tension": nothing,
+        "stabilisation_tension": nothing,
         "negative_pivots": np.full(len(depth), -1),
     }
 
@@ -229,11 +229,11 @@ def _contact(
     """Gap (n,) mm of the first-touched point and touching area (n,) mm² of the model at every increment."""
     first = len(mesh.cells) - len(mesh.outer_faces)
     surface = OuterSurface(mesh.nodes, mesh.outer_faces, np.arange(first, len(mesh.cells)))
-    path, touched = wall.path(mesh), wall.at_touch(mesh)[1]
+    path, touched = wall.path(mesh), wall.at_first_contact(mesh)[1]
     probe = np.argmin(np.linalg.norm(surface.points - touched, axis=1))
     gap, area = [], []
     for d, u in zip(depth, displacement, strict=True):
-        reach = path(d).reach(surface.interpolate(mesh.nodes + u))
+        reach = path(d).penetration(surface.interpolate(mesh.nodes + u))
         gap.append(-reach[probe])
         area.append(surface.current_area(mesh.nodes + u, reach > 0))
     return np.array(gap), np.array(area)

@@ -38,7 +38,7 @@ def offset_and_angle(poses: ArrayLike) -> FloatArray:
     Parameters
     ----------
     poses
-        (..., 5) by `palpate.design.PoseSpace.of_lines`.
+        (..., 5) by `palpate.design.PoseSpace.for_lines`.
 
     Returns
     -------

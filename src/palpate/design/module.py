@@ -29,7 +29,7 @@ class ContactModule:
 
     Attributes
     ----------
-    dome
+    skin
         The skin, possibly scaled.
     flange_thickness
         From z = 0 down.
@@ -39,7 +39,7 @@ class ContactModule:
         The same at the foot of the flange, wider by the draft.
     """
 
-    dome: Skin
+    skin: Skin
     flange_thickness: float
     flange_radius: float
     opening_radius: float
@@ -54,27 +54,27 @@ class ContactModule:
     @property
     def farthest(self) -> float:
         """How much farther from the axis a point of the section may come than it is along x."""
-        return self.dome.plan.farthest
+        return self.skin.plan.farthest
 
     @property
     def widest(self) -> float:
         """Greatest distance from the axis of the section's outer surface over the flange, mm."""
-        skin = self.dome
+        skin = self.skin
         return (skin.outer_base_radius if skin.hole else skin.outer_widest[0]) / self.farthest
 
     @property
     def top(self) -> float:
         """Height of the apex, or of the far face of the far end's flange, mm."""
-        return self.dome.outer_height + (self.flange_thickness if self.dome.hole else 0.0)
+        return self.skin.outer_height + (self.flange_thickness if self.skin.hole else 0.0)
 
     def place(self, reach: float, azimuth_deg: float) -> Point:
         """Where a point of the section, so far from the axis (mm), is carried: at an angle of the plan."""
-        x, y = reach * self.dome.plan.edge(np.radians([azimuth_deg]))[0][0]
+        x, y = reach * self.skin.plan.edge(np.radians([azimuth_deg]))[0][0]
         return float(x), float(y)
 
     def solid(self, outline: Outline) -> CadSolid:
         """The solid of half a section, (x, z) mm."""
-        return self.dome.solid(outline)
+        return self.skin.solid(outline)
 
     def prism(self, reach: float, low: float, high: float) -> CadSolid:
         """What lies within the plan up to `reach` along x and between two heights, mm."""
@@ -82,18 +82,18 @@ class ContactModule:
 
     def outline(self) -> Outline:
         """Half the section of the module, (x, z) mm."""
-        far = [(self.opening_foot, self.top)] if self.dome.hole else []
+        far = [(self.opening_foot, self.top)] if self.skin.hole else []
         return [
             *self._upper(),
             (self.opening_foot, self.foot),
             (self.opening_radius, 0.0),
-            *self.dome.meridian(0.0, down=False),
+            *self.skin.meridian(0.0, down=False),
             *far,
         ]
 
     def _upper(self) -> Outline:
         """The outer surface from its apex, or from the far flange's face, and the flange's edge down to its foot."""
-        skin = self.dome
+        skin = self.skin
         outer = skin.meridian(skin.thickness, down=True)
         far: Outline = [(0.0, skin.outer_height)]
         if skin.hole:
@@ -106,12 +106,12 @@ class ContactModule:
 
     def outside(self) -> Outline:
         """Half the section of all that lies within the outer surface."""
-        far = [(0.0, self.top)] if self.dome.hole else []
+        far = [(0.0, self.top)] if self.skin.hole else []
         return [*far, *self._upper(), (0.0, self.foot)]
 
     def inside(self) -> Outline:
         """Half the section of the hollow."""
-        skin = self.dome
+        skin = self.skin
         far: Outline = [(0.0, skin.height)]
         if skin.hole:
             far = [(0.0, self.top), (self.opening_foot, self.top), (self.opening_radius, skin.height)]

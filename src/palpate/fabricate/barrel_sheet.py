@@ -22,7 +22,7 @@ def describe_barrel(skin: Skin, layout: MarkerLayout, material: str, mold: Mold,
         f"{len(layout)} markers of {layout.diameter:g} mm, cast with the wall; they stand {spec.dot_depth:g} mm "
         f"inward of it. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
-        f"(factor {mold.module.dome.height / skin.height:.5f}).",
+        f"(factor {mold.module.skin.height / skin.height:.5f}).",
     ]
 
 
@@ -86,7 +86,7 @@ def barrel_inspection_steps(skin: Skin, layout: MarkerLayout) -> list[str]:
 def barrel_assembly_steps(frame: BarrelFrame, layout: MarkerLayout, spec: ProcessSpec) -> list[str]:
     """Write how skin, rods and far end come onto the housing."""
     high = frame.module.top
-    mark = place_orientation_mark(frame.module.dome, layout)
+    mark = place_orientation_mark(frame.module.skin, layout)
     turn = 90 - float(np.degrees(np.arctan2(mark[1], mark[0])))
     place = (
         f"the orientation mark, the single dot before the rim, {turn:.3g}°" if spec.orientation_mark else "a dot 90°"

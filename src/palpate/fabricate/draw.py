@@ -26,7 +26,7 @@ SILICONE, PLASTIC, CORE, GEL, GLASS = "#e8c9a8", "#8fa8c8", "#b8c9de", "#f6ecdf"
 def draw_module_section(module: ContactModule, window: WindowPlate | None = None) -> Figure:
     """Draw the section of a module with its dimensions, and of a filled one gel and window."""
     figure, axis = blank_sheet((6.4, 4.6))
-    skin, foot = module.dome, module.foot
+    skin, foot = module.skin, module.foot
     if window is not None:
         _fill(axis, follow_outline([(0.0, skin.height), *skin.meridian(0.0, down=True), (0.0, 0.0)]), GEL)
         low = -window.thickness
@@ -59,7 +59,7 @@ def draw_module_section(module: ContactModule, window: WindowPlate | None = None
 def draw_mold_section(module: ContactModule, radius: float, floor: float, plate: float) -> Figure:
     """Draw the closed mold in section, as it stands when it is poured: apex down."""
     figure, axis = blank_sheet((6.4, 4.6))
-    foot, top = module.foot, module.dome.height + module.dome.thickness + floor
+    foot, top = module.foot, module.skin.height + module.skin.thickness + floor
     down = np.array([1.0, -1.0])
     _fill(axis, down * [[0, foot], [radius, foot], [radius, top], [0, top]], PLASTIC)
     _fill(axis, down * follow_outline(module.outside()), SILICONE)

@@ -24,7 +24,7 @@ _FAR = 1e4
 def draw_barrel_section(module: ContactModule) -> Figure:
     """Draw the section of a barrel's module with its dimensions."""
     figure, axis = blank_sheet(_SIZE)
-    skin, side = module.dome, module.dome.outer_widest[0]
+    skin, side = module.skin, module.skin.outer_widest[0]
     _fill(axis, follow_outline(module.outline()), SILICONE)
     draw_dimension(axis, (0.0, -side - 8), (skin.height, -side - 8), f"H = {skin.height:.4g}")
     draw_dimension(axis, (0.0, -skin.base_radius), (0.0, skin.base_radius), f"2 B = {2 * skin.base_radius:.4g}")
@@ -52,8 +52,8 @@ def draw_barrel_mold(mold: Mold, floor: float, plate: float, spigot: float) -> F
     _fill(axis, follow_outline(module.inside()), CORE)
     _fill(axis, np.array([[0, top], [spigot, top], [spigot, top + floor], [0, top + floor]]), CORE)
     _fill(axis, np.array([[0, foot - plate], [radius, foot - plate], [radius, foot], [0, foot]]), CORE)
-    axis.text(module.dome.height / 2, 0.0, "core", ha="center", va="center", fontsize=9)
-    axis.text(module.dome.height / 2, radius + 3, "cavity, in halves", ha="center", va="bottom", fontsize=9)
+    axis.text(module.skin.height / 2, 0.0, "core", ha="center", va="center", fontsize=9)
+    axis.text(module.skin.height / 2, radius + 3, "cavity, in halves", ha="center", va="bottom", fontsize=9)
     axis.set_xlim(foot - plate - 4, top + floor + 4)
     axis.set_ylim(-radius - 4, radius + 12)
     return figure

@@ -101,7 +101,7 @@ M3, M2 = Screw(M3_CORE, M3_CLEAR, 6.2, WALL), Screw(1.6, 2.4, 4.4, 1.8)
 
 
 def _screw(module: ContactModule) -> Screw:
-    return M2 if module.dome.hole else M3
+    return M2 if module.skin.hole else M3
 
 
 def _corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
@@ -200,12 +200,12 @@ def free_travel(module: ContactModule, enclosure: Enclosure, tilt_deg: float) ->
     Along the axis; of a barrel's wall, inclined against the axis towards its nearer end, along the wall's normal.
     """
     tilt = np.radians(tilt_deg)
-    if module.dome.hole:
+    if module.skin.hole:
         normal = np.array([np.cos(tilt), 0.0, -np.sin(tilt)])
-        return float(module.dome.touch(normal) @ normal - max(np.array(enclosure.ring) @ normal[::2]))
+        return float(module.skin.support_point(normal) @ normal - max(np.array(enclosure.ring) @ normal[::2]))
     turns = rotation_vector(tilt, np.linspace(0.0, np.pi / 2, _TURNS))
     normals = np.array([wall_normal(*turn) for turn in turns.tolist()])
-    touch = module.dome.touch_height(normals).min()  # of the wall over the axis at first touch
+    touch = module.skin.support_height(normals).min()  # of the wall over the axis at first touch
     return float(min(touch - radius * np.tan(tilt) - z for radius, z in enclosure.ring))
 
 
@@ -272,7 +272,7 @@ def _clamp_ring(module: ContactModule, spec: ProcessSpec, outer: float) -> CadSo
     places, screw = _screw_places(module, outer), _screw(module)
     screws = [cylinder(screw.clear / 2, module.foot - 1, RING_TOP + 1, at) for at in places]
     heads = [cylinder(screw.head / 2, module.foot / 3, RING_TOP + 1, at) for at in places]
-    if module.dome.hole:  # in halves, for the skin is wider than its opening
+    if module.skin.hole:  # in halves, for the skin is wider than its opening
         kerf = (spec.clearance, outer + 1)
         heads.append(box((-kerf[0], -kerf[1], module.foot - 1), (*kerf, RING_TOP + 1)))
     return revolve(section).cut(module.solid(room), *screws, *heads)
@@ -285,7 +285,7 @@ def _ring_opening(module: ContactModule) -> float:
 
 def _ring_top(module: ContactModule) -> float:
     """Radius to which the clamp ring is level, mm: that of its opening where it is round."""
-    return module.farthest * _ring_opening(module) + (0.0 if module.dome.plan.is_round else _LAND)
+    return module.farthest * _ring_opening(module) + (0.0 if module.skin.plan.is_round else _LAND)
 
 
 def _robot_plate(screw_radius: float, outer: float, top: float) -> CadSolid:

@@ -95,7 +95,7 @@ class BarrelFrame:
             *self._along(ROD_CLEAR / 2, low - 1, low + CAP + 1), *(screw.moved(z=low) for screw in screws)
         )
         rods = gather(self._along(ROD / 2, *self.ends))
-        return {"end_ring": ring.turned("x", 180.0).moved(z=self.module.dome.height), "end_cap": cap, "rods": rods}
+        return {"end_ring": ring.turned("x", 180.0).moved(z=self.module.skin.height), "end_cap": cap, "rods": rods}
 
     def _along(self, radius: float, low: float, high: float) -> list[CadSolid]:
         return [cylinder(radius, low, high, (x, y)) for x, y in self.places.tolist()]

@@ -113,7 +113,7 @@ def _describe(skin: Skin, layout: MarkerLayout, material: str, mold: Mold) -> li
         f"{len(layout)} markers of {layout.diameter:g} mm "
         f"{f'on pins of {skin.pin:g} mm inside' if skin.pin else 'on the inner surface'}. Elastomer: {material}.",
         f"The mold is larger than the part by the shrinkage of the elastomer "
-        f"(factor {mold.module.dome.height / skin.height:.5f}).",
+        f"(factor {mold.module.skin.height / skin.height:.5f}).",
     ]
 
 
@@ -128,7 +128,7 @@ def _list_material(mixed: float, mold: Mold, spec: ProcessSpec) -> list[str]:
             if mold.is_split
             else []
         ),
-        f"Silicone ink (black) and cliché or template; dots of {spec.smallest_dot:g} mm and more.",
+        f"Silicone ink (black) and cliché or template; dots of {spec.min_marker_diameter:g} mm and more.",
     ]
 
 

@@ -76,7 +76,7 @@ class Mold:
         """Volume between cavity and core, mm³: what the elastomer fills."""
         module = self.module
         wall = module.solid(module.outside()).volume - module.solid(module.inside()).volume
-        return wall + (0.0 if module.dome.hole else self.pins_mm3)
+        return wall + (0.0 if module.skin.hole else self.pins_mm3)
 
 
 def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid] = ()) -> Mold:
@@ -106,10 +106,10 @@ def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid
             f"Take at least {spec.pin_height + _BLIND + spec.printer_wall:.3g} mm of plate.",
             code="mold-pin-too-high",
         )
-    widest = module.dome.outer_widest[0]
-    radius = max(module.flange_foot, widest if module.dome.hole else 0.0) + spec.mold_wall
+    widest = module.skin.outer_widest[0]
+    radius = max(module.flange_foot, widest if module.skin.hole else 0.0) + spec.mold_wall
     dowel = DOWEL_DIAMETER + 2 * spec.printer_wall
-    if module.dome.bulges and min(spec.mold_floor, radius - widest) < dowel:
+    if module.skin.bulges and min(spec.mold_floor, radius - widest) < dowel:
         raise PalpateError(
             f"The cavity must be split, and its dowels of {DOWEL_DIAMETER:g} mm find no room in a floor of "
             f"{spec.mold_floor:g} mm.",
@@ -123,7 +123,7 @@ def build_mold(module: ContactModule, spec: ProcessSpec, pins: Sequence[CadSolid
     whole = core.volume
     if pins:
         core = core.cut(*pins)
-    halves = _split(cavity, module, radius, spec) if module.dome.bulges else {"mold_cavity": cavity}
+    halves = _split(cavity, module, radius, spec) if module.skin.bulges else {"mold_cavity": cavity}
     return Mold(module, {"mold_core": core, **halves}, radius, whole - core.volume)
 
 
@@ -135,7 +135,7 @@ def _pins(module: ContactModule, spec: ProcessSpec) -> list[Point]:
 def _build_cavity(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:
     top = module.top + spec.mold_floor
     block = module.prism(radius, module.foot, top).cut(module.solid(module.outside()))
-    if module.dome.hole:
+    if module.skin.hole:
         block = block.cut(cylinder(_SPIGOT * module.opening_radius + spec.clearance, module.top - 1, top + 1))
     root = module.foot + spec.mold_floor / 4
     pins = [cylinder(spec.pin_diameter / 2, module.foot - spec.pin_height, root, at) for at in _pins(module, spec)]
@@ -145,7 +145,7 @@ def _build_cavity(module: ContactModule, spec: ProcessSpec, radius: float) -> Ca
 def _build_core(module: ContactModule, spec: ProcessSpec, radius: float) -> CadSolid:
     foot, low = module.foot, module.foot - spec.plate
     core = module.prism(radius, low, foot).join(module.solid(module.inside()))
-    if module.dome.hole:
+    if module.skin.hole:
         core = core.join(cylinder(_SPIGOT * module.opening_radius, module.top - 1, module.top + spec.mold_floor))
     hole = spec.pin_diameter / 2 + spec.clearance
     holes = [cylinder(hole, foot - spec.pin_height - _BLIND, foot, at) for at in _pins(module, spec)]
@@ -166,10 +166,10 @@ def vent_azimuths(count: int) -> list[float]:
 def _split(cavity: CadSolid, module: ContactModule, radius: float, spec: ProcessSpec) -> dict[str, CadSolid]:
     """Halves of a cavity on both sides of y = 0, with holes for dowels of which one is offset."""
     low, high = module.foot - spec.pin_height, module.top + spec.mold_floor
-    across = (module.dome.outer_widest[0] + radius) / 2
-    height, offset = module.dome.outer_widest[1], 2 * DOWEL_DIAMETER
+    across = (module.skin.outer_widest[0] + radius) / 2
+    height, offset = module.skin.outer_widest[1], 2 * DOWEL_DIAMETER
     places = [(-across, height), (across, height + offset), (0.0, high - spec.mold_floor / 2)]
-    if module.dome.hole:  # a spigot goes through the floor
+    if module.skin.hole:  # a spigot goes through the floor
         places = [
             (-across, height / 3),
             (across, height / 3 + offset),

@@ -73,7 +73,7 @@ def build_window(module: ContactModule, thickness: float, spec: ProcessSpec) -> 
             code="window-too-thick",
         )
     reach = module.opening_radius - spec.clearance
-    gel = [(0.0, module.dome.height), *module.dome.meridian(0.0, down=True), (0.0, 0.0)]
+    gel = [(0.0, module.skin.height), *module.skin.meridian(0.0, down=True), (0.0, 0.0)]
     return WindowPlate(
         solid=module.prism(reach, -thickness, 0.0),
         thickness=thickness,
@@ -81,5 +81,5 @@ def build_window(module: ContactModule, thickness: float, spec: ProcessSpec) -> 
         boss=module.flange_thickness - thickness,
         opening=module.opening_radius - LEDGE,
         gel_mm3=module.solid(gel).volume,
-        skin=module.dome,
+        skin=module.skin,
     )

@@ -94,7 +94,7 @@ def write_pack(folder: Path, spec: PackSpec) -> FabricationPack:
     PalpateError
         If the design cannot be made, naming the limit, or the folder cannot be written; then it is left as it was.
     """
-    skin = build_skin(spec.dome)
+    skin = build_skin(spec.skin)
     layout = place_markers(skin, spec.markers)
     camera = build_camera(spec.camera)
     build_contact_module(skin, spec.mount)  # refuses what has none before anything is checked
@@ -176,7 +176,7 @@ def _write_solids(
         try:
             meshes["template"] = build_template(made.skin, made.layout, spec.process)
         except PalpateError as error:
-            findings = (*findings, Finding(Severity.NOTE, "no-template", error.what, error.remedy))
+            findings = (*findings, Finding(Severity.NOTE, "no-template", error.problem, error.remedy))
     for name, mesh in meshes.items():
         for suffix in ("stl", "3mf"):
             write_mesh(work / f"{name}.{suffix}", mesh)
@@ -261,7 +261,7 @@ def _write_manifest(
     data = {
         "made_by": provenance(),
         "design": {
-            "dome": spec.dome.model_dump(mode="json"),
+            "dome": spec.skin.model_dump(mode="json"),
             "markers": spec.markers.model_dump(mode="json"),
             "mount": spec.mount.model_dump(mode="json"),
             "material": spec.material.name,

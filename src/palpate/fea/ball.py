@@ -82,7 +82,7 @@ class BallSpec(ObstacleSpec):
     )
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"ball {self.radius:g} mm, {self.offset:g} mm off the axis"
 
     @property
@@ -93,7 +93,7 @@ class BallSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return self.azimuth_deg - 90.0
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         middle = self.turn(mesh).T @ turn_about_axis(np.radians(self.azimuth_deg)) @ [self.offset, 0.0, 0.0]
         if not mesh.spec.whole:
             middle[0] = 0.0

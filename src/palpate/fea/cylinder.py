@@ -56,12 +56,12 @@ class CylinderSpec(LevelObstacleSpec):
     radius: float = parameter(5.0, unit="mm", meaning="radius of the bar", gt=0, le=1000)
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         return f"cylinder {self.radius:g} mm, {self.offset:g} mm off the axis"
 
     @property
     def half_height(self) -> float:
         return self.radius
 
-    def lie(self, point: FloatArray, along: FloatArray) -> Cylinder:
+    def place(self, point: FloatArray, along: FloatArray) -> Cylinder:
         return Cylinder(self.radius, point, along)

@@ -79,13 +79,13 @@ def _meshio() -> Any:
 
 def _write_images(folder: Path, press: Press) -> list[str]:
     meshio = _meshio()
-    mesh, turn = press.mesh, press.wall.turn(press.mesh)
+    mesh, turn = press.mesh, press.obstacle.turn(press.mesh)
     cells = [("hexahedron27", mesh.cells[:, _VTK])]
-    obstacle, _ = press.wall.at_touch(mesh)
+    obstacle, _ = press.obstacle.at_first_contact(mesh)
     solid = None if press.solved_by != "palpate" else clamped_solid(press)
     names = []
     for k, (depth, u) in enumerate(zip(press.depth, press.displacement, strict=True)):
-        gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).reach(mesh.nodes + u)
+        gap = -obstacle.moved(np.array([0.0, 0.0, -depth])).penetration(mesh.nodes + u)
         fields = {"displacement_mm": u @ turn.T, "wall_gap_mm": gap}
         if solid is not None:
             fields |= _stress_fields(solid, u, turn)

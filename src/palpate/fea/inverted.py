@@ -113,7 +113,7 @@ def refine_mesh(mesh: Mesh) -> Mesh:
 
 def find_contact_ring(monitor: SkinMonitor, at: float, state: State) -> ContactRing:
     """Ring of contact of a state at a depth in mm."""
-    met = monitor.loading.meet(at, state)
+    met = monitor.loading.contact_pair(at, state)
     touching = monitor.loading.touching(at, state)
     along, across = monitor.axes
     arm = met.points[touching] - met.points[monitor.probe]

@@ -23,7 +23,7 @@ class LevelObstacleSpec(ObstacleSpec, ABC):
     )
 
     @abstractmethod
-    def lie(self, point: FloatArray, along: FloatArray) -> Obstacle:
+    def place(self, point: FloatArray, along: FloatArray) -> Obstacle:
         """The obstacle whose axis passes through a point (3,) mm along a unit vector (3,)."""
 
     @property
@@ -33,7 +33,7 @@ class LevelObstacleSpec(ObstacleSpec, ABC):
 
     @property
     def pose_space(self) -> PoseSpace:
-        return PoseSpace.of_lines()
+        return PoseSpace.for_lines()
 
     @property
     def radial(self) -> float:
@@ -47,7 +47,7 @@ class LevelObstacleSpec(ObstacleSpec, ABC):
     def axisymmetric(self) -> bool:
         return False
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         turn = turn_about_axis(np.radians(self.azimuth_deg if mesh.spec.whole else 0.0))
         middle = turn @ [0.0, self.offset, self.half_height + mesh.skin.outer_height]
-        return find_first_contact(mesh, self.lie(middle, turn[:, 0].copy()))
+        return find_first_contact(mesh, self.place(middle, turn[:, 0].copy()))

@@ -81,8 +81,8 @@ class SkinMonitor(Monitor):
 
     def gap(self, at: float, state: State) -> float:
         """Distance in mm between the obstacle at a depth and the point that it touched first."""
-        met = self.loading.meet(at, state)
-        return -float(met.obstacle.reach(met.points[self.probe : self.probe + 1])[0])
+        met = self.loading.contact_pair(at, state)
+        return -float(met.obstacle.penetration(met.points[self.probe : self.probe + 1])[0])
 
     def inverted(self, at: float, state: State) -> bool:
         return self.gap(at, state) > _INVERTED_GAP * self.thickness
@@ -94,10 +94,10 @@ class SkinMonitor(Monitor):
         return np.where(middle, _PULL * self.loading.law.stiffness, 0.0)
 
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
-        lift = -self.loading.reach(at, state)
+        lift = -self.loading.penetration(at, state)
         return float((springs * np.maximum(lift, 0.0)).max(initial=0.0))
 
-    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+    def perturbed(self, at: float, state: State, push: float) -> FloatArray:
         """A dent about the first-touched point, as wide as a ring of contact at this depth."""
         touched = self.loading.surface.points[self.probe]
         away = np.linalg.norm(self.solid.nodes - touched, axis=1)

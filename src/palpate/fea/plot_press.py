@@ -46,7 +46,7 @@ def plot_press(press: Press) -> Figure:
     curve.legend(frameon=False)
     for axis in (section, curve):
         axis.spines[["top", "right"]].set_visible(False)
-    title = f"{press.mesh.skin.name}, {press.wall.words}: {press.ended}"
+    title = f"{press.mesh.skin.name}, {press.obstacle.label}: {press.ended}"
     figure.suptitle(title, fontsize=11)
     return figure
 

@@ -42,7 +42,7 @@ class IncrementFields(TypedDict):
     peak_stress: FloatArray
     contact_area: FloatArray
     apex_gap: FloatArray
-    hold_tension: FloatArray
+    stabilisation_tension: FloatArray
     negative_pivots: IntArray
 
 
@@ -52,7 +52,7 @@ class Press:
 
     Attributes
     ----------
-    mesh, material, wall, solver
+    mesh, material, obstacle, solver
         What made it.
     depth
         (n,) mm travel of the wall since first touch.
@@ -71,7 +71,7 @@ class Press:
         (n,) mm² deformed area that touches the wall, whole dome.
     apex_gap
         (n,) mm distance between the wall and the point that it touched first.
-    hold_tension
+    stabilisation_tension
         (n,) MPa greatest tension that held the flat patch to the wall (see `palpate.fea.monitor`).
     negative_pivots
         (n,) unstable modes of the discrete equilibrium (0: stable; -1: the linear solver cannot tell).
@@ -91,7 +91,7 @@ class Press:
 
     mesh: Mesh
     material: Material
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     solver: SolverSpec
     depth: FloatArray
     displacement: FloatArray
@@ -104,7 +104,7 @@ class Press:
     peak_stress: FloatArray
     contact_area: FloatArray
     apex_gap: FloatArray
-    hold_tension: FloatArray
+    stabilisation_tension: FloatArray
     negative_pivots: IntArray
     ended: EndReason
     ended_depth: float
@@ -175,12 +175,12 @@ class Press:
             peak_stress=self.peak_stress[here],
             contact_area=self.contact_area[here],
             apex_gap=self.apex_gap[here],
-            hold_tension=self.hold_tension[here],
+            stabilisation_tension=self.stabilisation_tension[here],
             negative_pivots=self.negative_pivots[here],
             derivatives=derivatives,
         )
 
-    def on(self, mesh: Mesh) -> Press:
+    def interpolated_to(self, mesh: Mesh) -> Press:
         """The press with its fields interpolated to another mesh of the skin, of as many layers."""
         nodes = locate_nodes(self.mesh, mesh)
         derivatives = {
@@ -202,12 +202,12 @@ class Press:
         (n, m, 3) mm
             Deformed positions, dome's frame.
         """
-        result: FloatArray = np.asarray(points, float) + self.moved(points)
+        result: FloatArray = np.asarray(points, float) + self.displacement_at(points)
         return result
 
-    def moved(self, points: FloatArray, by: str = "") -> FloatArray:
+    def displacement_at(self, points: FloatArray, by: str = "") -> FloatArray:
         """Displacement (n, m, 3) mm of such points (m, 3) mm, or its derivative `by` one of `derivatives`."""
-        turn = self.wall.turn(self.mesh)
+        turn = self.obstacle.turn(self.mesh)
         points = np.asarray(points, float)
         local = points @ turn
         side = np.ones(3)

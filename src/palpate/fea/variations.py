@@ -10,7 +10,7 @@ name                  parameter                                            unit
 ``shift_across``      the same across it                                   mm
 ``twist_deg``         turn of the wall about its normal, after the press   deg
 ``drift``             travel along the wall's slope over depth             mm/mm
-``drift_across``      the same across it                                   mm/mm
+``lateral_rate_across``      the same across it                                   mm/mm
 ``twist_rate_deg``    turn of the wall about its normal over depth         deg/mm
 ``bend``              curvature of the wall, bulging towards the skin      1/m
 ``friction``          coefficient of friction                              1
@@ -39,7 +39,7 @@ from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
 from palpate.mesh import Mesh, reshape_mesh
 
 _POSE = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg")
-WALL_NAMES = (*_POSE, *WallSpec.DRIFTS, "bend", "friction")
+WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "bend", "friction")
 """What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
 _STEP = 1e-7
 """Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
@@ -53,7 +53,7 @@ class PathInputs:
 
     Attributes
     ----------
-    mesh, material, wall
+    mesh, material, obstacle
         Of the press.
     load
         Makes the loading of a mesh, material and wall.
@@ -63,18 +63,18 @@ class PathInputs:
 
     mesh: Mesh
     material: Material
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     load: Callable[[Mesh, Material, ObstacleSpec], ContactLoading]
     loading: ContactLoading
     solid: Solid
 
 
-def parameter_names(mesh: Mesh, material: Material, wall: ObstacleSpec) -> tuple[str, ...]:
+def parameter_names(mesh: Mesh, material: Material, obstacle: ObstacleSpec) -> tuple[str, ...]:
     """Names by which a press may be differentiated."""
-    if wall.sideways:
+    if obstacle.sideways:
         return tuple(material.key_data()["constants"])
-    contact = [name for name in WALL_NAMES if name != "friction" or 0 < wall.friction < np.inf]
-    if not isinstance(wall, WallSpec):
+    contact = [name for name in WALL_NAMES if name != "friction" or 0 < obstacle.friction < np.inf]
+    if not isinstance(obstacle, WallSpec):
         contact = [name for name in contact if name in ("depth", "shift", "shift_across", "friction")]
     sizes = {} if mesh.filling else mesh.skin.spec_data
     skin = [name for name, value in sizes.items() if isinstance(value, float) and name != "pin"]  # pins bear nothing
@@ -89,7 +89,7 @@ def make_variations(made: PathInputs, names: Sequence[str]) -> tuple[Variation, 
     PalpateError
         If the press cannot be differentiated by a name.
     """
-    known = parameter_names(made.mesh, made.material, made.wall)
+    known = parameter_names(made.mesh, made.material, made.obstacle)
     unknown = [name for name in names if name not in known]
     if unknown:
         raise PalpateError(
@@ -110,7 +110,7 @@ def _vary(made: PathInputs, name: str) -> Variation:
         return Variation(name, _STEP, high, low)
     if name in ("tilt_deg", "across_deg"):
         return _vary_wall(made, name)
-    if name in WallSpec.DRIFTS:
+    if name in WallSpec.LATERAL_FIELDS:
         return _vary_drift(made, name)
     if name == "bend":
         return _vary_bend(made)
@@ -120,13 +120,13 @@ def _vary(made: PathInputs, name: str) -> Variation:
             replace(made.loading, obstacle=partial(_twisted, made.loading.obstacle, np.radians(by)))
             for by in (_STEP, -_STEP)
         )
-        return Variation(name, _STEP, high, low, lasting=False, across=half)
-    turn = np.eye(3) if half else turn_about_axis(np.radians(made.wall.turn_deg))
+        return Variation(name, _STEP, high, low, lasting=False, antisymmetric=half)
+    turn = np.eye(3) if half else turn_about_axis(np.radians(made.obstacle.turn_deg))
     way = turn @ {"depth": [0.0, 0.0, -1.0], "shift": [0.0, 1.0, 0.0], "shift_across": [1.0, 0.0, 0.0]}[name]
     high, low = (
         replace(made.loading, obstacle=partial(_travelled, made.loading.obstacle, by * way)) for by in (_STEP, -_STEP)
     )
-    return Variation(name, _STEP, high, low, lasting=False, across=half and name == "shift_across")
+    return Variation(name, _STEP, high, low, lasting=False, antisymmetric=half and name == "shift_across")
 
 
 def _travelled(obstacle: Callable[[float], Obstacle], by: FloatArray, depth: float) -> Obstacle:
@@ -141,18 +141,18 @@ def _twisted(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> 
 
 def _vary_drift(made: PathInputs, name: str) -> Variation:
     """The wall that drifts more, or less, on its way."""
-    assert isinstance(made.wall, WallSpec)
+    assert isinstance(made.obstacle, WallSpec)
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
     half = not made.mesh.spec.whole
-    ways = slope_ways(touched.normal, 0.0 if half else np.radians(made.wall.azimuth_deg))
-    way = {"drift": ways[0], "drift_across": ways[1]}.get(name, np.zeros(3))
+    ways = slope_ways(touched.normal, 0.0 if half else np.radians(made.obstacle.azimuth_deg))
+    way = {"drift": ways[0], "lateral_rate_across": ways[1]}.get(name, np.zeros(3))
     twist = np.radians(1.0) if name == "twist_rate_deg" else 0.0
     high, low = (
         replace(made.loading, obstacle=partial(drifting, made.loading.obstacle, by * way, by * twist))
         for by in (_STEP, -_STEP)
     )
-    return Variation(name, _STEP, high, low, across=half and name != "drift", sideways=True)
+    return Variation(name, _STEP, high, low, antisymmetric=half and name != "drift", sideways=True)
 
 
 def _vary_bend(made: PathInputs) -> Variation:
@@ -174,17 +174,21 @@ def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obs
 
 def _vary_wall(made: PathInputs, name: str) -> Variation:
     """The wall under another tilt, from first touch on."""
-    assert isinstance(made.wall, WallSpec)
+    assert isinstance(made.obstacle, WallSpec)
     across = name == "across_deg"
-    azimuth = np.radians(made.wall.azimuth_deg) if made.mesh.spec.whole else 0.0
-    along = rotation_vector(np.radians(made.wall.tilt_deg), azimuth)
+    azimuth = np.radians(made.obstacle.azimuth_deg) if made.mesh.spec.whole else 0.0
+    along = rotation_vector(np.radians(made.obstacle.tilt_deg), azimuth)
     unit = rotation_vector(1.0, azimuth + (np.pi / 2 if across else 0.0))
     sides = []
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
-        touched = Plane(normal, made.mesh.skin.touch(normal), bend=1e-3 * made.wall.bend)
-        sides.append(replace(made.loading, obstacle=partial(translate_obstacle, touched, made.wall.way(made.mesh))))
-    return Variation(name, _STEP, sides[0], sides[1], across=across and not made.mesh.spec.whole)
+        touched = Plane(normal, made.mesh.skin.support_point(normal), bend=1e-3 * made.obstacle.curvature)
+        sides.append(
+            replace(
+                made.loading, obstacle=partial(translate_obstacle, touched, made.obstacle.approach_axis(made.mesh))
+            )
+        )
+    return Variation(name, _STEP, sides[0], sides[1], antisymmetric=across and not made.mesh.spec.whole)
 
 
 def _vary_skin(made: PathInputs, name: str) -> Variation:
@@ -193,7 +197,7 @@ def _vary_skin(made: PathInputs, name: str) -> Variation:
     for by in (_STEP, -_STEP):
         data = made.mesh.skin.spec_data
         sides.append(reshape_mesh(made.mesh, build_skin(skin_from_data(data | {name: data[name] + by}))))
-    high, low = (made.load(mesh, made.material, made.wall) for mesh in sides)
+    high, low = (made.load(mesh, made.material, made.obstacle) for mesh in sides)
     solids = (made.solid.remade(sides[0].nodes, made.material), made.solid.remade(sides[1].nodes, made.material))
     return Variation(name, _STEP, high, low, solids)
 
@@ -206,7 +210,7 @@ def _vary_material(made: PathInputs, name: str) -> Variation:
     for by in (step, -step):
         constants = data["constants"] | {name: data["constants"][name] + by}
         sides.append(material_from_data({"name": made.material.name, **data, "constants": constants}))
-    high, low = (made.load(made.mesh, material, made.wall) for material in sides)
+    high, low = (made.load(made.mesh, material, made.obstacle) for material in sides)
     solids = (made.solid.remade(made.mesh.nodes, sides[0]), made.solid.remade(made.mesh.nodes, sides[1]))
     return Variation(name, step, high, low, solids)
 

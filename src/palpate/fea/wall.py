@@ -32,18 +32,18 @@ class WallSpec(ObstacleSpec):
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
 
-    DRIFTS: ClassVar[tuple[str, ...]] = ("drift", "drift_across", "twist_rate_deg")
+    LATERAL_FIELDS: ClassVar[tuple[str, ...]] = ("drift", "lateral_rate_across", "twist_rate_deg")
     """Fields, and names of derivatives, by which it moves other than along the skin's axis."""
 
-    drift: float = parameter(
+    lateral_rate: float = parameter(
         0.0, unit="mm/mm", meaning="travel in the wall's plane, up or down its slope, over depth", ge=-1, le=1
     )
-    drift_across: float = parameter(0.0, unit="mm/mm", meaning="the same across the slope", ge=-1, le=1)
+    lateral_rate_across: float = parameter(0.0, unit="mm/mm", meaning="the same across the slope", ge=-1, le=1)
     twist_rate_deg: float = parameter(
         0.0, unit="deg/mm", meaning="turn about the wall's normal over depth", ge=-5, le=5
     )
 
-    bend: float = parameter(
+    curvature: float = parameter(
         0.0, unit="1/m", meaning="curvature in all directions; positive: bulging towards the dome", ge=-20, le=100
     )
 
@@ -51,16 +51,16 @@ class WallSpec(ObstacleSpec):
     def _leave_out_nothing(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """A flat wall that does not drift is written as before there were others: artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
-        return {name: value for name, value in content.items() if name not in (*self.DRIFTS, "bend") or value}
+        return {name: value for name, value in content.items() if name not in (*self.LATERAL_FIELDS, "bend") or value}
 
     @property
-    def drifts(self) -> bool:
-        return any(getattr(self, name) for name in self.DRIFTS)
+    def moves_laterally(self) -> bool:
+        return any(getattr(self, name) for name in self.LATERAL_FIELDS)
 
     @property
-    def words(self) -> str:
-        bent = f" of curvature {self.bend:g}/m" if self.bend else ""
-        return f"tilt {self.tilt_deg:g}°" + bent + (" that drifts" if self.drifts else "")
+    def label(self) -> str:
+        bent = f" of curvature {self.curvature:g}/m" if self.curvature else ""
+        return f"tilt {self.tilt_deg:g}°" + bent + (" that drifts" if self.moves_laterally else "")
 
     @property
     def pose_space(self) -> PoseSpace:
@@ -74,26 +74,26 @@ class WallSpec(ObstacleSpec):
     def turn_deg(self) -> float:
         return self.azimuth_deg
 
-    def at_touch(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
+    def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         normal = self.normal(mesh)
-        touched = mesh.skin.touch(normal)
-        return Plane(normal, touched, bend=1e-3 * self.bend), touched
+        touched = mesh.skin.support_point(normal)
+        return Plane(normal, touched, bend=1e-3 * self.curvature), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
-        touched, _ = self.at_touch(mesh)
-        down = partial(translate_obstacle, touched, self.way(mesh))
-        if not self.drifts:
+        touched, _ = self.at_first_contact(mesh)
+        down = partial(translate_obstacle, touched, self.approach_axis(mesh))
+        if not self.moves_laterally:
             return down
-        if not mesh.spec.whole and (self.drift_across or self.twist_rate_deg):
+        if not mesh.spec.whole and (self.lateral_rate_across or self.twist_rate_deg):
             raise PalpateError(
-                f"A wall that drifts by {self.drift_across:g} mm/mm across its slope, or turns by "
+                f"A wall that drifts by {self.lateral_rate_across:g} mm/mm across its slope, or turns by "
                 f"{self.twist_rate_deg:g}°/mm, is not symmetric.",
                 "Use a whole mesh: MeshSpec(whole=True), --whole.",
                 code="mesh-whole-needed",
             )
         assert isinstance(touched, Plane)
         along, across = slope_ways(touched.normal, np.radians(self.azimuth_deg) if mesh.spec.whole else 0.0)
-        way = self.drift * along + self.drift_across * across
+        way = self.lateral_rate * along + self.lateral_rate_across * across
         return partial(drifting, down, way, np.radians(self.twist_rate_deg))
 
     def normal(self, mesh: Mesh) -> FloatArray:
@@ -158,16 +158,16 @@ class Plane(Obstacle):
         sides = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
         return np.array([at + half * (a * along + b * across) for a, b in sides]), np.array([[0, 1, 2, 3]])
 
-    def reach(self, points: FloatArray) -> FloatArray:
+    def penetration(self, points: FloatArray) -> FloatArray:
         if self.bend:
-            return super().reach(points)
+            return super().penetration(points)
         reach: FloatArray = (points - self.point) @ self.normal
         return reach
 
-    def foot(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def closest_points(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         if self.bend:
-            return super().foot(points)
-        reach = self.reach(points)
+            return super().closest_points(points)
+        reach = self.penetration(points)
         place = points - self.point - reach[:, None] * self.normal
         return reach, place if self.axes is None else place @ self.axes
 
@@ -190,9 +190,9 @@ def slope_ways(normal: FloatArray, azimuth: float) -> tuple[FloatArray, FloatArr
     return np.cross(normal, across), across
 
 
-def drifting(wall: Callable[[float], Obstacle], way: FloatArray, twist: float, depth: float) -> Plane:
+def drifting(obstacle: Callable[[float], Obstacle], way: FloatArray, twist: float, depth: float) -> Plane:
     """A wall at a depth in mm that goes the `way` (3,) mm/mm besides, and turns by `twist` rad/mm."""
-    plane = wall(depth)
+    plane = obstacle(depth)
     assert isinstance(plane, Plane)
     return plane.moved(depth * way).twisted(depth * twist)
 

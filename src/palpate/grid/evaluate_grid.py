@@ -52,7 +52,7 @@ def _table(rows: Iterable[Row]) -> tuple[Row, ...]:
 def _by_depth(design: DesignResult) -> list[Row]:
     """Errors, limits and how near they come, by rising depth."""
     errors = _by_place(design, lambda metrics: {(round(part.depth_mm, 6),): part for part in metrics.by_depth})
-    limits = {round(limit.depth_mm, 6): limit for limit in design.limits}
+    limits = {round(limit.depth_mm, 6): limit for limit in design.bounds}
     rows: list[Row] = []
     for depth in sorted({*limits, *(place[0] for place in errors)}):
         limit, found = limits.get(depth), errors.get((depth,), _errors_of(None, None))
@@ -136,11 +136,11 @@ def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
     first, known = figures
     return {
         "built_rmse_deg": first.rmse_deg,
-        "built_worst_deg": first.worst_deg,
+        "built_worst_deg": first.p95_deg,
         "known_rmse_deg": known.rmse_deg,
-        "known_worst_deg": known.worst_deg,
+        "known_worst_deg": known.p95_deg,
         "known_depth_rmse_mm": known.depth_rmse,
-        "known_presses": known.known,
+        "known_presses": known.calibration_presses,
     }
 
 
@@ -155,8 +155,8 @@ def _spread(design: DesignResult) -> dict[str, Cell]:
 
 def _limits(design: DesignResult) -> dict[str, Cell]:
     """Bounds on the jittered RMSE and how near it comes, over all depths."""
-    judged = compare_with_bound(design.jittered, design.limits) if design.jittered else None
-    pooled = judged[0] if judged else pool_bounds(design.limits)
+    judged = compare_with_bound(design.jittered, design.bounds) if design.jittered else None
+    pooled = judged[0] if judged else pool_bounds(design.bounds)
     return {
         "limit_deg": pooled.least_squares_deg if pooled else None,
         "limit_pitman_deg": pooled.pitman_deg if pooled else None,

@@ -100,7 +100,7 @@ class SpecificationGrid:
         """Names of the columns of `designs`, in order."""
         return tuple(self.designs[0]) if self.designs else ()
 
-    def keep(self, designs: Sequence[Row]) -> SpecificationGrid:
+    def select(self, designs: Sequence[Row]) -> SpecificationGrid:
         """The grid of some of its own designs alone, in the order given."""
         numbers = {id(row): number for number, row in enumerate(self.designs)}
         places = {numbers[id(row)]: place for place, row in enumerate(designs)}

@@ -75,7 +75,7 @@ def calibrate_interval(estimator: Estimator, dataset: Dataset, seed: int = 0) ->
     Estimator
         With an interval; unchanged where a single press is held out, since none would be left to prove it.
     """
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     if len(np.unique(held.press)) < 2:
         return estimator
     chosen = hold_out(held.press, SHARE, child_seed(seed, "calibration"))
@@ -112,7 +112,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
         `None` where the estimator has no interval, or one that promises nothing.
     """
     interval = estimator.interval
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     if interval is None or not np.isfinite(interval.factor).all():
         return None
     images, poses, press = _jittered(held, ~np.isin(held.press, interval.presses), child_seed(seed, "coverage"))
@@ -126,7 +126,7 @@ def measure_coverage(estimator: Estimator, dataset: Dataset, seed: int = 0) -> C
         depth=float(covered[:, 2].mean()),
         half_width_deg=float(found.half_width[:, :2].mean()),
         half_width_mm=float(found.half_width[:, 2].mean()),
-        outside=float(found.outside.mean()),
+        outside=float(found.out_of_distribution.mean()),
         false_alarm=interval.trained.false_alarm,
     )
 
@@ -170,8 +170,8 @@ def _find_range(kept: Dataset, seed: int) -> TrainedRange:
         rest_mean_px=float(rest.mean()),
         rest_sd_px=max(float(rest.std()), LEAST_NOISE_PX / np.sqrt(moved.shape[1])),
         tilt_deg=float(np.hypot(kept.poses[:, 0], kept.poses[:, 1]).max()),
-        least_depth_mm=float(kept.poses[:, 2].min()),
-        greatest_depth_mm=float(kept.poses[:, 2].max()),
+        min_depth_mm=float(kept.poses[:, 2].min()),
+        max_depth_mm=float(kept.poses[:, 2].max()),
         threshold=float("inf"),
         false_alarm=0.0,
     )

@@ -29,7 +29,7 @@ class SplitComparison:
     by_image: Metrics
 
     @property
-    def flatters(self) -> float:
+    def optimism_factor(self) -> float:
         """How many times smaller the split by image makes the RMSE of the angle."""
         return self.by_press.rmse_deg / self.by_image.rmse_deg
 
@@ -52,13 +52,13 @@ def compare_splits(
     seed
         Seed of both trainings and of the split by image.
     """
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     drawn = np.zeros(len(dataset.poses), dtype=bool)
     drawn[generator(seed, "split by image").permutation(len(drawn))[: len(held.poses)]] = True
     return SplitComparison(
         by_press=_errors(kept, held, spec, seed),
         by_image=_errors(
-            dataset.choose(~drawn, validation=False), dataset.choose(drawn, validation=True), spec, seed
+            dataset.select(~drawn, validation=False), dataset.select(drawn, validation=True), spec, seed
         ),
     )
 

@@ -99,7 +99,7 @@ def train_forces(dataset: Dataset, seed: int = 0, device: str = "cpu") -> ForceH
     """
     if dataset.forces is None:
         raise PalpateError("The dataset has no forces.", "Generate it with forces.", code="dataset-no-forces")
-    kept, held = dataset.part(validation=False), dataset.part(validation=True)
+    kept, held = dataset.subset(validation=False), dataset.subset(validation=True)
     inside, outside = _in_wall(kept), _in_wall(held)
     network, _ = train_targets(kept, held, (inside, outside), _NETWORK, child_seed(seed, "forces"), device)
     rows = generator(seed, "force scale").permutation(len(inside))[:MOST_IMAGES]

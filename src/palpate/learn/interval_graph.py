@@ -32,8 +32,8 @@ _SCALARS = (
     "rest_mean_px",
     "rest_sd_px",
     "tilt_deg",
-    "least_depth_mm",
-    "greatest_depth_mm",
+    "min_depth_mm",
+    "max_depth_mm",
     "threshold",
     "false_alarm",
 )

@@ -97,7 +97,7 @@ def compute_error_bounds(
     PalpateError
         If the obstacle is one that lies level.
     """
-    if field.space.lies:
+    if field.space.is_line:
         raise PalpateError(
             "The limit of an obstacle that lies level is not known: near the axis its place does not tell its pose.",
             "Measure errors on held-out images (palpate.learn.evaluate).",
@@ -106,12 +106,12 @@ def compute_error_bounds(
     limits: list[ErrorBound] = []
     if len(field.depths_mm) < FEWEST_IMAGES:
         return ()
-    sampled = np.hypot(*sample_poses(spec, field.offset, least=field.least).T)
+    sampled = np.hypot(*sample_poses(spec, field.max_offset, least=field.min_tilt_deg).T)
     for image in range(max(1, spec.dropped_images), len(field.depths_mm)):
-        radius = min(spec.max_tilt_deg if field.offset is None else field.offset, _reach(field, image))
+        radius = min(spec.max_tilt_deg if field.max_offset is None else field.max_offset, _reach(field, image))
         if radius <= 0:
             continue
-        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius, least=min(field.least, radius))
+        poses = sample_poses(DatasetSpec(n_presses=POSES, seed=seed), radius, least=min(field.min_tilt_deg, radius))
         jacobian = image_jacobian(field, camera, poses, image)
         known = np.flatnonzero(np.isfinite(jacobian).all(axis=(1, 2)))
         known = known[np.linalg.cond(jacobian[known]) < ILL_POSED]

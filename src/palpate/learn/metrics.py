@@ -217,7 +217,7 @@ def measure_errors(estimates: FloatArray, poses: FloatArray, space: PoseSpace = 
         for depth in np.unique(depths)
     )
     every = _by_axis(errors, space)
-    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1]))) if space.tilts else ()
+    by_tilt = tuple(_by_tilt(errors, np.hypot(poses[:, 0], poses[:, 1]))) if space.is_tilt else ()
     return Metrics(len(errors), every, by_depth, by_tilt)
 
 

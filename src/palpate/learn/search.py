@@ -54,7 +54,7 @@ def search_estimator(dataset: Dataset, spec: LearningSpec, journal: Path) -> Est
 
 def _split_again(dataset: Dataset, seed: int) -> Dataset:
     """Only the presses for training, some of them held out anew."""
-    kept = dataset.part(validation=False)
+    kept = dataset.subset(validation=False)
     fraction = dataset.spec.validation_fraction
     return replace(kept, validation=hold_out(kept.press, fraction, child_seed(seed, "inner split")))
 

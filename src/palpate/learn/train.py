@@ -49,7 +49,7 @@ def train(
     MissingExtraError
         If torch is not installed.
     """
-    return train_on(dataset.part(validation=False), dataset.part(validation=True), spec, seed, device)
+    return train_on(dataset.subset(validation=False), dataset.subset(validation=True), spec, seed, device)
 
 
 def train_on(kept: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, device: str = "cpu") -> Estimator:
@@ -137,7 +137,7 @@ def fit_ridge(dataset: Dataset) -> Estimator:
     >>> evaluate(estimator, dataset).images
     8
     """
-    kept = dataset.part(validation=False)
+    kept = dataset.subset(validation=False)
     inputs = _normalised(dataset, kept.images_px)
     centre = inputs.mean(axis=0)
     mean, sd = _standard(kept.poses)
@@ -173,7 +173,7 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     jitter_seed
         Seed of one draw of the dataset's jitter; `None` judges on clean images.
     """
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     images = held.images_px
     if jitter_seed is not None:
         images = draw_jitter(images, dataset.spec.jitter_px, generator(jitter_seed, "evaluate"))

@@ -70,11 +70,11 @@ def _doubt(finder: RingFinder, found: list[RingsFit]) -> str:
     more, there = finder.beyond(best)
     if there > _BEYOND * more:
         return f"one more ring of {more} has {there} dots"
-    if unsure := finder.unsure(best):
+    if unsure := finder.first_unreliable_ring(best):
         return f"ring {unsure} has few dots, and another lies where one of them could be"
-    if lopsided := finder.lopsided(best):
+    if lopsided := finder.first_distorted_ring(best):
         return f"ring {lopsided} is lopsided: one of its dots is not where the others have it"
-    strange = finder.strange(best)
+    strange = finder.count_unassigned(best)
     if strange > _STRANGE + _STRANGE_SHARE * best.count:
         return f"{strange} other dots lie between them"
     if len(rings) == 1 and finder.other is not None and finder.other.power < best.power + 0.5 * _RIVAL:

@@ -128,14 +128,14 @@ class RingFinder:
             every = fit.count >= _FULL * len(self.pattern) and len(fit.rings) == len(self.rings) + 1
             sure_of = _SURE if fit.count < _WHOLE * len(self.pattern) else _SURE / 2.0
             even = every and fit.power < sure_of and fit.even
-            if even and self.strange(fit) <= _FEW + 0.03 * fit.count:
+            if even and self.count_unassigned(fit) <= _FEW + 0.03 * fit.count:
                 sure = fit
         return sure is not None
 
     def _grow(self, weights: FloatArray) -> RingsFit:
         """All rings outwards from the innermost, as far as they are found; then the middle."""
         taken = np.zeros(len(self.blobs), bool)
-        rings = [self.settler.settle(weights, taken, self.angles[1], ALONE)]
+        rings = [self.settler.fit(weights, taken, self.angles[1], ALONE)]
         size = float(np.log(rings[0].radius_px / self.nominal_px[1]) / _SIZE)
         rings[0] = replace(rings[0], power=rings[0].power + 0.5 * size**2 / np.log(10.0))
         while rings[-1].share >= _LEAST_RING:
@@ -281,7 +281,7 @@ class RingFinder:
             last, number, self.angles[number], self.nominal_px[number] / self.nominal_px[number - 1], taken
         )
 
-    def unsure(self, fit: RingsFit) -> int:
+    def first_unreliable_ring(self, fit: RingsFit) -> int:
         """Number of the first ring that has so few dots that a false one could bend it, and such a dot near; or 0."""
         free = self.blobs[~self._taken(fit.rings)]
         rings = fit.rings[1:] if len(free) else ()
@@ -296,7 +296,7 @@ class RingFinder:
                 return number
         return 0
 
-    def lopsided(self, fit: RingsFit) -> int:
+    def first_distorted_ring(self, fit: RingsFit) -> int:
         """First ring of few dots one of which is not where an ellipse through the others has it; or 0."""
         for number, ring in enumerate(fit.rings[1:], 1):
             there = np.flatnonzero(ring.blob >= 0)
@@ -309,7 +309,7 @@ class RingFinder:
                 return number
         return 0
 
-    def strange(self, fit: RingsFit) -> int:
+    def count_unassigned(self, fit: RingsFit) -> int:
         """Number of dots within the outermost ring that are of none."""
         outer = ring_harmonics(np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), 7) @ fit.rings[-1].weights
         free = ~self._taken(fit.rings)

@@ -89,11 +89,11 @@ class RingFitter:
         for _ in range(_TRIED):
             grown = int(np.argmax(by_growth))
             weights = np.vstack([centre[np.argmax(score[grown])], growths[grown] * last.weights[1:]])
-            tried.append(self.settle(weights, taken, phi, hold))
+            tried.append(self.fit(weights, taken, phi, hold))
             by_growth[max(grown - 1, 0) : grown + 2] = -1.0
         return min(tried, key=lambda ring: ring.power)
 
-    def settle(self, weights: FloatArray, taken: BoolArray, phi: FloatArray, hold: RingPrior) -> RingFit:
+    def fit(self, weights: FloatArray, taken: BoolArray, phi: FloatArray, hold: RingPrior) -> RingFit:
         """Nearest dots and the ring in turn; at last what is too far from it is left out."""
         terms, held = ring_harmonics(phi, 7), weights
         blob = np.full(len(phi), -1)

@@ -56,7 +56,7 @@ class Tracker:
     motion
         Model of the joint motion; its rest is where the markers were named.
     state
-        After the last image that `step` was given; `follow` and `look` leave it alone.
+        After the last image that `step` was given; `follow` and `reassign` leave it alone.
     """
 
     motion: MotionModel
@@ -103,7 +103,7 @@ class Tracker:
         before = positions if jumped else state.last_px  # after a jump there is no motion to go on with
         return TrackedMarkers(positions, found, blob, jumped), TrackState(before, positions)
 
-    def look(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> tuple[TrackedMarkers, TrackState]:
+    def reassign(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> tuple[TrackedMarkers, TrackState]:
         """Find every marker among the dots (n, 2) of an image about places (m, 2); its sighting, and the next state.
 
         What foresees them answers for the roughness of the motion.

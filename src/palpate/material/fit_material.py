@@ -215,7 +215,7 @@ def _drucker_terms(model: Model, data: _Data, ends: tuple[float, float]) -> Floa
 
 def _fit_shapes(model: Model, data: _Data, spec: FitSpec, near: Fit | None) -> _Solution:
     """Search the shapes: every start is tried for a few steps, the best are followed to the end."""
-    starts = model.starts(data.principal, spec.largest_exponent)
+    starts = model.starts(data.principal, spec.max_exponent)
     if near is not None:
         boxes = [box for box, _ in starts if np.all((box[0] <= near.shapes) & (near.shapes <= box[1]))]
         starts = [(box, near.shapes) for box in boxes[:1]] or starts

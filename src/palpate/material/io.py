@@ -130,7 +130,7 @@ def _make(content: dict[str, Any], name: str) -> Material:
             **texts,
         )
     except PalpateError as error:
-        raise PalpateError(f"{name}: {error.what}", error.remedy, code=error.code) from None
+        raise PalpateError(f"{name}: {error.problem}", error.remedy, code=error.code) from None
 
 
 def _relaxation_data(relaxation: Relaxation) -> dict[str, Any]:

@@ -37,7 +37,7 @@ class Ranked:
         Model.
     fit
         Its fit; none where there is none.
-    behind
+    delta_aicc
         Akaike's criterion above that of the best: beyond 10 the data speak against the model.
     left_out
         RMSE over the greatest stress of samples that were left out of the fit in turn; nan with one sample.
@@ -47,7 +47,7 @@ class Ranked:
 
     name: str
     fit: Fit | None
-    behind: float
+    delta_aicc: float
     left_out: float
     failure: str = ""
 
@@ -100,13 +100,13 @@ def rank_models(
         try:
             fit = fit_rows(samples, chosen)
         except PalpateError as error:
-            found.append(Ranked(name, None, float("inf"), float("nan"), error.what))
+            found.append(Ranked(name, None, float("inf"), float("nan"), error.problem))
             continue
         found.append(Ranked(name, fit, fit.aicc, leave_out_error(samples, fit)))
-    best = min((item.behind for item in found), default=0.0)
+    best = min((item.delta_aicc for item in found), default=0.0)
     if np.isfinite(best):
-        found = [replace(item, behind=item.behind - best) for item in found]
-    return tuple(sorted(found, key=lambda item: item.behind))
+        found = [replace(item, delta_aicc=item.delta_aicc - best) for item in found]
+    return tuple(sorted(found, key=lambda item: item.delta_aicc))
 
 
 def leave_out_error(samples: Sequence[Sample], fit: Fit) -> float:

@@ -59,7 +59,7 @@ def read_relaxation(path: str | Path, spec: TestFileSpec | None = None) -> Relax
         notes.append("answer to the strain measured")
     test = RelaxationTest(path.name, time, stress, strain, tuple(notes))
     test.check()
-    if strain is None and test.came[1] > test.came[0]:
+    if strain is None and test.ramp_times[1] > test.ramp_times[0]:
         notes.append("no strain: taken to have come evenly until the greatest stress")
     elif strain is None:
         notes.append("no strain: taken to have come as a step at time 0")

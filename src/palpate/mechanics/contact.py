@@ -96,9 +96,9 @@ class Contact(Term):
     def _points(self, x: FloatArray) -> _Points:
         gap, arm = self.obstacle.gap(x), x - self.obstacle.point
         if gap.curvature is None:
-            return _Points(arm, gap.reach, gap.normal, np.zeros((len(x), 3, 3)), gap.reach, gap.normal)
+            return _Points(arm, gap.penetration, gap.normal, np.zeros((len(x), 3, 3)), gap.penetration, gap.normal)
         height = np.einsum("ni,ni->n", arm - self.history.anchor, self.history.normal)
-        return _Points(arm, gap.reach, gap.normal, gap.curvature, height, self.history.normal)
+        return _Points(arm, gap.penetration, gap.normal, gap.curvature, height, self.history.normal)
 
 
 @kernel

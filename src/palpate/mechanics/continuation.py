@@ -182,7 +182,7 @@ class Continuation:
         factor = next((factor for most, factor in _GROWTH if iterations <= most), _SHRINK)
         largest = self.spec.largest_step * self.unit
         edge = self.spec.edge_share * self.problem.length
-        advance = self.loading.longest(self.last.depth, edge, BASE_RADIUS * self.unit)
+        advance = self.loading.max_increment(self.last.depth, edge, BASE_RADIUS * self.unit)
         advance *= min(1.0, (_STIFFENING / max(self._exponent, _STIFFENING)) ** 2)
         largest = min(largest, max(advance, self.spec.first_step * self.unit))
         return min(max(step, self._step) * factor, largest)
@@ -190,7 +190,7 @@ class Continuation:
     @property
     def _exponent(self) -> float:
         """Exponent n of the force as a power of the depth, from the last two increments."""
-        thrust = self.loading.thrust
+        thrust = self.loading.axial_force
         (d0, f0), (d1, f1) = ((point.depth, thrust(point.loads.force)) for point in self.increments[-2:])
         return d1 * (f1 - f0) / ((d1 - d0) * f1) if f1 > 0 and d1 != d0 else 0.0
 
@@ -261,7 +261,7 @@ class Continuation:
         if self.sensitivity is not None:
             self._differentiate(self.sensitivity, found.state, depth, jumped=jumped)
         power = self._power(depth, found)
-        history, lost = self.loading.keep(self._history, depth, found.state)
+        history, lost = self.loading.update_history(self._history, depth, found.state)
         self.increments.append(
             Increment(
                 depth,
@@ -331,7 +331,7 @@ class Continuation:
             self._end(EndReason.NOT_CONVERGED, f"after {_JUMPS} jumps: no branch can be followed further")
             return False
         for push in (0.0, 1.0, 2.0) if self.monitor.inverted(last.depth, last.state) else (1.0, 2.0):
-            shape = self.monitor.pushed(last.depth, last.state, push * self.problem.length)
+            shape = self.monitor.perturbed(last.depth, last.state, push * self.problem.length)
             found = self.relax(depth, shape, last.state)
             if found.converged:
                 self._accept(found, depth, jumped=True)

@@ -100,8 +100,8 @@ def correct_history(
     share a = x / L of the increment, moves ``∫ sqrt(x - L t) dt = 2/3 a sqrt(x)``, where the solution gives
     ``sqrt(x)`` (docs/decisions/0063). In the first increment nothing sticks yet, and a point slides up to its time.
     """
-    reach0, place0 = before.obstacle.foot(before.points)
-    reach1, place1 = after.obstacle.foot(after.points)
+    reach0, place0 = before.obstacle.closest_points(before.points)
+    reach1, place1 = after.obstacle.closest_points(after.points)
     fresh = (history.limit == 0) & (reach1 > 0)
     swept = arrival(-reach0, fresh, area)
     if (history.limit > 0).any():
@@ -123,7 +123,7 @@ def arrival(distance: FloatArray, fresh: BoolArray, area: FloatArray) -> FloatAr
 
 def return_to_limit(law: ContactLaw, history: ContactHistory, at: ContactPair) -> ContactHistory:
     """What the points keep of an equilibrium: where they stick, after any slip (return mapping)."""
-    reach, place = at.obstacle.foot(at.points)
+    reach, place = at.obstacle.closest_points(at.points)
     spring = np.where(history.limit[:, None] > 0, place - history.anchor, 0.0)
     length = law.tangential_stiffness * np.linalg.norm(spring, axis=1)
     kept = np.divide(history.limit, length, out=np.ones_like(length), where=length > history.limit)
@@ -136,7 +136,7 @@ def dissipated(law: ContactLaw, history: ContactHistory, at: ContactPair, weight
     """Work in mJ of friction in the increment that ends here: traction times slip, over areas (n_points,) mm²."""
     if not 0 < law.friction < np.inf:
         return 0.0
-    _, place = at.obstacle.foot(at.points)
+    _, place = at.obstacle.closest_points(at.points)
     length = np.linalg.norm(place - history.anchor, axis=1)
     slip = np.maximum(length - history.limit / law.tangential_stiffness, 0.0)
     return float((weight * history.limit * slip).sum())

@@ -49,7 +49,7 @@ class Monitor(ABC):
         """Greatest tension in MPa that the springs (n_points,) MPa/mm bear."""
 
     @abstractmethod
-    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+    def perturbed(self, at: float, state: State, push: float) -> FloatArray:
         """Displacement (n, 3) mm of a state pushed by so many mm towards the other branch."""
 
     @abstractmethod
@@ -74,7 +74,7 @@ class NullMonitor(Monitor):
     def tension(self, at: float, state: State, springs: FloatArray) -> float:
         return 0.0
 
-    def pushed(self, at: float, state: State, push: float) -> FloatArray:
+    def perturbed(self, at: float, state: State, push: float) -> FloatArray:
         return state.u
 
     def fault(self, state: State) -> tuple[EndReason, str] | None:

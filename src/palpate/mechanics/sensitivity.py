@@ -61,7 +61,7 @@ class Variation:
         The body likewise; None where the parameter leaves it alone.
     lasting
         Whether the parameter has been different since rest; otherwise it changes at the increment alone.
-    across
+    antisymmetric
         Whether it breaks the mirror symmetry of half a body.
     sideways
         Whether it moves the obstacle in its own surface alone, so that no point is reached sooner or later for it.
@@ -73,7 +73,7 @@ class Variation:
     below: ContactLoading
     solids: tuple[Solid, Solid] | None = None
     lasting: bool = True
-    across: bool = False
+    antisymmetric: bool = False
     sideways: bool = False
 
     def loading(self, side: float) -> ContactLoading:
@@ -207,7 +207,7 @@ class Sensitivity:
             problem.factor(step.after, terms)
 
     def _problem(self, each: Variation) -> Problem:
-        return self.across if each.across and self.across is not None else self.problem
+        return self.across if each.antisymmetric and self.across is not None else self.problem
 
     def _solve(self, each: Variation, step: IncrementTransition, rate: ContactHistory) -> FloatArray:
         """Derivative (n, 3) mm of the displacement for that of the history."""
@@ -238,7 +238,7 @@ class Sensitivity:
         reach, place = self._foot_rate(self._path, step, self._pace)
         slowest = _SLOWEST * float(np.abs(reach[fresh] if fresh.any() else reach).max())
         area = self.loading.surface.faces.weight.ravel()
-        share = arrival(-self.loading.reach(step.start, step.before), fresh, area)
+        share = arrival(-self.loading.penetration(step.start, step.before), fresh, area)
         return _Arrivals(fresh, share * (step.end - step.start), np.maximum(reach, slowest), place)
 
     def _corrected(
@@ -275,8 +275,8 @@ class Sensitivity:
         feet = []
         for side in _SIDES:
             state = State(step.before.u + side * each.step * u, step.before.p)
-            met = each.loading(side).meet(step.start, state)
-            feet.append(met.obstacle.foot(met.points))
+            met = each.loading(side).contact_pair(step.start, state)
+            feet.append(met.obstacle.closest_points(met.points))
         (reach1, place1), (reach0, place0) = feet
         twice = 2 * each.step
         return (reach1 - reach0) / twice, (place1 - place0) / twice
@@ -294,7 +294,7 @@ class Sensitivity:
         found = []
         for side in _SIDES:
             state = State(step.after.u + side * each.step * u, step.after.p)
-            found.append(each.loading(side).law.friction_limit(each.loading(side).reach(step.end, state)))
+            found.append(each.loading(side).law.friction_limit(each.loading(side).penetration(step.end, state)))
         return np.where(step.history.limit > 0, (found[0] - found[1]) / (2 * each.step), 0.0)
 
     def _kept(
@@ -305,7 +305,7 @@ class Sensitivity:
         for side in _SIDES:
             by = side * each.step
             state = State(step.after.u + by * u, step.after.p)
-            found.append(each.loading(side).keep(_moved(step.history, rate, by), step.end, state)[0])
+            found.append(each.loading(side).update_history(_moved(step.history, rate, by), step.end, state)[0])
         return _difference(found[0], found[1], each.step)
 
 

@@ -43,15 +43,15 @@ class PrintLimits:
 
     Attributes
     ----------
-    most
+    max_markers
         Markers at most.
     dot, gap
         Diameter of a dot, and smallest gap between two, mm.
-    least_dot
+    min_marker_diameter
         Diameter of the smallest dots that are tried, mm; empty: `dot`.
     apart_px
         Least distance of two of the smallest dots in the image at rest; larger ones have as much between their edges.
-    steepest_deg
+    max_slope_deg
         Slope of the skin up to which it can be printed.
     on_arc
         Whether the pad carries dots along the meridian; else along the axis, where steep rings come close on it.
@@ -59,12 +59,12 @@ class PrintLimits:
         Places along the meridian that a ring may take.
     """
 
-    most: int = 169
+    max_markers: int = 169
     dot: float = 1.0
     gap: float = 0.3
-    least_dot: float | None = None
+    min_marker_diameter: float | None = None
     apart_px: float = 8.0
-    steepest_deg: float = 65.0
+    max_slope_deg: float = 65.0
     on_arc: bool = False
     places: int = 28
 
@@ -72,7 +72,7 @@ class PrintLimits:
     def rings(self) -> int:
         """Most rings."""
         count = 0
-        while markers_in_rings(count + 1) <= self.most:
+        while markers_in_rings(count + 1) <= self.max_markers:
             count += 1
         return count
 
@@ -124,7 +124,7 @@ class RingCandidates:
         found[1 + np.arange(len(places)) * len(self.radii) + places] = 1.0
         return found
 
-    def may_be(self, places: IntArray) -> bool:
+    def is_compatible(self, places: IntArray) -> bool:
         """Whether rings can be at these places together."""
         fit = bool(self.allowed[np.arange(len(places)), places].all())
         return fit and bool(self.steps[places[:-1], places[1:]].all())
@@ -153,10 +153,12 @@ def resize_dots(places: RingCandidates, skin: Skin, camera: Camera, dot: float, 
     Nothing is looked at anew: what dots tell changes by their noise, which is `noise_px` for one of 4.4 px in
     the image, and where they may be by their size.
     """
-    limits = replace(places.limits, dot=dot, least_dot=places.limits.least_dot or places.limits.dot)
+    limits = replace(
+        places.limits, dot=dot, min_marker_diameter=places.limits.min_marker_diameter or places.limits.dot
+    )
     radii = np.append(0.0, np.tile(places.radii, limits.rings))
     layout = MarkerLayout(skin.inner_point(radii, np.zeros(len(radii))), dot)
-    information = places.information.printed(skin, layout, np.arange(len(radii)), camera, noise_px)
+    information = places.information.with_markers(skin, layout, np.arange(len(radii)), camera, noise_px)
     allowed, steps = _allow(skin, camera, limits, places.radii, places.information.inside)
     return RingCandidates(information, places.radii, allowed, steps, limits)
 
@@ -243,7 +245,7 @@ def _printable(skin: Skin, limits: PrintLimits) -> FloatArray:
     rho = np.linspace(0.0, skin.widest[0], 401)[1:-1]
     points = skin.inner_point(rho, np.zeros(len(rho)))
     steep = np.degrees(np.arccos(np.clip(skin.normal(points)[:, 2], -1.0, 1.0)))
-    fine = (steep <= limits.steepest_deg) & (skin.distance_to_rim(points) >= limits.dot)
+    fine = (steep <= limits.max_slope_deg) & (skin.distance_to_rim(points) >= limits.dot)
     if not fine.any():
         raise PalpateError(
             "No ring can be printed on this skin.",
@@ -259,7 +261,7 @@ def _apart(skin: Skin, camera: Camera, limits: PrintLimits, radii: FloatArray) -
     near = skin.inner_point(radii * 0.99, np.zeros(len(radii)))
     seen = np.linalg.norm(camera.project(points) - camera.project(near), axis=1)
     scale = seen / np.linalg.norm(points - near, axis=1)
-    larger = limits.dot - (limits.least_dot or limits.dot)
+    larger = limits.dot - (limits.min_marker_diameter or limits.dot)
     return np.maximum(limits.dot + limits.gap, limits.apart_px / np.maximum(scale, 1e-6) + larger)
 
 
@@ -270,7 +272,7 @@ def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]
     def judge(chosen: IntArray) -> float:
         key = tuple(int(place) for place in chosen)
         if key not in known:
-            known[key] = places.information.variance(places.share(chosen)) if places.may_be(chosen) else np.inf
+            known[key] = places.information.variance(places.share(chosen)) if places.is_compatible(chosen) else np.inf
         return known[key]
 
     least = judge(now)
@@ -307,7 +309,7 @@ def bound_rings(places: RingCandidates, markers: int, steps: int = 40) -> float:
 
     Parts of rings may be mixed here, of every set of rings that can be printed.
     """
-    information = places.information.at_best()
+    information = places.information.lower_bound()
     count = next(n for n in range(1, places.limits.rings + 1) if markers_in_rings(n) == markers)
     share, bound = places.share(_best_chain(places, np.zeros((count, len(places.radii))))), 0.0
     for step in range(steps):

@@ -36,7 +36,7 @@ def design_study(
 
 def winner_study(front: Front, winner: DesignCandidate) -> str:
     """A study of the winner alone as YAML: `palpate run`, `palpate make` and `palpate twin` go on from it."""
-    proposal, spec = winner.tried.known, front.spec
+    proposal, spec = winner.trial.finest, front.spec
     study = _study_data(
         spec,
         f"{spec.name}-winner",
@@ -52,7 +52,7 @@ def winner_study(front: Front, winner: DesignCandidate) -> str:
 
 def pack_name(entry: DesignCandidate) -> str:
     """Name of a design's pack."""
-    return f"skin{entry.tried.number}_{entry.option.markers.count}"
+    return f"skin{entry.trial.number}_{entry.option.markers.count}"
 
 
 def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
@@ -64,8 +64,8 @@ def write_packs(folder: Path, front: Front) -> list[FabricationPack]:
         If one cannot be made, or the folder cannot be written.
     """
     found = []
-    for entry in front.best:
-        place, proposal = folder / PACKS / pack_name(entry), entry.tried.known
+    for entry in front.pareto:
+        place, proposal = folder / PACKS / pack_name(entry), entry.trial.finest
         if place.exists():
             continue
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -94,7 +94,10 @@ def _study_data(
         "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
         "wall": {"depth": spec.depth, "image_step": spec.depth / 10.0},
         "camera": camera.model_dump(mode="json", exclude_defaults=True),
-        "built": {"known": max(spec.known, 1), "tolerance": spec.tolerance.model_dump(exclude_defaults=True)},
+        "built": {
+            "known": max(spec.calibration_presses, 1),
+            "tolerance": spec.tolerance.model_dump(exclude_defaults=True),
+        },
     }
 
 

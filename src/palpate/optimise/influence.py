@@ -34,13 +34,13 @@ class SobolIndex:
     ----------
     name
         Of the variable.
-    alone, together
+    first_order, total
         Sobol's first and total index: by itself, and with all that it does together with others.
     """
 
     name: str
-    alone: float
-    together: float
+    first_order: float
+    total: float
 
 
 @dataclass(frozen=True)
@@ -59,14 +59,14 @@ class SobolIndices:
     explained: float
 
     @property
-    def sentence(self) -> str:
+    def summary(self) -> str:
         """What matters and what does not, in plain words."""
         if not self.variables:
             return "Too few skins were tried to say what matters."
         if self.explained < _LEAST_EXPLAINED:
             return "What matters cannot be told: no smooth surface goes through the skins tried."
-        matter = [one.name for one in self.variables if one.together >= 0.15]
-        idle = [one.name for one in self.variables if one.together < 0.05]
+        matter = [one.name for one in self.variables if one.total >= 0.15]
+        idle = [one.name for one in self.variables if one.total < 0.05]
         words = f"What matters most: {', '.join(matter) or 'nothing by itself'}."
         return words + (f" What hardly matters: {', '.join(idle)}." if idle else "")
 
@@ -78,10 +78,10 @@ def compute_sobol_indices(tried: Sequence[SkinTrial], space: SkinSpace, markers:
     """
     names, rows, values = list(space.ranges), [], []
     for one in tried:
-        best = one.proposal.best(markers)
+        best = one.coarse.best(markers)
         if best is not None and one.violations.get("reach", 0.0) <= 0.0:
             rows.append(_unit_place(space, one))
-            values.append(log10(best.figure.worst_deg))
+            values.append(log10(best.accuracy.p95_deg))
     x, y = np.array(rows), np.array(values)
     if not names or len(y) < _FEWEST * len(names) + 2 or np.ptp(y) == 0:
         return SobolIndices((), 0.0)
@@ -95,11 +95,11 @@ def compute_sobol_indices(tried: Sequence[SkinTrial], space: SkinSpace, markers:
     )
     first, total = np.ravel(found.first_order), np.ravel(found.total_order)
     variables = [SobolIndex(name, float(a), float(b)) for name, a, b in zip(names, first, total, strict=True)]
-    return SobolIndices(tuple(sorted(variables, key=lambda one: -one.together)), explained)
+    return SobolIndices(tuple(sorted(variables, key=lambda one: -one.total)), explained)
 
 
 def _unit_place(space: SkinSpace, one: SkinTrial) -> list[float]:
-    place = space.place(one.proposal.skin)
+    place = space.place(one.coarse.skin)
     return [(float(place[name]) - low) / (high - low) for name, (low, high) in space.ranges.items()]
 
 

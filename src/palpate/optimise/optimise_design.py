@@ -77,13 +77,18 @@ def optimise_design(
     _keep(spec, sampler, out)
     searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
     plan = SearchPlan(
-        spec.skins, spec.seed, sampler, (space.place(DomeSpec()),), objectives=len(searched), hours=spec.hours
+        spec.skins,
+        spec.seed,
+        sampler,
+        (space.place(DomeSpec()),),
+        n_objectives=len(searched),
+        max_hours=spec.max_hours,
     )
     tried = judge.search(space, plan, out / JOURNAL, judge.say_best)
     rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
     control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
-    front = Front(spec, tuple(map(judge.skin, tried)), rival=rival, control=control)
-    return replace(front, tried=judge.finish(front)) if spec.finalists else front
+    front = Front(spec, tuple(map(judge.skin, tried)), baseline=rival, search_baselines=control)
+    return replace(front, trials=judge.finish(front)) if spec.finalists else front
 
 
 def validate_front(
@@ -93,16 +98,18 @@ def validate_front(
 
     Parameters are those of `optimise_design`, which found the front; `out` is where it did.
     """
-    if front.spec.proof == "none" or front.winner is None:
+    if front.spec.validation == "none" or front.winner is None:
         return front
-    return replace(front, proof=validate_designs(front, out, _Judge(front.spec, out, workers, observer, cluster).run))
+    return replace(
+        front, validation=validate_designs(front, out, _Judge(front.spec, out, workers, observer, cluster).run)
+    )
 
 
 def objective_values(spec: RequirementsSpec, proposal: SkinEvaluation) -> tuple[float, ...]:
     """What the search makes least; infinite where it is not known of a skin, for which the worst known stands in."""
     best = proposal.best(spec.markers)
     known = {
-        "error": math.log10(best.figure.worst_deg) if best else math.inf,
+        "error": math.log10(best.accuracy.p95_deg) if best else math.inf,
         "force": math.log10(proposal.force_n) if proposal.force_n else math.inf,
         "size": proposal.size_mm,
     }
@@ -111,11 +118,11 @@ def objective_values(spec: RequirementsSpec, proposal: SkinEvaluation) -> tuple[
 
 def constraint_violations(spec: RequirementsSpec, proposal: SkinEvaluation) -> dict[str, float]:
     """By how much a skin misses each constraint, over what is allowed."""
-    found = {"reach": 1.0 - _SLACK - proposal.reach_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
+    found = {"reach": 1.0 - _SLACK - proposal.max_depth_mm / spec.depth, "made": 1.0 if proposal.problem else -1.0}
     if spec.force_n is not None:
         found["force"] = proposal.force_n / spec.force_n - 1.0 if proposal.force_n else 0.0
     if spec.single_state:
-        second = proposal.second_state_mm
+        second = proposal.bistable_from_mm
         found["state"] = -1.0 if second is None else 1.0 - second / spec.depth
     return found
 
@@ -138,7 +145,7 @@ class _Judge:
         watch: Callable[[Sequence[SearchTrial]], None] | None = None,
     ) -> tuple[SearchTrial, ...]:
         """Skins that are tried. A search that goes on does so by what is said now of those tried before."""
-        before = read_trials(journal, plan.objectives)
+        before = read_trials(journal, plan.n_objectives)
         now = self.judge_again(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
@@ -152,10 +159,10 @@ class _Judge:
 
     def judge_again(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
-        old = [one for one in tried if one.judged.note.get("version") != stage_version("skin_evaluation")]
+        old = [one for one in tried if one.evaluation.record.get("version") != stage_version("skin_evaluation")]
         anew = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
         return tuple(
-            replace(one, judged=anew.get(one.number) or self._judged(self.skin(one).proposal)) for one in tried
+            replace(one, evaluation=anew.get(one.number) or self._judged(self.skin(one).coarse)) for one in tried
         )
 
     def _judged(self, proposal: SkinEvaluation) -> Evaluation:
@@ -167,47 +174,47 @@ class _Judge:
         if self.observer is None:
             return
         best = min(
-            Front(self.spec, tuple(map(self.skin, tried))).entries,
+            Front(self.spec, tuple(map(self.skin, tried))).candidates,
             key=lambda entry: entry.value("error"),
             default=None,
         )
         so_far = (
-            f"skin {best.tried.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
+            f"skin {best.trial.number} reads best, {best.value('error'):.4f}°" if best else "none meets the limits"
         )
-        self.observer.noted(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
+        self.observer.message(f"{len(tried)} of {self.spec.skins} skins tried: {so_far}.")
 
     @staticmethod
     def skin(tried: SearchTrial) -> SkinTrial:
         """What was found of a skin, as the journal has it."""
-        judged = tried.judged
-        return SkinTrial(tried.number, SkinEvaluation.from_data(judged.note["proposal"]), judged.violations)
+        judged = tried.evaluation
+        return SkinTrial(tried.number, SkinEvaluation.from_data(judged.record["proposal"]), judged.violations)
 
     def draw(self, space: SkinSpace, plan: SearchPlan) -> Iterator[SkinTrial]:
         """What is known of the skins of the control, drawn by chance and else as those of the search."""
-        if self.spec.control:
-            chance = replace(plan, trials=self.spec.control, sampler="random")
+        if self.spec.random_skins:
+            chance = replace(plan, trials=self.spec.random_skins, sampler="random")
             yield from map(self.skin, self.search(space, chance, self.out / CONTROL))
 
     def grid(self) -> Iterator[SkinTrial]:
         """What is known of the designs of the grid."""
-        grid, material = self.spec.grid, self.spec.materials[0]
+        grid, material = self.spec.baseline_grid, self.spec.materials[0]
         skins = grid.designs.skins() if grid else ()
         found = self._do([plan_skin_evaluation(self.spec, skin, material, grid=grid) for skin in skins])
         return (SkinTrial(number, one, constraint_violations(self.spec, one)) for number, one in enumerate(found))
 
     def finish(self, front: Front) -> tuple[SkinTrial, ...]:
         """The same skins, the best pressed at full fidelity; the next in place of those that break a limit there."""
-        by_number = {one.number: one for one in front.tried}
+        by_number = {one.number: one for one in front.trials}
         candidates, wanted = _candidates(front), self.spec.finalists
         for _ in range(_ROUNDS):
             asked = [by_number[number] for number in candidates[:wanted]]
             del candidates[:wanted]
             tasks = [
-                plan_skin_evaluation(self.spec, one.proposal.skin, one.proposal.material, full=True) for one in asked
+                plan_skin_evaluation(self.spec, one.coarse.skin, one.coarse.material, full=True) for one in asked
             ]
             for one, full in zip(asked, self._do(tasks), strict=True):
-                by_number[one.number] = replace(one, full=full, violations=constraint_violations(self.spec, full))
-            wanted = sum(not by_number[one.number].meets for one in asked)
+                by_number[one.number] = replace(one, fine=full, violations=constraint_violations(self.spec, full))
+            wanted = sum(not by_number[one.number].feasible for one in asked)
         return tuple(by_number.values())
 
     def run(self, tasks: Sequence[Task]) -> dict[str, str]:
@@ -228,14 +235,14 @@ class _Judge:
 def _candidates(front: Front) -> list[int]:
     """Numbers of skins that meet the limits, each skin once: winner, ends and front before others by their error."""
     first, best = front.spec.objectives[0], dict[int, float]()
-    for entry in front.entries:
+    for entry in front.candidates:
         value = entry.value(first)
-        best[entry.tried.number] = min(value, best.get(entry.tried.number, value))
-    chosen = [front.winner.tried.number] if front.winner else []
-    chosen += [entry.tried.number for _, entry in front.ends]
-    chosen += [entry.tried.number for entry in front.best if len(front.spec.objectives) > 1]
+        best[entry.trial.number] = min(value, best.get(entry.trial.number, value))
+    chosen = [front.winner.trial.number] if front.winner else []
+    chosen += [entry.trial.number for _, entry in front.extremes]
+    chosen += [entry.trial.number for entry in front.pareto if len(front.spec.objectives) > 1]
     chosen += sorted(best, key=lambda number: (best[number], number))
-    first_of = {repr(front.tried[number].proposal.skin): number for number in reversed(chosen)}
+    first_of = {repr(front.trials[number].coarse.skin): number for number in reversed(chosen)}
     return sorted(first_of.values(), key=chosen.index)
 
 

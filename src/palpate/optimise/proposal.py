@@ -20,7 +20,7 @@ class LayoutOption:
         The rings that were chosen.
     camera, distance, price
         Name of the camera, its distance below the base plane (mm), and its price.
-    figure
+    accuracy
         What is foreseen of built units, at the requirements' number of known presses.
     """
 
@@ -28,7 +28,7 @@ class LayoutOption:
     camera: str
     distance: float
     price: float
-    figure: PredictedAccuracy
+    accuracy: PredictedAccuracy
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,11 @@ class SkinEvaluation:
     ----------
     skin, material
         The skin.
-    reach_mm
+    max_depth_mm
         Depth to which it can be pressed on its flat branch under every tilt and friction.
     force_n
         Greatest force in any press, N.
-    second_state_mm
+    bistable_from_mm
         Depth from which it has a second, inverted state when pressed straight; `None`: none found, or not asked.
     options
         Markers and cameras, best of their number; empty where there is a problem.
@@ -53,9 +53,9 @@ class SkinEvaluation:
 
     skin: SkinSpec
     material: str
-    reach_mm: float = 0.0
+    max_depth_mm: float = 0.0
     force_n: float = 0.0
-    second_state_mm: float | None = None
+    bistable_from_mm: float | None = None
     options: tuple[LayoutOption, ...] = ()
     problem: str = ""
 
@@ -68,16 +68,16 @@ class SkinEvaluation:
     def best(self, most: int) -> LayoutOption | None:
         """The option of least error among those of at most so many markers."""
         fit = [option for option in self.options if option.markers.count <= most]
-        return min(fit, key=lambda option: option.figure.worst_deg, default=None)
+        return min(fit, key=lambda option: option.accuracy.p95_deg, default=None)
 
     def to_data(self) -> dict[str, Any]:
         """As JSON holds it."""
         return {
             "skin": dict(self.skin.build().spec_data),
             "material": self.material,
-            "reach_mm": self.reach_mm,
+            "reach_mm": self.max_depth_mm,
             "force_n": self.force_n,
-            "second_state_mm": self.second_state_mm,
+            "bistable_from_mm": self.bistable_from_mm,
             "options": [_option_data(option) for option in self.options],
             "problem": self.problem,
         }
@@ -89,7 +89,7 @@ class SkinEvaluation:
 
 
 def _option_data(option: LayoutOption) -> dict[str, Any]:
-    figure = option.figure
+    figure = option.accuracy
     return {
         "ring_diameters_mm": list(option.markers.ring_diameters or ()),
         "dot_mm": option.markers.diameter,

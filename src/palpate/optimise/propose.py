@@ -54,7 +54,7 @@ _JUDGED_BY = (
     "max_tilt_deg",
     "markers",
     "dot",
-    "greatest_dot",
+    "max_marker_diameter",
     "cameras",
     "tolerance",
     "process",
@@ -97,11 +97,11 @@ class SkinEvaluationTask(Task):
         spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
         if self.grid is not None:
             spec["grid"] = self.grid.model_dump(mode="json", include={"designs": {"markers"}, "distance": True})
-        inputs = tuple(task.recipe.key for task in self.needs)
+        inputs = tuple(task.recipe.key for task in self.dependencies)
         return Recipe(kind="proposal", spec=spec, inputs=inputs, version=stage_version("skin_evaluation"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (
             self.twin,
             *((self.inverted,) if self.inverted else ()),
@@ -117,7 +117,7 @@ class SkinEvaluationTask(Task):
         force = max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses)
         twin = read_twin(find_artefact(store, self.twin))
         second = find_bistable_from(read_press(find_artefact(store, self.inverted))) if self.inverted else None
-        known = SkinEvaluation(self.skin, self.material, float(twin.reach_mm.min()), force, second)
+        known = SkinEvaluation(self.skin, self.material, float(twin.max_depth_mm.min()), force, second)
         checks = [each.find(store) for each in self.checks]
         proposal = evaluate_skin(twin, known, self.spec, self.grid, checks)
         store.write(self.recipe, lambda path: write_json(path, proposal.to_data()), self.suffix)
@@ -150,11 +150,11 @@ def plan_skin_evaluation(
         if full
         else AsBuiltSpec(contacts=_COARSE_CONTACTS, checks=0, inverted=False),
     )
-    study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "image_step": step})})
+    study = study.model_copy(update={"wall": study.wall.model_copy(update={"depth": spec.depth, "depth_step": step})})
     twin = plan_twin(study, skin)
     straight = twin.presses[0]
     plain = straight.solver.model_copy(update={"derivatives": ()})
-    inverted = PressTask(skin, straight.mesh, straight.material, straight.wall, plain, Branch.INVERTED)
+    inverted = PressTask(skin, straight.mesh, straight.material, straight.obstacle, plain, Branch.INVERTED)
     checks = plan_validation_presses(twin, spec) if full else ()
     return SkinEvaluationTask(twin, inverted if spec.single_state else None, spec, material, grid, checks)
 
@@ -189,7 +189,7 @@ def evaluate_skin(
     except MissingExtraError:
         raise
     except PalpateError as error:
-        return replace(known, problem=str(error.what))
+        return replace(known, problem=str(error.problem))
 
 
 def _choose(
@@ -255,7 +255,7 @@ def _refuse(
         deviation = sample_deviation(spec.tolerance, spec.seed, number)
         scene = build_scene(twin.skin, layout, deviation, camera.spec, DEGRADED)
         try:
-            open_sensor([scene.at_rest()], unit, twin)
+            open_sensor([scene.render_rest()], unit, twin)
         except MissingExtraError:
             raise
         except PalpateError as error:
@@ -272,10 +272,10 @@ def find_bistable_from(press: Press) -> float | None:
 def accuracy_spec(spec: RequirementsSpec) -> AccuracySpec:
     """What is foreseen under requirements; the noise of dots follows from their size in the image."""
     return AccuracySpec(
-        known=spec.known,
-        least_depth=spec.least_depth,
+        calibration_presses=spec.calibration_presses,
+        min_depth=spec.min_depth,
         max_tilt_deg=spec.max_tilt_deg,
-        by_size=True,
+        scale_noise_by_diameter=True,
         seed=spec.seed,
     )
 

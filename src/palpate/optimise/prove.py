@@ -64,12 +64,12 @@ class UnitTrialTask(Task):
         return unit_recipe(self._bench(Path(), ArtefactStore(Path())), self._deviation)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.reader,)
 
     @property
     def cost(self) -> float:
-        return 5.0 * (self.spec.tilts + 2 * bool(self.spec.known)) * self.spec.depth / 8.0
+        return 5.0 * (self.spec.tilts + 2 * bool(self.spec.calibration_presses)) * self.spec.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
         bench = self._bench(find_artefact(store, self.reader), store)
@@ -112,19 +112,19 @@ class CalculixTask(Task):
     @cached_property
     def recipe(self) -> Recipe:
         press, solver = self.press, {"calculix": CalculixSpec().model_dump(mode="json")}
-        return press_recipe(press.skin, press.mesh, press.material, press.wall, solver, press.branch)
+        return press_recipe(press.skin, press.mesh, press.material, press.obstacle, solver, press.branch)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return ()
 
     @property
     def cost(self) -> float:
-        return 60.0 * self.press.wall.depth / 8.0
+        return 60.0 * self.press.obstacle.depth / 8.0
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_skin(build_skin(self.press.skin), self.press.mesh)
-        press = solve_press_calculix(mesh, self.press.material, self.press.wall)
+        press = solve_press_calculix(mesh, self.press.material, self.press.obstacle)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
@@ -143,7 +143,7 @@ def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Map
     assert front.winner is not None
     spec, store = front.spec, ArtefactStore(out / "store")
     designs = [_Candidate.of(front, title, entry) for title, entry in _finalists(front, front.winner)]
-    designs += [_Candidate.rival(spec)] if spec.rival else []
+    designs += [_Candidate.rival(spec)] if spec.baseline else []
     winner = designs[0]
     second, problem = winner.second_solver()
     tasks = [task for one in designs for task in (*one.foreseen_by, *one.units, *one.trained_units)]
@@ -151,7 +151,7 @@ def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Map
     problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
     return ValidationResult(
         designs=tuple(design.judge(store, reasons) for design in designs),
-        known=winner.bench.known,
+        known=winner.bench.calibration_presses,
         second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
         second_problem=problem,
     )
@@ -164,7 +164,7 @@ def predict_baseline(
 
     The parameters are those of `prove`.
     """
-    if spec.rival is None:
+    if spec.baseline is None:
         return None
     rival, store = _Candidate.rival(spec), ArtefactStore(out / "store")
     return None if do(rival.foreseen_by) else rival.foresee(store)
@@ -184,16 +184,16 @@ class _Candidate:
     @classmethod
     def of(cls, front: Front, title: str, entry: DesignCandidate) -> _Candidate:
         """A design of a front."""
-        proposal = entry.tried.known
+        proposal = entry.trial.finest
         camera = camera_of(front.spec, entry)
         return cls(front.spec, title, proposal.skin, proposal.material, entry.option.markers, camera)
 
     @classmethod
     def rival(cls, spec: RequirementsSpec) -> _Candidate:
         """The rival of the requirements, in the first of the cameras and elastomers."""
-        assert spec.rival is not None
-        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.rival.distance})
-        return cls(spec, "rival", spec.rival.skin(), spec.materials[0], spec.rival.markers, camera)
+        assert spec.baseline is not None
+        camera = spec.cameras[0].camera.model_copy(update={"distance": spec.baseline.distance})
+        return cls(spec, "rival", spec.baseline.skin(), spec.materials[0], spec.baseline.markers, camera)
 
     @property
     def built(self) -> Skin:
@@ -206,8 +206,8 @@ class _Candidate:
             units=UNITS,
             max_tilt_deg=spec.max_tilt_deg,
             depth=spec.depth,
-            least_depth=spec.least_depth,
-            known=min(spec.known, _MOST_KNOWN),
+            min_depth=spec.min_depth,
+            calibration_presses=min(spec.calibration_presses, _MOST_KNOWN),
             tolerance=spec.tolerance,
             seed=spec.seed,
         )
@@ -231,11 +231,11 @@ class _Candidate:
 
     @cached_property
     def trained_units(self) -> tuple[UnitTrialTask, ...]:
-        if self.spec.proof != "trained":
+        if self.spec.validation != "trained":
             return ()
         study = design_study(self.spec, self.spec.name, self.skin, self.material, self.markers, self.camera)
         estimator = plan_study(resolve_device(study)).designs[0].estimator
-        return self._play(estimator, self.bench.model_copy(update={"known": 0}))
+        return self._play(estimator, self.bench.model_copy(update={"calibration_presses": 0}))
 
     def _play(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTrialTask, ...]:
         design = (self.skin, self.material, self.markers, self.camera)
@@ -246,18 +246,18 @@ class _Candidate:
         wall = WallSpec(tilt_deg=self.spec.max_tilt_deg, contact="frictionless", depth=self.spec.depth)
         straight = self.twin.presses[0]
         plain = straight.solver.model_copy(update={"derivatives": ()})
-        own = replace(straight, wall=wall, solver=plain)
+        own = replace(straight, obstacle=wall, solver=plain)
         try:
             CalculixSolver().check(wall)
         except PalpateError as error:
-            return (), str(error.what)
+            return (), str(error.problem)
         return (own, CalculixTask(own)), ""
 
     def foresee(self, store: ArtefactStore) -> PredictedAccuracy | None:
         """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
         twin, spec = (
             read_twin(find_artefact(store, self.twin)),
-            replace(accuracy_spec(self.spec), known=self.bench.known),
+            replace(accuracy_spec(self.spec), calibration_presses=self.bench.calibration_presses),
         )
         layout, camera = place_markers(self.built, self.markers), build_camera(self.camera)
         checks = [each.find(store) for each in self._proposal.checks]
@@ -269,7 +269,7 @@ class _Candidate:
     def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
         """What was foreseen and what was played."""
         empty = ValidatedDesign(
-            self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, foreseen=None, played=None
+            self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, predicted=None, simulated=None
         )
         lacks = next((task for task in self.foreseen_by if store.find(task.recipe) is None), None)
         if lacks is not None:
@@ -280,29 +280,29 @@ class _Candidate:
             empty,
             problem="" if played else failures[0],
             force_n=max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses),
-            foreseen=self.foresee(store),
-            played=played,
+            predicted=self.foresee(store),
+            simulated=played,
             trained=_gather(store, self.trained_units, reasons)[0],
         )
 
 
 def _finalists(front: Front, winner: DesignCandidate) -> Iterator[tuple[str, DesignCandidate]]:
     """The winner, and the ends of a front of several objectives; of one, the best designs of other finalists."""
-    if front.ends:
-        yield from _together([("winner", winner), *front.ends])
+    if front.extremes:
+        yield from _together([("winner", winner), *front.extremes])
         return
     yield "winner", winner
     others = sorted(
         (
             DesignCandidate(one, option)
-            for one in front.tried
-            if one.full is not None and one.meets and one.number != winner.tried.number
-            if (option := one.full.best(front.spec.markers)) is not None
+            for one in front.trials
+            if one.fine is not None and one.feasible and one.number != winner.trial.number
+            if (option := one.fine.best(front.spec.markers)) is not None
         ),
         key=lambda entry: entry.value("error"),
     )
     for entry in others[:_FINALISTS]:
-        yield f"skin {entry.tried.number}", entry
+        yield f"skin {entry.trial.number}", entry
 
 
 def _together(titled: Sequence[tuple[str, DesignCandidate]]) -> Iterator[tuple[str, DesignCandidate]]:
@@ -333,7 +333,7 @@ def _gather(
         images=images,
         without_pose=images - seen,
         rmse_deg=float(np.sqrt(squares[:2].mean())),
-        worst_deg=float(np.quantile([unit["worst_deg"] for unit in units], 0.95)),
+        p95_deg=float(np.quantile([unit["worst_deg"] for unit in units], 0.95)),
         depth_rmse=float(np.sqrt(squares[2])),
         failures=tuple(failures),
         by_unit=tuple(_by_unit(found.get(task.recipe.key)) for task in tasks),

@@ -135,10 +135,10 @@ def read_search(folder: Path) -> SearchFolder:
     others = [
         describe_entry(DesignCandidate(one, best))
         for one in tried
-        if (best := one.known.best(spec.markers)) is not None
+        if (best := one.finest.best(spec.markers)) is not None
     ]
     finished = ended.get("skins") == len(tried)  # a search that goes on has tried more
-    front: Sequence[Row] = ended["front"] if finished else [describe_entry(entry) for entry in known.best]
+    front: Sequence[Row] = ended["front"] if finished else [describe_entry(entry) for entry in known.pareto]
     first: Row | None = ended["winner"] if finished else describe_entry(known.winner) if known.winner else None
     winner = next((number for number, row in enumerate(front) if row == first), -1)
     return SearchFolder(folder, spec, (*front, *others), len(front), winner, len(tried), finished)
@@ -171,4 +171,6 @@ def _skin(row: Row) -> SkinSpec:
 
 def _markers(row: Row, spec: RequirementsSpec) -> MarkerSpec:
     rings = [float(word) for word in str(row["ring_diameters_mm"]).split()]
-    return MarkerSpec.model_validate({"ring_diameters": rings, "diameter": float(row.get("dot_mm", spec.dot))})
+    return MarkerSpec.model_validate(
+        {"ring_diameters": rings, "diameter": float(row.get("dot_mm", spec.min_marker_diameter))}
+    )

@@ -58,10 +58,10 @@ def measure_settings(
     """
     smallest, *larger = dot_diameters(spec)
     limits = PrintLimits(
-        most=spec.markers,
+        max_markers=spec.markers,
         dot=smallest,
-        gap=spec.process.smallest_gap,
-        steepest_deg=spec.process.steepest_deg,
+        gap=spec.process.min_gap,
+        max_slope_deg=spec.process.max_slope_deg,
         on_arc=spec.process.mapping == "arc",
     )
     least, most = choice.distances
@@ -75,10 +75,18 @@ def measure_settings(
 
 def dot_diameters(spec: RequirementsSpec) -> tuple[float, ...]:
     """Diameters of dots that are tried, mm, the smallest first."""
-    greatest = spec.greatest_dot or spec.dot
-    between = np.geomspace(spec.dot, greatest, _DIAMETERS)[1:-1]
+    greatest = spec.max_marker_diameter or spec.min_marker_diameter
+    between = np.geomspace(spec.min_marker_diameter, greatest, _DIAMETERS)[1:-1]
     rounded = (round(round(float(step) / _GRAIN_MM) * _GRAIN_MM, 2) for step in between)
-    return tuple(dict.fromkeys((spec.dot, *(step for step in rounded if spec.dot < step < greatest), greatest)))
+    return tuple(
+        dict.fromkeys(
+            (
+                spec.min_marker_diameter,
+                *(step for step in rounded if spec.min_marker_diameter < step < greatest),
+                greatest,
+            )
+        )
+    )
 
 
 def rank_settings(settings: Sequence[CameraSetting], markers: int) -> list[CameraSetting]:

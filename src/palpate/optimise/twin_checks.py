@@ -45,11 +45,11 @@ class ValidationPressTasks:
 
 def plan_validation_presses(twin: TwinTask, spec: RequirementsSpec) -> tuple[ValidationPressTasks, ...]:
     """The presses that a twin is held against, one `ValidationPressTasks` for each friction."""
-    tilts = sorted({press.wall.radial for press in twin.presses})
+    tilts = sorted({press.obstacle.radial for press in twin.presses})
     known = [share * spec.max_tilt_deg for share in CALIBRATION_TILTS]
     between = [tilts[k - 1] + share * (tilts[k] - tilts[k - 1]) for k, share in _READ if k < len(tilts)]
-    tolerance, own = spec.tolerance, twin.presses[0].wall.contact
-    contacts = [round(tolerance.draw_friction(share), 3) for share in _FRICTIONS] if tolerance.friction else [own]
+    tolerance, own = spec.tolerance, twin.presses[0].obstacle.contact
+    contacts = [round(tolerance.friction_at(share), 3) for share in _FRICTIONS] if tolerance.friction_min else [own]
     return tuple(
         ValidationPressTasks(tuple(_plan(twin, known, each)), tuple(_plan(twin, between, each))) for each in contacts
     )
@@ -63,7 +63,7 @@ def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> I
         changed = {
             "tilt_deg": round(tilt_deg, 3),
             "contact": contact,
-            "image_step": _STEP_SHARE * own.wall.image_step,
+            "image_step": _STEP_SHARE * own.obstacle.depth_step,
         }
         plain = own.solver.model_copy(update={"derivatives": ()})
-        yield replace(own, mesh=mesh, wall=own.wall.model_copy(update=changed), solver=plain)
+        yield replace(own, mesh=mesh, obstacle=own.obstacle.model_copy(update=changed), solver=plain)

@@ -28,7 +28,7 @@ from palpate.recording.see_recording import PreparedRecording, Say
 from palpate.recording.train_part import fine_tune_marker_network
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
-_COURSE = TrainerSpec(epochs=120, batch=16, rate=3e-4, decay=0.0, noise=0.01, tie=1e-3)
+_COURSE = TrainerSpec(epochs=120, batch=16, learning_rate=3e-4, weight_decay=0.0, noise=0.01, anchor_weight=1e-3)
 _HOLD = 0.05
 """Weight of a correction's departure from none, over the number of presses that teach."""
 _DENSITY = 2.5
@@ -118,7 +118,7 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
         )
     shrunk = (own - own.mean(axis=0)) / scale + other.mean(axis=0)
     found = MarkerMatcher(start.layout, seen.eye.shape).find(shrunk)
-    if not found.good:
+    if not found.accepted:
         raise PalpateError(
             f"The dots at rest are not those of {start.name}: {found.fault} ({found.agreement:.0%} agree).",
             "Give a unit of the same make, its camera turned by less than half the angle between two dots.",
@@ -142,7 +142,7 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     return MarkerNetwork("carried", arrays)
 
 
-def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, say: Say) -> dict[str, MarkerNetwork]:
+def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, report: Say) -> dict[str, MarkerNetwork]:
     """The other network, corrected and adapted to this recording, by name.
 
     Raises
@@ -157,22 +157,24 @@ def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, say: Say)
             code="recording-markers-unassigned",
         )
     carried = transfer_network(start, seen)
-    lesson = TrainingSet(seen.moved, seen.targets, seen.split.teach & seen.good, seen.split.choose & seen.good)
+    lesson = TrainingSet(
+        seen.moved, seen.targets, seen.split.train & seen.accepted, seen.split.validation & seen.accepted
+    )
     found = {CORRECTED: _correct(carried, lesson), ADAPTED: _adapt(carried, lesson)}
     for name, part in found.items():
-        error = lesson.error(part.predict(seen.moved[lesson.judge]))
-        say(f"{name}: validation error {error:.4f} of the deviation")
+        error = lesson.error(part.predict(seen.moved[lesson.validation]))
+        report(f"{name}: validation error {error:.4f} of the deviation")
     return found
 
 
 def _correct(carried: MarkerNetwork, lesson: TrainingSet) -> MarkerNetwork:
     """The network with outputs a + B y: least squares on the lesson, held near B = 1."""
-    given = carried.predict(lesson.inputs[lesson.teach])
+    given = carried.predict(lesson.inputs[lesson.train])
     scale = lesson.scale[1]
     basis = np.column_stack([given / scale, np.ones(len(given))])
     hold = _HOLD * np.eye(basis.shape[1]) * np.sqrt(len(given))
     hold[-1, -1] = 1e-6
-    left = (lesson.targets[lesson.teach] - given) / scale
+    left = (lesson.targets[lesson.train] - given) / scale
     change = np.linalg.solve(basis.T @ basis + hold, basis.T @ left)
     turn = np.eye(len(scale)) + change[:-1]
     arrays = dict(carried.arrays)
@@ -195,8 +197,8 @@ def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -
     if seen.assigned is None:
         return ()
     carried = transfer_network(start, seen)
-    taught = np.unique(seen.press[seen.split.teach & seen.good])
-    judge = seen.split.judge & seen.good
+    taught = np.unique(seen.press[seen.split.train & seen.accepted])
+    judge = seen.split.test & seen.accepted
 
     def rmse(part: MarkerNetwork) -> tuple[float, ...]:
         off: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
@@ -204,7 +206,7 @@ def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -
 
     points = [CurvePoint(0, f"{start.name} as it is", rmse(carried))]
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = seen.split.teach & seen.good & np.isin(seen.press, taught[:count])
-        lesson = TrainingSet(seen.moved, seen.targets, teach, seen.split.choose & seen.good)
+        teach = seen.split.train & seen.accepted & np.isin(seen.press, taught[:count])
+        lesson = TrainingSet(seen.moved, seen.targets, teach, seen.split.validation & seen.accepted)
         points.append(CurvePoint(count, "adapted", rmse(_adapt(carried, lesson))))
     return tuple(points)

@@ -100,7 +100,7 @@ def choose_reference(sight: Detections, count: int) -> int:
 
 
 def assign_images(
-    sight: Detections, reference: int, shape: tuple[int, int], smooth: bool, say: Callable[[str], None]
+    sight: Detections, reference: int, shape: tuple[int, int], smooth: bool, report: Callable[[str], None]
 ) -> AssignedMarkers:
     """Find the correspondence of every image; images that fail are tried again when all others are known.
 
@@ -112,20 +112,23 @@ def assign_images(
         Height and width of the images, px.
     smooth
         See `palpate.recording.correspond.MarkerMatcher`.
-    say
+    report
         Told how far it is.
     """
     layout = number_markers(sight.dots[reference])
     correspondent = MarkerMatcher(layout, shape, smooth=smooth)
     if smooth:
-        _learn_motions(sight, correspondent, say)
+        _learn_motions(sight, correspondent, report)
     total = len(sight.dots)
     found: list[Correspondence] = []
     for number, dots in enumerate(sight.dots):
         found.append(correspondent.find(dots))
         correspondent.remember(dots, found[-1])
         if (number + 1) % _SAID == 0:
-            say(f"correspondence: {number + 1} of {total} images, {sum(not one.good for one in found)} not believed")
+            report(
+                f"correspondence: {number + 1} of {total} images, "
+                f"{sum(not one.accepted for one in found)} not believed"
+            )
     return AssignedMarkers(
         layout,
         reference,
@@ -134,7 +137,7 @@ def assign_images(
         np.array([one.agreement for one in found]),
         np.array([one.rough for one in found]),
         np.array([str(one.fault) for one in found]),
-        *correspondent.kept(),
+        *correspondent.to_arrays(),
     )
 
 
@@ -146,13 +149,13 @@ def _learn_motions(sight: Detections, correspondent: MarkerMatcher, say: Callabl
     for number in some:
         found.append(correspondent.find(sight.dots[number]))
         correspondent.remember(sight.dots[number], found[-1])
-    if np.mean([one.sure for one in found]) >= _PLAIN:
+    if np.mean([one.confident for one in found]) >= _PLAIN:
         return  # a smooth field tells such a sensor's dots, and does not believe what it has not seen elsewhere
     seen = np.array([marker_descriptor(sight.dots[number], correspondent.shape) for number in some])
     spacing = float(np.median(correspondent.layout.spacing_px))
     for share in _TEACH:
         order = np.argsort([-one.score for one in found])
-        taught = order[: max(int(share * len(found)), sum(one.sure for one in found))]
+        taught = order[: max(int(share * len(found)), sum(one.confident for one in found))]
         if len(taught) < _LEAST_TAUGHT:
             return
         correspondent.motions = fit_motion_prior([found[k].moved_px for k in taught], spacing)

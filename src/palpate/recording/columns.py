@@ -84,7 +84,7 @@ class ColumnMapping:
 
     Attributes
     ----------
-    learn
+    targets
         Columns that are to be estimated, ``pose_4=rx_deg`` for one whose name does not tell what it is; empty for
         rx, ry and depth where there are such, else all.
     image, press
@@ -96,7 +96,7 @@ class ColumnMapping:
         angles are learnt as they stand.
     """
 
-    learn: tuple[str, ...] = ()
+    targets: tuple[str, ...] = ()
     image: str = ""
     press: str = ""
     angles: str = ""
@@ -163,7 +163,7 @@ def find_pose_columns(
     PalpateError
         If nothing is left to learn, or a column is not what it must be; the sentence names the column.
     """
-    table, asked = _rename(table, choice.learn)
+    table, asked = _rename(table, choice.targets)
     learn = tuple(_given(table, name, "--learn") for name in asked)
     poses, left_out, doubts = [], [], []
     for name in table.columns:
@@ -184,11 +184,11 @@ def find_pose_columns(
             poses.append(_with_unit(table, name, choice))
         except PalpateError as error:
             if learn and not wanted:
-                left_out.append(f"Column {name} is left out: {error.what}")
+                left_out.append(f"Column {name} is left out: {error.problem}")
             else:
                 doubts.append(error)
     if doubts:
-        raise PalpateError(" ".join(error.what for error in doubts), doubts[0].remedy, code=doubts[0].code)
+        raise PalpateError(" ".join(error.problem for error in doubts), doubts[0].remedy, code=doubts[0].code)
     poses = _turn(_name_axes(poses), choice.euler) if choice.euler else _name_axes(poses)
     chosen = [one for one in poses if one.column in learn] if learn else _usual(poses)
     if not chosen:

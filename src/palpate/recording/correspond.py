@@ -73,7 +73,7 @@ class Correspondence:
         Root mean square distance from the smooth field, over the spacing.
     fault
         Why it is not believed; `MatchFault.NONE` for one that is.
-    sure
+    confident
         Whether no other need be looked for.
     """
 
@@ -82,10 +82,10 @@ class Correspondence:
     agreement: float
     rough: float
     fault: MatchFault = MatchFault.NONE
-    sure: bool = False
+    confident: bool = False
 
     @property
-    def good(self) -> bool:
+    def accepted(self) -> bool:
         """Whether it is believed."""
         return self.fault is MatchFault.NONE
 
@@ -141,14 +141,14 @@ class MarkerMatcher:
     motions: MotionPrior | None = None
     usual: tuple[float, float] = (_SURE, _CALM)
 
-    def kept(self) -> tuple[FloatArray, FloatArray]:
+    def to_arrays(self) -> tuple[FloatArray, FloatArray]:
         """Motions (1 + k, 2m), empty where there are none, and (3,) what is usual and their noise, for a file."""
         known = self.motions
         motion = np.zeros((0, 0)) if known is None else np.vstack([known.mean, known.directions.T])
         return motion, np.array([*self.usual, 0.0 if known is None else known.noise_px])
 
-    def knowing(self, motion: FloatArray, usual: FloatArray) -> MarkerMatcher:
-        """This, with what `kept` gave."""
+    def with_arrays(self, motion: FloatArray, usual: FloatArray) -> MarkerMatcher:
+        """This, with what `to_arrays` gave."""
         known = MotionPrior(motion[0], motion[1:].T, float(usual[2])) if len(motion) else None
         return replace(self, motions=known, usual=(float(usual[0]), float(usual[1])))
 
@@ -170,21 +170,21 @@ class MarkerMatcher:
         tried: list[Correspondence] = []
         for guess in (*guesses, *self._alike(dots_px)):
             tried.append(self.refine(dots_px, guess))
-            if tried[-1].sure:
+            if tried[-1].confident:
                 return tried[-1]
-        if self.motions is not None and any(one.good for one in tried):
+        if self.motions is not None and any(one.accepted for one in tried):
             return self._choose(tried)
         for match in self._grown(dots_px):
             smooth, _ = self._field(dots_px, match)
             tried.append(self._judge(dots_px, *self._mend(dots_px, match, smooth)))
             tried.append(self.refine(dots_px, smooth))
-            if max(tried[-2:], key=lambda one: one.score).sure:
+            if max(tried[-2:], key=lambda one: one.score).confident:
                 break
         return self._choose(tried)
 
     def remember(self, dots_px: FloatArray, found: Correspondence) -> None:
         """Keep a sure image as a guess for others, as long as there is room."""
-        if found.sure and len(self.seen) < _KEPT:
+        if found.confident and len(self.seen) < _KEPT:
             self.seen.append(marker_descriptor(dots_px, self.shape))
             self.fields.append(found.moved_px)
 
@@ -291,14 +291,14 @@ class MarkerMatcher:
         return Correspondence(moved, there, agreement, rough, fault, sure)
 
     def _choose(self, tried: list[Correspondence]) -> Correspondence:
-        best = max(tried, key=lambda one: (one.good, one.score))
-        if not best.good:
+        best = max(tried, key=lambda one: (one.accepted, one.score))
+        if not best.accepted:
             return best
         spacing = float(np.median(self.layout.spacing_px))
         others = [
             one.score
             for one in tried
-            if one.good and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
+            if one.accepted and np.median(np.linalg.norm(one.moved_px - best.moved_px, axis=1)) > 0.4 * spacing
         ]
         if others and max(others) > best.score - _APART:
             return Correspondence(best.moved_px, best.found, best.agreement, best.rough, MatchFault.AMBIGUOUS)

@@ -50,19 +50,19 @@ def compute_learning_curve(
     """Errors of the quickest good estimator after ever more presses; judged on the same held-out presses."""
     dots = bool(good.sum() > 0.5 * len(good))
     rows = good if dots else np.ones(len(targets), bool)
-    taught = np.unique(press[split.teach & rows])
+    taught = np.unique(press[split.train & rows])
     points = []
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):
-        teach = split.teach & rows & np.isin(press, taught[:count])
-        lesson = TrainingSet(moved if dots else pictures, targets, teach, split.choose & rows)
+        teach = split.train & rows & np.isin(press, taught[:count])
+        lesson = TrainingSet(moved if dots else pictures, targets, teach, split.validation & rows)
         tries: list[tuple[str, EnsembleMember]] = [("ridge", fit_ridge_part("ridge", lesson, not dots))]
         if dots and count >= 30:
             with contextlib.suppress(PalpateError):  # without torch, ridge draws the curve
                 course = TrainerSpec(_EPOCHS, noise=0.01)
                 tries.append(("network", train_marker_network("network", lesson, course, members=1)))
         inputs = lesson.inputs
-        name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.judge])))
-        judge = split.judge & rows
+        name, part = min(tries, key=lambda pair: lesson.error(pair[1].predict(inputs[lesson.validation])))
+        judge = split.test & rows
         off = part.predict(inputs[judge]) - targets[judge]
         points.append(CurvePoint(count, name, tuple(float(x) for x in np.sqrt(np.mean(off**2, axis=0)))))
     return tuple(points)

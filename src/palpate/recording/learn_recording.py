@@ -68,7 +68,7 @@ def train_on_recording(
     recording: Recording,
     spec: RecordingSpec,
     store: ArtefactStore,
-    say: Say,
+    report: Say,
     start: PretrainedModel | None = None,
     first: RecordingResult | None = None,
 ) -> RecordingResult:
@@ -80,7 +80,7 @@ def train_on_recording(
         What is learnt from, and how.
     store
         Where stages are kept.
-    say
+    report
         Told how far it is.
     start
         A model to begin with: of another unit, or of a simulation.
@@ -93,26 +93,26 @@ def train_on_recording(
         If images and poses do not belong together, or too little is left to learn from.
     """
     begin = time.monotonic()
-    seen = prepare_recording(recording, spec, store, say)
+    seen = prepare_recording(recording, spec, store, report)
     parts: dict[str, EnsembleMember] = {}
     seconds = {} if first is None else {score.name: score.seconds for score in first.scores}
     early = 0.0 if first is None else first.seconds[0]
     names, asked = _plan(seen, spec), seen.targets.shape[1]
     jobs = [TrainingJob(name, make_training_set(name, seen, spec), asked, spec.epochs, spec.seed) for name in names]
-    for part, spent in train_members(jobs, spec.threads, store, say):
+    for part, spent in train_members(jobs, spec.threads, store, report):
         name, parts[part.name] = part.name, part
         seconds[name] = max(seconds.get(name, 0.0), spent)
         if first is None or name not in {score.name for score in first.scores}:
-            _say_errors(name, parts[name], seen, say)
+            _say_errors(name, parts[name], seen, report)
         if first is None and "picture-network" not in name:
             early = time.monotonic() - begin
     parts = {name: parts[name] for name in names}
     if start is not None:
-        parts |= fine_tune_members(start, seen, say)
+        parts |= fine_tune_members(start, seen, report)
     model, scores, best = select_model(seen, spec, parts, seconds)
     _refuse_strangers(seen, scores)
     if first is None:
-        curve = compute_learning_curve(seen.moved, seen.pictures, seen.good, seen.targets, seen.press, seen.split)
+        curve = compute_learning_curve(seen.moved, seen.pictures, seen.accepted, seen.targets, seen.press, seen.split)
         curve += compute_fine_tuning_curve(start, seen) if start is not None else ()
     else:
         curve = first.curve
@@ -141,7 +141,7 @@ def _turning(seen: PreparedRecording) -> RotationAugmentation | None:
     Without an image at rest the layout is that of some press, which leans: dots are then told from where they are in
     the mean of all.
     """
-    axes, good = tuple(one.axis for one in seen.recording.poses), seen.good & seen.split.teach
+    axes, good = tuple(one.axis for one in seen.recording.poses), seen.accepted & seen.split.train
     layout = seen.assigned.layout if seen.assigned is not None else None
     if axes[:2] != _ALIKE[0] or any(axis not in _ALIKE[1] for axis in axes[2:]):
         return None
@@ -157,7 +157,7 @@ def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -
     """What a part learns from: dots only where they are believed, and all motions where its name says so."""
     turning = _turning(seen) if name.endswith(ROTATED) else None
     if name.startswith("dots"):
-        teach, judge = seen.split.teach & seen.good, seen.split.choose & seen.good
+        teach, judge = seen.split.train & seen.accepted, seen.split.validation & seen.accepted
         return TrainingSet(seen.moved, seen.targets, teach, judge, spec.seed, turning)
     targets = seen.targets
     if name.endswith("-all"):
@@ -166,12 +166,12 @@ def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -
     if turning is not None:  # in px of the small pictures
         scale = np.array(seen.pictures.shape[:0:-1]) / seen.eye.shape[::-1]
         turning = turning._replace(places_px=(turning.places_px + 0.5) * scale - 0.5)
-    return TrainingSet(seen.pictures, targets, seen.split.teach, seen.split.choose, spec.seed, turning)
+    return TrainingSet(seen.pictures, targets, seen.split.train, seen.split.validation, spec.seed, turning)
 
 
 def _say_errors(name: str, part: EnsembleMember, seen: PreparedRecording, say: Say) -> None:
-    use = seen.split.judge & (seen.good if part.reads_dots else True)
-    off = part.predict((seen.moved if part.reads_dots else seen.pictures)[use]) - seen.targets[use]
+    use = seen.split.test & (seen.accepted if part.reads_markers else True)
+    off = part.predict((seen.moved if part.reads_markers else seen.pictures)[use]) - seen.targets[use]
     errors = np.sqrt(np.mean(off**2, axis=0))
     say(f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True)))
 
@@ -182,15 +182,15 @@ def _figure(error: float, one: PoseColumn) -> str:
 
 def _refuse_strangers(seen: PreparedRecording, scores: tuple[EstimatorScore, ...]) -> None:
     """Refuse images from which poses cannot be told better than by their mean."""
-    judged = seen.split.judge
-    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.teach].mean(axis=0)) ** 2, axis=0))
+    judged = seen.split.test
+    sd = np.sqrt(np.mean((seen.targets[judged] - seen.targets[seen.split.train].mean(axis=0)) ** 2, axis=0))
     ratio = np.array([[one.rmse for one in score.errors] for score in scores if score.name != WHOLE])
     ratio = ratio / np.maximum(sd, 1e-12)
     best = ratio.mean(axis=1).argmin()
     features = seen.pictures[:, ::4, ::4].reshape(len(seen.pictures), -1).astype(float)
     if not (ratio[best] > _NO_BETTER).all() and ratio[best].mean() < _DOUBTFUL:
         return
-    shift = find_row_offset(features, seen.targets, seen.split.teach)
+    shift = find_row_offset(features, seen.targets, seen.split.train)
     if shift:
         raise PalpateError(
             f"Poses and images are {abs(shift)} row{'s' if abs(shift) > 1 else ''} apart: moved by so much they fit.",

@@ -42,9 +42,9 @@ class TrainingJob:
 
     Attributes
     ----------
-    name, lesson
+    name, training_set
         Of the part, and what it learns from.
-    asked
+    n_outputs
         Number of targets that it hands on, the first of the lesson's.
     epochs
         Passes over pictures as they are.
@@ -53,8 +53,8 @@ class TrainingJob:
     """
 
     name: str
-    lesson: TrainingSet
-    asked: int
+    training_set: TrainingSet
+    n_outputs: int
     epochs: int
     seed: int
 
@@ -71,7 +71,7 @@ class TrainingJob:
     @property
     def passes(self) -> int:
         """Passes over what teaches, of a network on pictures."""
-        taught = max(int(self.lesson.teach.sum()), 1)
+        taught = max(int(self.training_set.train.sum()), 1)
         if not self.name.endswith(ROTATED):
             return self.epochs
         return max(self.epochs, min(round(_LONGER * self.epochs), _MOST_SHOWN // taught))
@@ -80,25 +80,39 @@ class TrainingJob:
     def recipe(self) -> Recipe:
         """What it is made from."""
         digest = hashlib.sha256()
-        for array in (self.lesson.inputs, self.lesson.targets, self.lesson.teach, self.lesson.judge):
+        for array in (
+            self.training_set.inputs,
+            self.training_set.targets,
+            self.training_set.train,
+            self.training_set.validation,
+        ):
             digest.update(np.ascontiguousarray(array).tobytes())
-        turning = self.lesson.turning
+        turning = self.training_set.rotation
         if turning is not None:
             for array in (turning.places_px, turning.base_px):
                 digest.update(np.ascontiguousarray(array).tobytes())
         sense = 0 if turning is None else turning.sense
-        own = [self.name, digest.hexdigest(), self.asked, sense, self.seed, self.passes if self.sees_pictures else 0]
+        own = [
+            self.name,
+            digest.hexdigest(),
+            self.n_outputs,
+            sense,
+            self.seed,
+            self.passes if self.sees_pictures else 0,
+        ]
         return Recipe("part", own, version=stage_version("recorded_estimator"))
 
-    def train(self, threads: int, kept: Path, say: Say) -> Mapping[str, NDArray[Any]]:
-        """Arrays of the part; what is known meanwhile lies in the file `kept`."""
+    def train(self, threads: int, checkpoint: Path, report: Say) -> Mapping[str, NDArray[Any]]:
+        """Arrays of the part; what is known meanwhile lies in the file `checkpoint`."""
         if not self.is_network:
-            return fit_ridge_part(self.name, self.lesson, self.name.startswith("picture")).arrays
+            return fit_ridge_part(self.name, self.training_set, self.name.startswith("picture")).arrays
         if self.sees_pictures:
             course = TrainerSpec(self.passes, threads=threads)
-            return train_image_network(self.name, self.lesson, self.asked, course, kept, say).arrays
+            return train_image_network(
+                self.name, self.training_set, self.n_outputs, course, checkpoint, report
+            ).arrays
         train = train_rotated_network if self.name.endswith(ROTATED) else train_marker_network
-        return train(self.name, self.lesson, kept=kept).arrays
+        return train(self.name, self.training_set, checkpoint=checkpoint).arrays
 
 
 class TrainedMember(NamedTuple):
@@ -109,7 +123,7 @@ class TrainedMember(NamedTuple):
 
 
 def train_members(
-    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, say: Say
+    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, report: Say
 ) -> Iterator[TrainedMember]:
     """Make parts, and give each as soon as it is there.
 
@@ -121,7 +135,7 @@ def train_members(
         Cores that networks may use: of several, each that is missing is trained in a process of its own.
     store
         Where parts are kept, and what an interrupted training needs to go on.
-    say
+    report
         Told how far it is.
 
     Raises
@@ -137,10 +151,10 @@ def train_members(
         begin = time.monotonic()
         path = store.find(job.recipe)
         if path is None:
-            path = _keep(store, job, job.train(threads, _draft(store, job), say))
+            path = _keep(store, job, job.train(threads, _draft(store, job), report))
         yield TrainedMember(_read(job, path), time.monotonic() - begin)
     if workers > 1:
-        for job, arrays, seconds in _train_beside(missing, workers, threads // workers, store, say):
+        for job, arrays, seconds in _train_beside(missing, workers, threads // workers, store, report):
             yield TrainedMember(_read(job, _keep(store, job, arrays)), seconds)
 
 
@@ -220,4 +234,4 @@ def _work(job: TrainingJob, threads: int, kept: Path, pipe: Any, parent: int) ->
     try:
         pipe.send(dict(job.train(threads, kept, pipe.send)))
     except PalpateError as error:
-        pipe.send(PalpateError(error.what, error.remedy, code=error.code))
+        pipe.send(PalpateError(error.problem, error.remedy, code=error.code))

@@ -67,18 +67,18 @@ class RecordedModel:
 
     Attributes
     ----------
-    eye
+    preprocessor
         How images are looked at.
     layout
         Dots at rest; `None` where the sensor is read from pictures alone.
-    bank
+    reference_bank
         Displacements (b, m, 2) and what the images looked like (b, GRID²), by which others are found, and the
-        sensor's motions and what is usual, see `MarkerMatcher.kept`.
+        sensor's motions and what is usual, see `MarkerMatcher.to_arrays`.
     parts
         All that was trained and is kept, by name.
-    with_dots, without
+    marker_ensemble, image_ensemble
         What gives the pose where dots are numbered, and where they are not; `None` where nothing can.
-    apart
+    max_disagreement
         (k,) by how much both may differ for the dots to be believed; infinite where this would help nothing.
     outputs
         Axis and unit of each component, and its name in the table.
@@ -86,13 +86,13 @@ class RecordedModel:
         What it was made from and with, as JSON data.
     """
 
-    eye: Preprocessor
+    preprocessor: Preprocessor
     layout: ObservedLayout | None
-    bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+    reference_bank: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
     parts: Mapping[str, EnsembleMember]
-    with_dots: EnsembleWeights | None
-    without: EnsembleWeights | None
-    apart: FloatArray
+    marker_ensemble: EnsembleWeights | None
+    image_ensemble: EnsembleWeights | None
+    max_disagreement: FloatArray
     outputs: tuple[tuple[str, str, str], ...]
     about: Mapping[str, Any]
 
@@ -102,15 +102,17 @@ class RecordedModel:
         names = tuple(f"{axis}_{unit}" for axis, unit, _ in self.outputs)
         if names == TILT_SPACE.names:
             return TILT_SPACE
-        return PoseSpace.free([(axis, unit) for axis, unit, _ in self.outputs])
+        return PoseSpace.from_axes([(axis, unit) for axis, unit, _ in self.outputs])
 
     @cached_property
-    def correspondent(self) -> MarkerMatcher | None:
+    def matcher(self) -> MarkerMatcher | None:
         """Numbers the dots of images."""
         if self.layout is None:
             return None
-        fields, seen, motion, usual = self.bank
-        return MarkerMatcher(self.layout, self.eye.shape, list(seen), list(fields)).knowing(motion, usual)
+        fields, seen, motion, usual = self.reference_bank
+        return MarkerMatcher(self.layout, self.preprocessor.shape, list(seen), list(fields)).with_arrays(
+            motion, usual
+        )
 
     def read(self, image: NDArray[Any]) -> PoseReading:
         """The pose in one image.
@@ -125,19 +127,19 @@ class RecordedModel:
         PalpateError
             If it is no image, or has another size.
         """
-        picture, dots = self.eye.look(image)
-        found = self.correspondent.find(dots) if self.correspondent is not None else None
+        picture, dots = self.preprocessor.extract(image)
+        found = self.matcher.find(dots) if self.matcher is not None else None
         fault = "" if found is None else str(found.fault)
         count = 0 if found is None else int(found.found.sum())
         moved: FloatArray = np.zeros((1, 0, 2)) if found is None else found.moved_px[None]
-        good = np.array([found is not None and found.good])
+        good = np.array([found is not None and found.accepted])
         poses, by_dots = self.estimate_all(moved, picture[None], good)
-        use = self.with_dots if by_dots[0] else self.without
+        use = self.marker_ensemble if by_dots[0] else self.image_ensemble
         if use is None:
             return PoseReading(
                 poses[0], np.full(poses.shape[1], np.inf), count, fault or str(MatchFault.NO_DOTS), found, dots
             )
-        if good[0] and self.with_dots is not None and not by_dots[0]:
+        if good[0] and self.marker_ensemble is not None and not by_dots[0]:
             fault = str(MatchFault.PICTURE)
         return PoseReading(poses[0], use.half_width, count, fault, found, dots)
 
@@ -152,16 +154,16 @@ class RecordedModel:
             (n, m, 2) displacements, (n, h, w) pictures and (n,) whether the displacements are believed.
         """
         found = np.full((len(pictures), len(self.outputs)), np.nan)
-        by_dots = good.copy() if self.with_dots is not None else np.zeros(len(good), bool)
-        if self.with_dots is not None and by_dots.any():
-            found[by_dots] = self.estimate(self.with_dots, moved[by_dots], pictures[by_dots])
-        if self.without is None:
+        by_dots = good.copy() if self.marker_ensemble is not None else np.zeros(len(good), bool)
+        if self.marker_ensemble is not None and by_dots.any():
+            found[by_dots] = self.estimate(self.marker_ensemble, moved[by_dots], pictures[by_dots])
+        if self.image_ensemble is None:
             return found, by_dots
-        rows = np.ones(len(good), bool) if np.isfinite(self.apart).any() else ~by_dots
+        rows = np.ones(len(good), bool) if np.isfinite(self.max_disagreement).any() else ~by_dots
         if rows.any():
             other = np.full(found.shape, np.nan)
-            other[rows] = self.estimate(self.without, moved[rows], pictures[rows])
-            by_dots &= ~(np.abs(found - other) > self.apart).any(axis=1)
+            other[rows] = self.estimate(self.image_ensemble, moved[rows], pictures[rows])
+            by_dots &= ~(np.abs(found - other) > self.max_disagreement).any(axis=1)
             found[~by_dots] = other[~by_dots]
         return found, by_dots
 
@@ -176,7 +178,7 @@ class RecordedModel:
         total = np.zeros((len(pictures), len(self.outputs)))
         for name, weight in zip(use.parts, use.weights, strict=True):
             part = self.parts[name]
-            total += weight * part.predict(moved if part.reads_dots else pictures)
+            total += weight * part.predict(moved if part.reads_markers else pictures)
         return total
 
 
@@ -190,26 +192,26 @@ def write_model(path: Path, model: RecordedModel) -> None:
     """
     with atomic_write(path) as draft, h5py.File(draft, "w") as file:
         file.attrs["format"], file.attrs["format_version"] = FORMAT, FORMAT_VERSION
-        detector = model.eye.detector
+        detector = model.preprocessor.detector
         file.attrs["about"] = json.dumps(
             {
-                "shape": model.eye.shape,
-                "size": model.eye.size,
-                "dark": model.eye.dark,
+                "shape": model.preprocessor.shape,
+                "size": model.preprocessor.size,
+                "dark": model.preprocessor.dark,
                 "detector": None if detector is None else [detector.dark, detector.diameter_px, detector.edge_px],
                 "outputs": model.outputs,
-                "with_dots": _plain(model.with_dots),
-                "without": _plain(model.without),
-                "apart": [None if np.isinf(value) else value for value in model.apart.tolist()],
+                "with_dots": _plain(model.marker_ensemble),
+                "without": _plain(model.image_ensemble),
+                "apart": [None if np.isinf(value) else value for value in model.max_disagreement.tolist()],
                 "parts": [[name, part.kind] for name, part in model.parts.items()],
                 "about": model.about,
             }
         )
         if model.layout is not None:
             file["rest_px"] = model.layout.rest_px
-            file["fields"] = np.asarray(model.bank[0][:_BANK], np.float32)
-            file["seen"] = np.asarray(model.bank[1][:_BANK], np.float32)
-            file["motion"], file["usual"] = np.asarray(model.bank[2], np.float32), model.bank[3]
+            file["fields"] = np.asarray(model.reference_bank[0][:_BANK], np.float32)
+            file["seen"] = np.asarray(model.reference_bank[1][:_BANK], np.float32)
+            file["motion"], file["usual"] = np.asarray(model.reference_bank[2], np.float32), model.reference_bank[3]
         for name, part in model.parts.items():
             for key, values in part.arrays.items():
                 single = np.asarray(values)

@@ -34,7 +34,7 @@ class EnsembleMember(ABC):
 
     @property
     @abstractmethod
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         """Whether it reads displacements of dots, (n, m, 2) px; else pictures, (n, h, w) of 8 bit."""
 
     @abstractmethod
@@ -49,11 +49,11 @@ class RidgeMember(EnsembleMember):
     kind = "linear"
 
     @property
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         return "side" not in self.arrays
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
-        side = None if self.reads_dots else int(self.arrays["side"])
+        side = None if self.reads_markers else int(self.arrays["side"])
         features = flat_features(inputs, side)
         return np.asarray(features @ self.arrays["weight"] + self.arrays["bias"], float)
 
@@ -65,7 +65,7 @@ class MarkerNetwork(EnsembleMember):
     kind = "dots-network"
 
     @property
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         return True
 
     def predict(self, inputs: NDArray[Any]) -> FloatArray:
@@ -88,7 +88,7 @@ class ImageNetwork(EnsembleMember):
     kind = "picture-network"
 
     @property
-    def reads_dots(self) -> bool:
+    def reads_markers(self) -> bool:
         return False
 
     @cached_property

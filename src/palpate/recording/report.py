@@ -37,7 +37,7 @@ def recording_report(learnt: RecordingResult) -> dict[str, Any]:
             {
                 "name": score.name,
                 "share_of_images": score.share,
-                "validation_error": score.chosen_by,
+                "validation_error": score.validation_error,
                 "seconds": score.seconds,
                 "errors": {
                     axis: {**vars(error), "coverage": inside}
@@ -64,7 +64,7 @@ def recording_page(learnt: RecordingResult) -> str:
         "in interval",
     )
     best = next(score for score in learnt.scores if score.name == learnt.best)
-    held = len(np.unique(seen.press[seen.split.judge]))
+    held = len(np.unique(seen.press[seen.split.test]))
     rows = [_row(score, score.name == learnt.best) for score in learnt.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     lines = [
@@ -127,8 +127,8 @@ def _draw_errors(learnt: RecordingResult) -> Figure:
     axes = figure.subplots(1, count + 1, squeeze=False)[0]
     off = learnt.estimates - seen.targets
     for column, (axis, (name, unit, _)) in enumerate(zip(axes, outputs, strict=False)):
-        for rows, colour, what in ((seen.good, "C0", "by dots"), (~seen.good, "C1", "by picture")):
-            shown = rows & seen.split.judge
+        for rows, colour, what in ((seen.accepted, "C0", "by dots"), (~seen.accepted, "C1", "by picture")):
+            shown = rows & seen.split.test
             if shown.any():
                 axis.plot(
                     seen.targets[shown, column], off[shown, column], ".", color=colour, markersize=4, label=what
@@ -156,8 +156,8 @@ def _draw_correspondences(learnt: RecordingResult, recording: Recording) -> Figu
     seen = learnt.seen
     assert seen.assigned is not None
     far = np.linalg.norm(seen.moved, axis=-1).mean(axis=1)
-    good = np.flatnonzero(seen.good)
-    bad = np.flatnonzero(~seen.good)[: _SHOWN // 3]
+    good = np.flatnonzero(seen.accepted)
+    bad = np.flatnonzero(~seen.accepted)[: _SHOWN // 3]
     good = good[np.argsort(far[good])]
     shown = [*good[np.linspace(0, len(good) - 1, _SHOWN - len(bad)).astype(int)].tolist(), *bad.tolist()]
     figure = Figure(figsize=(9, 6.4), layout="constrained")

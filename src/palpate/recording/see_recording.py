@@ -37,7 +37,7 @@ class PreparedRecording:
         What it is, how it was looked at, what was seen, dots by number (`None` without dots).
     rows
         (n,) rows of the recording that are used.
-    moved, good
+    moved, accepted
         (n, m, 2) displacements and (n,) whether they are believed; empty without dots.
     pictures, targets, press
         (n, h, w), (n, k) and (n,).
@@ -53,7 +53,7 @@ class PreparedRecording:
     assigned: AssignedMarkers | None
     rows: NDArray[Any]
     moved: FloatArray
-    good: BoolArray
+    accepted: BoolArray
     pictures: NDArray[np.uint8]
     targets: FloatArray
     press: NDArray[Any]
@@ -61,7 +61,9 @@ class PreparedRecording:
     notes: tuple[str, ...]
 
 
-def prepare_recording(recording: Recording, spec: RecordingSpec, store: ArtefactStore, say: Say) -> PreparedRecording:
+def prepare_recording(
+    recording: Recording, spec: RecordingSpec, store: ArtefactStore, report: Say
+) -> PreparedRecording:
     """Look at a recording: dots and pictures, correspondence, split.
 
     Raises
@@ -73,9 +75,9 @@ def prepare_recording(recording: Recording, spec: RecordingSpec, store: Artefact
     notes = list(recording.notes)
     if spec.estimators == "picture":
         eye = replace(eye, detector=None, dark=False)
-    sight = preprocess_images(recording, eye, store, say)
+    sight = preprocess_images(recording, eye, store, report)
     count = len(recording)
-    assigned, told = _assign(recording, eye, sight, spec, store, say)
+    assigned, told = _assign(recording, eye, sight, spec, store, report)
     notes += told
     kept = sight.readable[:count].copy()
     if not kept.all():
@@ -104,7 +106,7 @@ def prepare_recording(recording: Recording, spec: RecordingSpec, store: Artefact
         )
     good = np.zeros(len(rows), bool) if assigned is None else assigned.good[:count][rows]
     moved: FloatArray = np.zeros((len(rows), 0, 2)) if assigned is None else assigned.moved_px[:count][rows]
-    split = split_presses(press, spec.held_out, spec.validation, spec.seed)
+    split = split_presses(press, spec.test_share, spec.validation_share, spec.seed)
     pictures = sight.pictures[:count][rows]
     return PreparedRecording(
         recording,

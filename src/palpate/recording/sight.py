@@ -58,7 +58,7 @@ class Preprocessor:
     size: tuple[int, int]
     dark: bool
 
-    def look(self, image: NDArray[Any]) -> tuple[Pictures, FloatArray]:
+    def extract(self, image: NDArray[Any]) -> tuple[Pictures, FloatArray]:
         """Small picture (h, w) and dots (n, 2) of an image.
 
         Raises
@@ -126,7 +126,7 @@ def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
     items = list(recording.images.read(sorted({int(k) for k in looked})))
     images = [_grey(item) for item in items if not isinstance(item, PalpateError)]
     if not images:
-        reason = next((item.what for item in items if isinstance(item, PalpateError)), "there is none")
+        reason = next((item.problem for item in items if isinstance(item, PalpateError)), "there is none")
         raise PalpateError(
             f"The first images cannot be read: {reason}", "Check the table's image names.", code="images-unreadable"
         )
@@ -146,7 +146,7 @@ def choose_preprocessor(recording: Recording, picture_px: int) -> Preprocessor:
 
 
 def preprocess_images(
-    recording: Recording, eye: Preprocessor, store: ArtefactStore, say: Callable[[str], None]
+    recording: Recording, eye: Preprocessor, store: ArtefactStore, report: Callable[[str], None]
 ) -> Detections:
     """Look at all images of a recording, those at rest last.
 
@@ -164,7 +164,7 @@ def preprocess_images(
         path = store.find(recipe)
         if path is None:
             path = store.write(recipe, lambda file, own=numbers: _write(file, recording, eye, own))  # type: ignore[misc]
-            say(f"dots: {numbers[-1] + 1} of {total} images")
+            report(f"dots: {numbers[-1] + 1} of {total} images")
         parts.append(read_arrays(path))
     ends = np.concatenate([part["count"] for part in parts])
     dots = np.concatenate([part["dots"] for part in parts])
@@ -185,13 +185,13 @@ def _write(path: Path, recording: Recording, eye: Preprocessor, numbers: Sequenc
         try:
             if isinstance(item, PalpateError):
                 raise item
-            picture, places = eye.look(item)
+            picture, places = eye.extract(item)
             digests.append(hashlib.sha256(np.ascontiguousarray(item).tobytes()).hexdigest()[:16])
             faults.append("")
         except PalpateError as error:
             picture, places = np.zeros(eye.size, np.uint8), np.zeros((0, 2))
             digests.append("")
-            faults.append(error.what[:200])
+            faults.append(error.problem[:200])
         pictures.append(picture)
         dots.append(places)
     arrays = {

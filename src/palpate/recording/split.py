@@ -20,23 +20,23 @@ class PressSplit:
 
     Attributes
     ----------
-    teach, choose, judge
+    train, validation, test
         To learn from; to choose settings and intervals by; to report errors on. No press is in two of them.
     """
 
-    teach: BoolArray
-    choose: BoolArray
-    judge: BoolArray
+    train: BoolArray
+    validation: BoolArray
+    test: BoolArray
 
 
-def split_presses(press: IntArray, held_out: float, validation: float, seed: int) -> PressSplit:
+def split_presses(press: IntArray, test_share: float, validation_share: float, seed: int) -> PressSplit:
     """Draw presses; at least one of each kind.
 
     Parameters
     ----------
     press
         (n,) number of the press of each image.
-    held_out, validation
+    test_share, validation_share
         Shares of presses that judge and that choose.
     seed
         Seed of the draw.
@@ -44,8 +44,8 @@ def split_presses(press: IntArray, held_out: float, validation: float, seed: int
     numbers, member = np.unique(press, return_inverse=True)
     order = np.empty(len(numbers), int)
     order[generator(seed, "split").permutation(len(numbers))] = np.arange(len(numbers))
-    judge = max(1, round(held_out * len(numbers)))
-    choose = max(1, round(validation * len(numbers)))
+    judge = max(1, round(test_share * len(numbers)))
+    choose = max(1, round(validation_share * len(numbers)))
     place = order[member.reshape(-1)]
     return PressSplit(place >= judge + choose, (place >= judge) & (place < judge + choose), place < judge)
 

@@ -217,7 +217,7 @@ def _balance(relaxation: Relaxation, curve: ForceCurve, course: FloatArray, stif
         else:
             depth = float(brentq(missing, 0.0, float(curve.depth[-1]), xtol=1e-12))
         depths.append(depth)
-        forces.append(history.follow(float(when), curve.at(np.array([depth]))[0]))
+        forces.append(history.update(float(when), curve.at(np.array([depth]))[0]))
     return WallHistory(course[:, 0], np.array(depths), np.array(forces))
 
 

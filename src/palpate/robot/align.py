@@ -74,7 +74,7 @@ class Aligner:
     def __init__(
         self, robot: Robot, sensor: Sensor, next_image: NextImage, tool: Tool, spec: AlignSpec | None = None
     ) -> None:
-        fitter = sensor.reader.twin_fit
+        fitter = sensor.estimator.twin_fit
         if fitter is None:
             raise PalpateError(
                 "A network tells no force for a limit.",
@@ -88,7 +88,7 @@ class Aligner:
         self._factor = float(np.sqrt(chi2.ppf(self.spec.level, 2)))
         self._images, self._gap = 0, 0.0
         skin = sensor.unit.skin
-        self._apex = skin.touch(np.array([0.0, 0.0, 1.0]))
+        self._apex = skin.support_point(np.array([0.0, 0.0, 1.0]))
 
     def align(self) -> Alignment:
         """Touch and turn until the tool is square; the flange ends clear of the wall.
@@ -100,7 +100,7 @@ class Aligner:
         """
         log = _Log()
         self._images = 0
-        while len(log.touches) < self.spec.most_touches:
+        while len(log.touches) < self.spec.max_touches:
             try:
                 touch = self.touch()
             except _Failed as failed:
@@ -138,7 +138,7 @@ class Aligner:
         PalpateError
             If a touch fails, or they do not fit one wall.
         """
-        touches, start = [], self.robot.where()
+        touches, start = [], self.robot.flange_pose()
         across = np.linalg.svd(self.tool.drill[None])[2][1]
         for about, lean in turns:
             self._turn_to(
@@ -159,14 +159,14 @@ class Aligner:
 
     def touch(self) -> Touch:
         """Touch the wall ahead once, and leave it by `clear` mm."""
-        start, before = self.robot.where(), self._images
+        start, before = self.robot.flange_pose(), self._images
         way = start.rotation @ self.tool.flange_from_sensor.rotation[:, 2]
         try:
             read = self._press(start, way, *self._search(start, way))
         except _Failed:
             self.robot.move(start)
             raise
-        zero = read.travel - read.fit.theta[2]
+        zero = read.travel - read.fit.state[2]
         self.robot.move(start.moved((zero - self.spec.clear) * way))
         self._gap = self.spec.clear
         return self._told(read, self._images - before)
@@ -176,10 +176,10 @@ class Aligner:
         travel, lifts = max(self._gap - _BEFORE_MM, 0.0), 0
         self.robot.move(start.moved(travel * way))
         while travel <= self.spec.search:
-            reading = self._look(Flag.OUTSIDE, Flag.MOVED)
+            reading = self._look(Flag.OUT_OF_DISTRIBUTION, Flag.CAMERA_MOVED)
             if reading is None:
                 raise _Failed(AlignmentOutcome.UNREADABLE)
-            if Flag.MOVED in reading.flags:
+            if Flag.CAMERA_MOVED in reading.flags:
                 # the lightest of touches looks as if the camera had moved: above the wall that must be gone
                 lifts += 1
                 self._lift(start.moved((travel - _LIFT_MM) * way), lifts)
@@ -197,25 +197,25 @@ class Aligner:
 
     def _press(self, start: Placement, way: FloatArray, travel: float, reading: Reading) -> _Read:
         """The deepest image that was read."""
-        best = _read_of(travel, reading, self.robot.where())
+        best = _read_of(travel, reading, self.robot.flange_pose())
         for share in _STRIDES:
-            goal = self._limit.deepest(best.fit, self.spec.depth)
-            if goal - best.fit.theta[2] < _ARRIVED_MM:
+            goal = self._limit.max_depth(best.fit, self.spec.depth)
+            if goal - best.fit.state[2] < _ARRIVED_MM:
                 break
-            travel = best.travel + share * (goal - float(best.fit.theta[2]))
+            travel = best.travel + share * (goal - float(best.fit.state[2]))
             self.robot.move(start.moved(travel * way))
-            found = self._look(Flag.OUTSIDE)
+            found = self._look(Flag.OUT_OF_DISTRIBUTION)
             if found is None or not found.touching:
                 self.robot.move(start.moved((best.travel - _BACK_MM) * way))
                 break
-            best = _read_of(travel, found, self.robot.where())
-        if best.fit.theta[2] < self.spec.least_depth:
+            best = _read_of(travel, found, self.robot.flange_pose())
+        if best.fit.state[2] < self.spec.min_depth:
             raise _Failed(AlignmentOutcome.UNREADABLE if travel != best.travel else AlignmentOutcome.TOO_SHALLOW)
         return best
 
     def _look(self, *accepted: Flag) -> Reading | None:
         """A reading of this place with no flag but those accepted; `None` where no image of it gives one."""
-        for _ in range(self.spec.looks):
+        for _ in range(self.spec.max_image_retries):
             self._images += 1
             reading = self.sensor.read(self._next_image())
             if not set(reading.flags).difference(accepted):
@@ -223,15 +223,15 @@ class Aligner:
         return None
 
     def _told(self, read: _Read, images: int) -> Touch:
-        fit, force = read.fit, read.fit.force.pressing
+        fit, force = read.fit, read.fit.force.normal_force
         return Touch(
             read.base_from_flange,
             fit.pose[:2].copy(),
-            float(fit.theta[2]),
+            float(fit.state[2]),
             fit.covariance[:2, :2].copy(),
             force.value,
-            self._limit.force_most(fit.theta, float(fit.theta[2])),
-            fit.slip,
+            self._limit.max_force(fit.state, float(fit.state[2])),
+            fit.inverse_friction,
             images,
             read.outside,
         )
@@ -250,7 +250,7 @@ class Aligner:
         """Turn the drill to the wall's normal that a touch told."""
         flange = touch.base_from_flange.rotation
         normal = flange @ self.tool.flange_from_sensor.rotation @ wall_normal(*np.radians(touch.tilt_deg))
-        here = self.robot.where()
+        here = self.robot.flange_pose()
         self._turn_to(here, rotation_between(flange @ self.tool.drill, normal) @ flange)
 
     def _turn_to(self, here: Placement, rotation: FloatArray) -> None:
@@ -270,7 +270,7 @@ class _Read(NamedTuple):
 
 def _read_of(travel: float, reading: Reading, where: Placement) -> _Read:
     assert reading.fit is not None
-    return _Read(travel, reading.fit, where, Flag.OUTSIDE in reading.flags)
+    return _Read(travel, reading.fit, where, Flag.OUT_OF_DISTRIBUTION in reading.flags)
 
 
 class _Log:

@@ -74,7 +74,7 @@ def open_from_parameters(spec: SensorLaunchSpec) -> Sensor:
     markers = MarkerSpec(file=spec.layout) if spec.layout else MarkerSpec(count=spec.markers)
     lens = read_calibration(spec.lens).camera_spec() if spec.lens else None
     known = read_unit(spec.unit) if spec.unit else None
-    unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, known=known)
+    unit = Unit(twin.skin, place_markers(twin.skin, markers), spec.mark, lens=lens, identified=known)
     with open_source(spec.source) as source:
         first, clock = list(islice(source.images(), spec.rest_images)), source.clock
     images = [image for image in first if not isinstance(image, PalpateError)]

@@ -37,7 +37,7 @@ from palpate.twin import Twin
 
 LIGHT = RenderSpec(vignetting=0.35, unevenness=0.2, glare=25.0, blur_px=0.8, noise=3.0, dirt=15, rim=True)
 """Light, lens and sensor, as on the bench."""
-WALLS = ToleranceSpec(friction=0.2, friction_most=10.0, lateral=0.2)
+WALLS = ToleranceSpec(friction_min=0.2, friction_max=10.0, lateral=0.2)
 """Tolerances of units, with every friction of walls from 0.2 up and a robot that errs sideways in a touch."""
 _LENGTH_MM = 120.0
 """From the flange to the middle of the dome's base."""
@@ -57,7 +57,7 @@ class AlignmentScenario:
     ----------
     twin, layout
         The design's twin and its print; the twin reads.
-    dome, material
+    skin, material
         The design, for presses that are solved anew.
     camera
         As designed.
@@ -65,9 +65,9 @@ class AlignmentScenario:
         How walls are touched, how well the robot does, and how far units and walls may be from the design.
     max_tilt_deg
         Greatest tilt of a wall.
-    known
+    calibration_presses
         Presses at a jig by which each unit is identified; 0: none.
-    solved
+    by_solver
         Whether touches are solved anew, in place of the twin.
     seed
         Of units, walls and the robot's errors.
@@ -75,15 +75,15 @@ class AlignmentScenario:
 
     twin: Twin
     layout: MarkerLayout
-    dome: SkinSpec
+    skin: SkinSpec
     material: Material
     camera: CameraSpec = field(default_factory=CameraSpec)
     align: AlignSpec = field(default_factory=AlignSpec)
     robot: SimulatedRobotSpec = field(default_factory=SimulatedRobotSpec)
     tolerance: ToleranceSpec = WALLS
     max_tilt_deg: float = 10.0
-    known: int = 5
-    solved: bool = False
+    calibration_presses: int = 5
+    by_solver: bool = False
     seed: int = 0
 
 
@@ -98,7 +98,7 @@ class AlignmentTrial(NamedTuple):
         What the aligner said.
     final_deg
         True angle between drill and wall's normal at the end.
-    most_force_n
+    max_force_n
         Greatest true force on the way.
     """
 
@@ -106,7 +106,7 @@ class AlignmentTrial(NamedTuple):
     friction: float
     alignment: Alignment
     final_deg: float
-    most_force_n: float
+    max_force_n: float
 
 
 class VirtualUnit:
@@ -139,30 +139,30 @@ class VirtualUnit:
     def __init__(self, play: AlignmentScenario, number: int) -> None:
         self.play, self.number = play, number
         self.deviation = sample_deviation(play.tolerance, play.seed, number)
-        skin = build_skin(play.dome)
+        skin = build_skin(play.skin)
         self._scene = build_scene(skin, play.layout, self.deviation, play.camera, LIGHT)
         self._unit = SimulatedUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
         unit = Unit(skin, play.layout, nominal=play.camera, tolerance=play.tolerance)
-        self._sensor = open_sensor([self._scene.at_rest()], unit, play.twin, SensorSpec())
-        if play.known:
+        self._sensor = open_sensor([self._scene.render_rest()], unit, play.twin, SensorSpec())
+        if play.calibration_presses:
             self._identify()
         self._mount()
 
     def _pressed(self, scene: Scene) -> ContactBackend:
         play = self.play
-        if play.solved:
+        if play.by_solver:
             deepest = min(play.align.depth + 1.5, float(play.twin.depths_mm[-1]))
-            return SolverBackend(play.dome, play.material, scene.edges, self.deviation, deepest)
+            return SolverBackend(play.skin, play.material, scene.edges, self.deviation, deepest)
         return TwinBackend(play.twin, scene.edges, self.deviation)
 
     def _identify(self) -> None:
         """Learn the unit from known presses at a jig that is well known; it then reads in the dome's frame."""
         rng, deepest = generator(self.play.seed, "jig", self.number), float(self.play.twin.depths_mm[-1])
         still = SimulatedRobotSpec(
-            place_mm=0.0, turn_deg=0.0, backlash_mm=0.0, backlash_deg=0.0, compliance=0.0, unreadable=0.0
+            position_sd_mm=0.0, rotation_sd_deg=0.0, backlash_mm=0.0, backlash_deg=0.0, compliance=0.0, dropout=0.0
         )
         presses = []
-        for press in range(self.play.known):
+        for press in range(self.play.calibration_presses):
             tilt = CALIBRATION_TILTS[press % 2] * float(self.play.twin.tilts_deg[-1])
             turn = np.radians(CALIBRATION_TURN_DEG * press + float(rng.uniform(0.0, 20.0)))
             truth = tilt * np.array([np.cos(turn), np.sin(turn)])
@@ -208,7 +208,7 @@ class VirtualUnit:
         start = Placement(rotation_from_vector(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
         wall = FlatWall(np.zeros(3), normal, slip)
-        cell = self._cell(wall, self._mounted, spec.unreadable, rng)
+        cell = self._cell(wall, self._mounted, spec.dropout, rng)
         gap = _STANDOFF_MM + float(rng.uniform(-spec.approach_mm, spec.approach_mm))
         way = (start @ self._mounted).rotation[:, 2]
         start = start.moved(-(cell.depth_at(start) + gap) * way)
@@ -219,7 +219,7 @@ class VirtualUnit:
         """Square the drill to a wall of this number, which decides its tilt, friction, distance and all errors."""
         play, rng = self.play, generator(self.play.seed, "wall", self.number, wall)
         tilt, turn = play.max_tilt_deg * np.sqrt(rng.uniform()), float(rng.uniform(0.0, 2.0 * np.pi))
-        friction = play.tolerance.draw_friction(float(rng.uniform()))
+        friction = play.tolerance.friction_at(float(rng.uniform()))
         cell, robot = self._before(tilt * np.array([np.cos(turn), np.sin(turn)]), 1.0 / friction, rng)
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()

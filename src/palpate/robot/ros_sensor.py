@@ -75,7 +75,7 @@ class RosSensor:
     def follow(self) -> None:
         """Read the source until `stop`; a camera that is gone is said, and opened again."""
         again = not Path(self.spec.source).exists()
-        self._reader.follow(lambda: open_source(self.spec.source), self.spec.retry_s, again)
+        self._reader.run(lambda: open_source(self.spec.source), self.spec.retry_s, again)
 
     def stop(self) -> None:
         """End `follow` after the image at hand."""
@@ -98,11 +98,11 @@ class RosSensor:
         if self._image is not None:
             yield "image_raw", image_message(self._image, seen)
             yield "camera_info", camera_info(self._sensor.registration.camera, seen)
-        fitter = self._sensor.reader.twin_fit
+        fitter = self._sensor.estimator.twin_fit
         if reading.fit is not None and fitter is not None and reading.sighting is not None:
             pose = pose_message(reading.pose[:2], (0.0, 0.0), reading.depth_mm)
             yield "pose", pose_with_covariance(pose, reading.fit.covariance[:3, :3], felt)
-            yield "dots", dots_message(fitter.places(reading.fit), reading.sighting.found, felt)
+            yield "dots", dots_message(fitter.positions(reading.fit), reading.sighting.found, felt)
         if reading.force is not None and reading.fit is not None:
             force = reading.force.vector if reading.touching else np.zeros(3)
             yield "wrench", wrench_stamped(force, felt)

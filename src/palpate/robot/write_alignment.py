@@ -22,7 +22,7 @@ COLUMNS = (
     "half_width_deg",
     "turned_deg",
     "force_n",
-    "force_most_n",
+    "force_upper_n",
     "friction",
     "images",
 )
@@ -43,8 +43,8 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
             "half_width_deg": half,
             "turned_deg": turned,
             "force_n": touch.force_n,
-            "force_most_n": touch.force_most_n,
-            "friction": 1.0 / touch.slip if touch.slip > 0 else None,
+            "force_upper_n": touch.force_upper_n,
+            "friction": 1.0 / touch.inverse_friction if touch.inverse_friction > 0 else None,
             "images": touch.images,
         }
         for number, (touch, angle, half, turned) in enumerate(columns, start=1)
@@ -53,15 +53,15 @@ def list_touches(alignment: Alignment) -> list[dict[str, Any]]:
 
 def describe_alignment(alignment: Alignment) -> dict[str, Any]:
     """How an alignment ended, and what is left, as plain data."""
-    known = math.isfinite(alignment.left_deg)
+    known = math.isfinite(alignment.residual_deg)
     return {
         "square": alignment.square,
-        "ending": alignment.ending.name.lower(),
-        "reason": str(alignment.ending),
+        "ending": alignment.outcome.name.lower(),
+        "reason": str(alignment.outcome),
         "touches": len(alignment.touches),
         "images": alignment.images,
-        "left_deg": alignment.left_deg if known else None,
-        "left_half_width_deg": alignment.left_half_width_deg if known else None,
+        "residual_deg": alignment.residual_deg if known else None,
+        "residual_half_width_deg": alignment.residual_half_width_deg if known else None,
     }
 
 
@@ -73,8 +73,8 @@ def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
         "friction": wall.friction,
         **describe_alignment(said),
         "final_deg": wall.final_deg,
-        "most_force_n": wall.most_force_n,
-        "held": bool(wall.final_deg <= said.left_deg + said.left_half_width_deg),
+        "most_force_n": wall.max_force_n,
+        "held": bool(wall.final_deg <= said.residual_deg + said.residual_half_width_deg),
     }
 
 

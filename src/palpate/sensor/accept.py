@@ -27,7 +27,7 @@ class AcceptanceSpec(Spec):
         1.64, unit="deg", meaning="greatest error of roll and of pitch", source=TABLE_3, flag="max-error", gt=0
     )
     depth_rmse: float = parameter(0.2, unit="mm", meaning="greatest RMSE of the depth", gt=0)
-    least_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)
+    min_depth: float = parameter(2.4, unit="mm", meaning="least depth of the images that count", ge=0)
     without_pose: float = parameter(0.0, unit="1", meaning="greatest share of images without a pose", ge=0, le=1)
     zero: bool = parameter(True, unit="", meaning="whether the depth's zero is found from the first press")
     guard: bool = parameter(
@@ -142,15 +142,15 @@ def accept_unit(
     zero, counts = None, np.ones(len(estimates), bool)
     if spec.zero and known:
         first = truth.press == 0
-        zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.least_depth)
+        zero = find_depth_zero(estimates[first, 2], truth.poses[first, 2], spec.min_depth)
         counts &= ~first
     offset = zero.offset if zero else 0.0
     # an image without a pose counts if the truth says that it is deep enough
     depth = truth.poses[:, 2] - offset if known else estimates[:, 2]
-    counts &= ~(depth < spec.least_depth - (_DOUBT if zero else 1e-9))
+    counts &= ~(depth < spec.min_depth - (_DOUBT if zero else 1e-9))
     if not counts.any():
         raise PalpateError(
-            f"No image is deeper than {spec.least_depth:g} mm after the first press.",
+            f"No image is deeper than {spec.min_depth:g} mm after the first press.",
             "Record more presses, or press deeper.",
             code="acceptance-no-press",
         )

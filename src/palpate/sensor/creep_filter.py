@@ -67,33 +67,33 @@ class DriftFilter:
         self._variance, self._ways = variance[told], ways[:, told]
         self._to_ways = self._ways.T @ metric
 
-    def begin(self) -> CameraDrift:
+    def initial(self) -> CameraDrift:
         """What is known before any image but that at rest."""
         covariance = np.zeros((len(self._variance), 3, 3))
         covariance[:, 1, 1], covariance[:, 2, 2] = _PACE_PX_S**2, self._variance
         return CameraDrift(np.zeros((len(self._variance), 3)), covariance)
 
-    def moved(self, creep: CameraDrift) -> FloatArray:
+    def motion(self, creep: CameraDrift) -> FloatArray:
         """By how much (k,) the camera has crept."""
         return np.asarray(self._ways @ creep.mean[:, 0], float)
 
-    def knocked(self, creep: CameraDrift, told: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
+    def is_jump(self, creep: CameraDrift, measured: FloatArray, step_s: float, least_px: float, sure: float) -> bool:
         """Whether an image, a time in s after the last that was followed, tells a motion (k,) that is no creep.
 
         That is one by at least so many px rms from what was expected, of which noise alone does not tell: the sum of
         squares of all ways over their variances is so many of its standard deviations beyond its mean.
         """
         mean, covariance = _ahead(creep, step_s)
-        off = self._to_ways @ told - mean @ _TOLD
+        off = self._to_ways @ measured - mean @ _TOLD
         square = np.sum(off**2 / (covariance @ _TOLD @ _TOLD + self._variance))
         return bool(np.sum(off**2) > least_px**2 and square > len(off) + sure * np.sqrt(2.0 * len(off)))
 
-    def follow(self, creep: CameraDrift, told: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
+    def update(self, creep: CameraDrift, measured: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
         """What is known after another image, a time in s after the last one followed, which tells a motion (k,)."""
         mean, covariance = _ahead(creep, step_s)
         shared = covariance @ _TOLD
         gain = shared / (shared @ _TOLD + self._variance)[:, None]
-        off = self._to_ways @ told - mean @ _TOLD
+        off = self._to_ways @ measured - mean @ _TOLD
         return CameraDrift(mean + gain * off[:, None], covariance - gain[:, :, None] * shared[:, None, :])
 
 

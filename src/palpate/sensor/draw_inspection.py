@@ -58,8 +58,8 @@ def draw_inspection(inspection: Inspection) -> Figure:
     radius = inspection.unit.skin.base_radius
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     axis.plot(radius * np.cos(angle), radius * np.sin(angle), color="#888888", lw=0.8)
-    if inspection.law is not None:
-        _draw_rings(axis, inspection.law)
+    if inspection.distortion is not None:
+        _draw_rings(axis, inspection.distortion)
     axis.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"Print errors, arrows {enlarged:g} : 1")
     axis.legend(loc="upper right", fontsize=8)
     return figure

@@ -60,7 +60,7 @@ def identify_unit(
     PalpateError
         If the sensor reads by a network, an image has no pose, or where `palpate.built.identify` fails.
     """
-    reader, noise, robot = sensor.reader, sensor.spec.noise_px, robot or RobotUncertainty()
+    reader, noise, robot = sensor.estimator, sensor.spec.noise_px, robot or RobotUncertainty()
     if not isinstance(reader, TwinEstimator):
         raise PalpateError(
             "A network cannot learn its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
@@ -68,7 +68,7 @@ def identify_unit(
     model = reader.fitter.model
     seen = [_see(sensor, press) for press in presses]
     found = identify(model, [each.press for each in seen], noise, robot)
-    known = model.believing(found.belief)
+    known = model.with_posterior(found.posterior)
     scale = _weigh(PoseFitter(known, noise, found.mounting, StiffnessScale(1.0, 0.0)), seen, robot.force)
     sensor.fit_by(PoseFitter(known, noise, found.mounting if on_robot else None, scale))
     return replace(found, scale=scale)
@@ -80,7 +80,7 @@ def _weigh(fitter: PoseFitter, seen: list[_Seen], cell_sd: float) -> StiffnessSc
     for press, forces in seen:
         for pixels, force in zip(press.pixels, forces, strict=True):
             if np.isfinite(force):
-                expected.append(fitter.fit(pixels).force.pressing)
+                expected.append(fitter.fit(pixels).force.normal_force)
                 measured.append(float(force))
     return update_stiffness_scale(prior_stiffness_scale(fitter.model.tolerance), expected, measured, cell_sd)
 

@@ -57,9 +57,9 @@ class Inspection:
     tolerance: float
 
     @property
-    def law(self) -> PrintDistortion | None:
+    def distortion(self) -> PrintDistortion | None:
         """How the print is bent as a whole; `None` where the dots lie as designed, but for each one's own error."""
-        return self.registration.law
+        return self.registration.distortion
 
     @property
     def distance(self) -> FloatArray:
@@ -119,7 +119,7 @@ def inspect_unit(
 
 def _on_dome(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:
     """(m, 3) where the rays of pixels meet the inner surface from inside, mm; NaN where they miss it."""
-    return skin.hit(*camera.sight(pixels))
+    return skin.hit(*camera.sight_lines(pixels))
 
 
 def _scale(camera: Camera, skin: Skin, pixels: FloatArray) -> FloatArray:

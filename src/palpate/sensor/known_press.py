@@ -67,9 +67,9 @@ class ReferencePress:
             tilt_deg=float(np.hypot(rx, ry)),
             azimuth_deg=float(np.degrees(np.arctan2(ry, rx))) % 360.0,
             depth=depth,
-            image_step=min(_IMAGE_STEP, depth),
+            depth_step=min(_IMAGE_STEP, depth),
         )
-        mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.fills))
+        mesh = mesh_skin(unit.skin, MeshSpec(cells=_CELLS, filled=material.has_gel))
         press = solve_press(mesh, material, wall)
         if press.depth[-1] < depth - 1e-6:
             raise PalpateError(

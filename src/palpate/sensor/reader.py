@@ -102,7 +102,7 @@ class PoseEstimator(ABC):
         return ReaderState()
 
     @abstractmethod
-    def read(
+    def estimate(
         self,
         sighting: TrackedMarkers,
         state: ReaderState,
@@ -115,7 +115,7 @@ class PoseEstimator(ABC):
         image was taken, where a clock says so.
         """
 
-    def foresee(self, estimate: PoseEstimate) -> FloatArray | None:
+    def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
         """Dots (m, 2) px as an estimate has them, NaN where it has none; `None` where what reads does not know."""
         return None
 
@@ -130,24 +130,24 @@ class NetworkEstimator(PoseEstimator):
         self._camera = registration.camera
         self._nominal = build_camera(unit.nominal)
         self._rest_model = self._nominal.project(unit.layout.positions)
-        self._rest = self._carry(self._camera.sight(naming.positions_px))
+        self._rest = self._carry(self._camera.sight_lines(naming.positions_px))
         self._same = bool(np.linalg.norm(self._camera.origin - self._nominal.origin) < _SAME_MM)
 
-    def read(
+    def estimate(
         self,
         sighting: TrackedMarkers,
         state: ReaderState,
         near: PoseEstimate | None = None,
         time_s: float | None = None,
     ) -> tuple[PoseEstimate, ReaderState]:
-        sight = self._camera.sight(sighting.positions_px)
+        sight = self._camera.sight_lines(sighting.positions_px)
         moved = self._carry(sight) - self._rest
         prediction = self.predictor.predict((self._rest_model + moved)[None])
-        if not self._same and self.space.tilts:
+        if not self._same and self.space.is_tilt:
             # now that the wall is about known, so is how far the markers sank
             moved = self._carry(sight, prediction.poses[0]) - self._rest
             prediction = self.predictor.predict((self._rest_model + moved)[None])
-        flags = (Flag.OUTSIDE,) if prediction.outside[0] else ()
+        flags = (Flag.OUT_OF_DISTRIBUTION,) if prediction.out_of_distribution[0] else ()
         moved_px = float(np.sqrt(np.mean(moved**2)))
         force = self._force(prediction)
         return PoseEstimate(prediction.poses[0], prediction.half_width[0], moved_px, flags, force), state
@@ -185,14 +185,14 @@ class TwinEstimator(PoseEstimator):
         rest = np.where(naming.found[:, None], naming.positions_px, np.nan)
         calibrated = unit.lens or unit.nominal or CameraSpec()
         mounting, scale = None, None
-        if unit.known is None:
+        if unit.identified is None:
             belief = infer_from_rest(
                 twin, _as_printed(unit.layout, law), calibrated, rest, unit.tolerance, spec.noise_px
             )
         else:
-            belief, mounting = replace(unit.known.belief, rest_px=rest), unit.known.mounting
-            scale = unit.known.scale
-            _refuse_moved(unit.known.belief.rest_px, rest, spec.drift_px)
+            belief, mounting = replace(unit.identified.posterior, rest_px=rest), unit.identified.mounting
+            scale = unit.identified.scale
+            _refuse_moved(unit.identified.posterior.rest_px, rest, spec.drift_px)
         model = build_unit_model(twin, unit.layout, belief, unit.tolerance)
         self.fitter = PoseFitter(model, spec.noise_px, mounting, scale)
         self.watch = DriftTracker(model, rest, spec.noise_px, spec.follow_px)
@@ -210,7 +210,7 @@ class TwinEstimator(PoseEstimator):
     def begin(self) -> ReaderState:
         return ReaderState(self.watch.begin())
 
-    def read(
+    def estimate(
         self,
         sighting: TrackedMarkers,
         state: ReaderState,
@@ -218,21 +218,21 @@ class TwinEstimator(PoseEstimator):
         time_s: float | None = None,
     ) -> tuple[PoseEstimate, ReaderState]:
         seen = np.where(sighting.found[:, None], sighting.positions_px, np.nan)
-        rest = self.watch.watch(state.rest or self.watch.begin(), seen, time_s)
+        rest = self.watch.update(state.rest or self.watch.begin(), seen, time_s)
         seen, fit, fitted = self._fit(seen, rest, state, near and near.fit)
         twin = self.fitter.model.dots.twin
-        flags = [Flag.MOVED] if rest.displaced else []
-        if not ((fit.inverted and twin.inverted) or twin).covers(fit.theta[:3]):
-            flags.append(Flag.OUTSIDE)
+        flags = [Flag.CAMERA_MOVED] if rest.displaced else []
+        if not ((fit.inverted and twin.inverted) or twin).covers(fit.state[:3]):
+            flags.append(Flag.OUT_OF_DISTRIBUTION)
         if fit.misfit > self._most:
             flags.append(Flag.MISFIT)
         moved = float(np.sqrt(np.nanmean((seen - self._rest) ** 2)))
-        touch = fit.theta if fit.misfit <= self._most and not fit.inverted else None
+        touch = fit.state if fit.misfit <= self._most and not fit.inverted else None
         estimate = PoseEstimate(fit.pose, fit.half_width[:3], moved, tuple(flags), fit.force, fit, rest.motion)
         return estimate, ReaderState(rest, fitted, touch)
 
-    def foresee(self, estimate: PoseEstimate) -> FloatArray | None:
-        return None if estimate.fit is None else self.fitter.foresee(estimate.fit)
+    def predict_markers(self, estimate: PoseEstimate) -> FloatArray | None:
+        return None if estimate.fit is None else self.fitter.predict_pixels(estimate.fit)
 
     def _fit(
         self, seen: FloatArray, rest: RestState, state: ReaderState, near: PoseFit | None
@@ -242,10 +242,10 @@ class TwinEstimator(PoseEstimator):
         Where the touch is far from the last image's, drift is taken out once more, as it shows there.
         """
         last = state.touch
-        still = self.watch.as_at_first(rest, seen, last)
+        still = self.watch.remove_drift(rest, seen, last)
         fit, after = self.fitter.follow(still, state.fit, near)
-        if still is not seen and (last is None or (np.abs(fit.theta - last)[:3] > self._near).any()):
-            still = self.watch.as_at_first(rest, seen, fit.theta)
+        if still is not seen and (last is None or (np.abs(fit.state - last)[:3] > self._near).any()):
+            still = self.watch.remove_drift(rest, seen, fit.state)
             fit, after = self.fitter.follow(still, state.fit, fit)
         return still, fit, after
 
@@ -266,7 +266,7 @@ def make_estimator(
 ) -> PoseEstimator:
     """The reader of a unit whose rest image was named and registered."""
     if isinstance(model, Twin):
-        return TwinEstimator(model, unit, naming, spec, registration.law)
+        return TwinEstimator(model, unit, naming, spec, registration.distortion)
     return NetworkEstimator(model, unit, naming, registration)
 
 
@@ -320,11 +320,11 @@ def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) ->
                 "Use its own twin.",
                 code="twin-design-differs",
             )
-        if unit.known is not None:
-            unit.known.check(unit.skin, unit.layout)
+        if unit.identified is not None:
+            unit.identified.check(unit.skin, unit.layout)
         estimates = TILT_SPACE
     else:
-        if unit.known is not None:
+        if unit.identified is not None:
             raise PalpateError(
                 "A network cannot use what presses told about a unit.",
                 "Read by the design's twin.",
@@ -348,5 +348,5 @@ def check_model(model: PoseModel, unit: Unit, space: PoseSpace | None = None) ->
 def _wall(skin: Skin, pose: FloatArray) -> tuple[FloatArray, float]:
     """Normal n of the wall and the greatest n·x of the inner surface beneath it, its thickness kept, mm."""
     normal = wall_normal(*np.radians(pose[:2]))
-    limit = skin.touch(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
+    limit = skin.support_point(normal) @ normal - skin.thickness - max(float(pose[2]), 0.0) * normal[2]
     return normal, float(limit)

@@ -48,14 +48,14 @@ class RecordedSensor:
                 0,
                 (Flag.UNREADABLE,),
                 latency,
-                PalpateError.of(error).what,
+                PalpateError.of(error).problem,
                 space=space,
             )
 
     def _describe(self, found: PoseReading, start: float) -> Reading:
-        flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.BY_PICTURE]
+        flags = [] if not found.fault else [Flag.FEW_MARKERS if np.isnan(found.pose).any() else Flag.IMAGE_ONLY]
         if np.isfinite(found.pose).all() and self.model.is_outside(found.pose, found.half_width):
-            flags.append(Flag.OUTSIDE)
+            flags.append(Flag.OUT_OF_DISTRIBUTION)
         seen = found.correspondence
         moved = np.inf if seen is None or found.fault else float(np.sqrt(np.mean(seen.moved_px**2)))
         return Reading(
@@ -74,7 +74,7 @@ class RecordedSensor:
     def _sighting(self, found: PoseReading) -> TrackedMarkers | None:
         """Where numbered dots were seen; `None` where they were not believed."""
         seen, layout = found.correspondence, self.model.layout
-        if seen is None or layout is None or not seen.good:
+        if seen is None or layout is None or not seen.accepted:
             return None
         places = layout.rest_px + seen.moved_px
         blob = np.linalg.norm(places[:, None] - found.dots_px[None], axis=-1).argmin(axis=1)

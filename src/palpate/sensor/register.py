@@ -60,7 +60,7 @@ class Registration:
     lens_sd
         (3 + k,) standard deviation of the focal length (share), of the centre (px) and of the lens' k refinable
         coefficients; NaN where they were held.
-    law
+    distortion
         How the print is bent as a whole, where the pose alone does not explain the dots; else `None`.
     """
 
@@ -70,7 +70,7 @@ class Registration:
     sd: FloatArray
     held_rms_px: float
     lens_sd: FloatArray
-    law: PrintDistortion | None = None
+    distortion: PrintDistortion | None = None
 
 
 @dataclass(frozen=True, eq=False)

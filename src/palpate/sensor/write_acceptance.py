@@ -66,7 +66,7 @@ def verdict(found: Acceptance) -> str:
 def basis(found: Acceptance) -> list[str]:
     """What the figures stand on, in sentences."""
     lines = [
-        f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.least_depth:g} mm deep or "
+        f"{len(found.truth)} images of {len(np.unique(found.press))} presses, {found.spec.min_depth:g} mm deep or "
         f"more; {found.left_out} others left out, {found.flagged} flagged readings among them that count.",
         "Intervals come from drawing whole presses with replacement; the greatest error has none."
         + (" Their upper ends were judged." if found.spec.guard else ""),

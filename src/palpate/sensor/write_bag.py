@@ -67,7 +67,7 @@ class Bag:
 
 def _pose_of(reading: Reading) -> Message:
     first, none = reading.pose[:2], (0.0, 0.0)
-    tilt, place = (first, none) if reading.space.tilts else (none, first)
+    tilt, place = (first, none) if reading.space.is_tilt else (none, first)
     return pose_message(tilt, place, reading.depth_mm)
 
 

@@ -35,15 +35,15 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
     PalpateError
         If the sensor reads by a network, or the files cannot be written.
     """
-    if not isinstance(sensor.reader, TwinEstimator):
+    if not isinstance(sensor.estimator, TwinEstimator):
         raise PalpateError(
             "A network has not learnt its unit.", "Open the sensor with the design's twin.", code="network-no-unit"
         )
-    fitter = sensor.reader.fitter
+    fitter = sensor.estimator.fitter
     spec = AccuracySpec(
         noise_px=fitter.noise_px, robot=robot, max_tilt_deg=float(fitter.model.dots.twin.tilts_deg[-1])
     )
-    now, ranked = rank_next_presses(fitter.model, found.mounting, float(np.median(found.slips)), spec)
+    now, ranked = rank_next_presses(fitter.model, found.mounting, float(np.median(found.inverse_frictions)), spec)
     rows = found.rows(fitter.model.tolerance)
     content = {
         "known": rows,
@@ -53,8 +53,8 @@ def write_identification(folder: Path, found: IdentificationResult, sensor: Sens
     }
     write_report(folder, "identification", content, _page(rows, found, now, ranked))
     with wrap_write_errors(folder, "Choose another folder."):
-        left = fitter.model.belief.rest_px - fitter.model.camera.project(fitter.model.layout.positions)
-        _draw(rows, fitter.model.belief.rest_px, left).savefig(folder / "identification.png", dpi=120)
+        left = fitter.model.posterior.rest_px - fitter.model.camera.project(fitter.model.layout.positions)
+        _draw(rows, fitter.model.posterior.rest_px, left).savefig(folder / "identification.png", dpi=120)
 
 
 def _page(rows: list[dict[str, Any]], found: IdentificationResult, now: float, ranked: tuple[Any, ...]) -> str:

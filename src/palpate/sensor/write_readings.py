@@ -58,9 +58,17 @@ def _forces(reading: Reading) -> tuple[float, ...]:
     """Values by `_FORCE`, NaN where they are not known; the half-widths cover nine tenths."""
     if reading.force is None or not reading.touching:
         return (math.nan,) * len(_FORCE)
-    normal, tangential = reading.force.pressing, reading.force.tangential
-    friction = 1.0 / reading.fit.slip if reading.fit is not None and reading.fit.slip > 0 else math.nan
-    bend = (reading.fit.bend, reading.fit.bend_sd) if reading.fit and reading.fit.bend_sd > 0 else (math.nan,) * 2
+    normal, tangential = reading.force.normal_force, reading.force.tangential_force
+    friction = (
+        1.0 / reading.fit.inverse_friction
+        if reading.fit is not None and reading.fit.inverse_friction > 0
+        else math.nan
+    )
+    bend = (
+        (reading.fit.curvature, reading.fit.curvature_sd)
+        if reading.fit and reading.fit.curvature_sd > 0
+        else (math.nan,) * 2
+    )
     return normal.value, normal.half_width, tangential.value, tangential.half_width, friction, *bend
 
 

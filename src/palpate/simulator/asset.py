@@ -88,16 +88,16 @@ def check_force_curve_press(wall: ObstacleSpec) -> None:
     PalpateError
         If it is no straight flat wall, or pressed in too few steps.
     """
-    if not isinstance(wall, WallSpec) or wall.radial > _STRAIGHT_DEG or wall.bend:
+    if not isinstance(wall, WallSpec) or wall.radial > _STRAIGHT_DEG or wall.curvature:
         raise PalpateError(
-            f"The skin is pressed by {wall.words}.",
+            f"The skin is pressed by {wall.label}.",
             "Press it by a straight flat wall: --tilt 0.",
             code="asset-wall-not-straight",
         )
-    if wall.depth < _TERMS * wall.image_step:
+    if wall.depth < _TERMS * wall.depth_step:
         raise PalpateError(
-            f"A press to {wall.depth:g} mm in steps of {wall.image_step:g} mm is too short for a force curve.",
-            f"Press to {_TERMS * wall.image_step:g} mm or deeper, or in shorter steps.",
+            f"A press to {wall.depth:g} mm in steps of {wall.depth_step:g} mm is too short for a force curve.",
+            f"Press to {_TERMS * wall.depth_step:g} mm or deeper, or in shorter steps.",
             code="asset-press-short",
         )
 
@@ -112,7 +112,7 @@ def build_asset(press: Press, camera: Camera, spec: AssetSpec | None = None) -> 
     """
     spec = spec or AssetSpec()
     skin = press.mesh.skin
-    check_force_curve_press(press.wall)
+    check_force_curve_press(press.obstacle)
     kept = (press.branch == Branch.FLAT) & ~(press.depth >= press.jump_depth)
     depth, force = press.depth[kept] / 1e3, press.force[kept, 2]
     if len(depth) <= _TERMS:

@@ -50,16 +50,16 @@ class TwinTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        keys = tuple(press.recipe.key for press in self.needs)
+        keys = tuple(press.recipe.key for press in self.dependencies)
         return Recipe(kind="twin", spec={}, inputs=keys, version=twin_version())
 
     @property
-    def needs(self) -> tuple[PressTask, ...]:
+    def dependencies(self) -> tuple[PressTask, ...]:
         return (*self.presses, *self.inverted, *self.checks)
 
     @property
     def cost(self) -> float:
-        return 0.2 * len(self.needs)
+        return 0.2 * len(self.dependencies)
 
     def make(self, store: ArtefactStore) -> None:
         flat, inverted, checks = (
@@ -67,7 +67,7 @@ class TwinTask(Task):
             for presses in (self.presses, self.inverted, self.checks)
         )
         twin = build_twin(flat, inverted)
-        twin = replace(twin, off_mm=measure_interpolation_error(twin, checks))
+        twin = replace(twin, interpolation_error_mm=measure_interpolation_error(twin, checks))
         store.write(self.recipe, lambda path: write_twin(path, twin))
 
 
@@ -80,7 +80,7 @@ class AccuracyTask(Task):
     markers: MarkerSpec
     camera: CameraSpec
     tolerance: ToleranceSpec
-    figures: tuple[AccuracySpec, ...]
+    specs: tuple[AccuracySpec, ...]
 
     suffix = ".json"
 
@@ -96,12 +96,12 @@ class AccuracyTask(Task):
             "diameter": layout.diameter,
             "camera": self.camera.model_dump(mode="json"),
             "tolerance": self.tolerance.model_dump(mode="json"),
-            "figures": [asdict(figure) for figure in self.figures],
+            "figures": [asdict(figure) for figure in self.specs],
         }
         return Recipe(kind="built", spec=spec, inputs=(self.twin.recipe.key,), version=stage_version("accuracy"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.twin,)
 
     @property
@@ -111,7 +111,7 @@ class AccuracyTask(Task):
     def make(self, store: ArtefactStore) -> None:
         twin = read_twin(find_artefact(store, self.twin))
         layout, camera = place_markers(twin.skin, self.markers), build_camera(self.camera)
-        found = [asdict(predict_accuracy(twin, layout, camera, self.tolerance, spec)) for spec in self.figures]
+        found = [asdict(predict_accuracy(twin, layout, camera, self.tolerance, spec)) for spec in self.specs]
         store.write(self.recipe, lambda path: write_json(path, found), self.suffix)
 
 
@@ -142,7 +142,8 @@ def plan_accuracy(study: Study, twin: TwinTask, skin: SkinSpec, markers: MarkerS
     """What units of one design will be, with its markers counted."""
     asked = study.built or AsBuiltSpec()
     specs = (
-        AccuracySpec(known=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed) for known in (0, asked.known)
+        AccuracySpec(calibration_presses=known, max_tilt_deg=study.tilts_deg[-1], seed=study.seed)
+        for known in (0, asked.calibration_presses)
     )
     return AccuracyTask(twin, skin, markers, study.camera, asked.tolerance, tuple(specs))
 
@@ -152,12 +153,12 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
     for contact in (study.wall.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
         for tilt_deg in study.tilts_deg:
-            changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.image_step}
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.depth_step}
             yield PressTask(
                 skin=skin,
                 mesh=study.material.mesh(study.mesh),
                 material=study.material.material(),
-                wall=study.wall.model_copy(update=changed),
+                obstacle=study.wall.model_copy(update=changed),
                 solver=solver,
             )
 
@@ -175,7 +176,7 @@ def _plan_checks(study: Study, skin: SkinSpec, asked: AsBuiltSpec) -> Iterator[P
             skin=skin,
             mesh=study.material.mesh(study.mesh),
             material=study.material.material(),
-            wall=study.wall.model_copy(update=changed),
+            obstacle=study.wall.model_copy(update=changed),
             solver=study.solver,
         )
 
@@ -190,12 +191,12 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     """Presses of the inverted state: the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
     for tilt_deg in study.tilts_deg:
-        changed = {"tilt_deg": tilt_deg, "image_step": _INVERTED_SHARE * study.wall.image_step}
+        changed = {"tilt_deg": tilt_deg, "image_step": _INVERTED_SHARE * study.wall.depth_step}
         yield PressTask(
             skin=skin,
             mesh=mesh,
             material=study.material.material(),
-            wall=study.wall.model_copy(update=changed),
+            obstacle=study.wall.model_copy(update=changed),
             solver=study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES}),
             branch=Branch.INVERTED,
         )

@@ -55,7 +55,7 @@ class ClusterWorkers(WorkerPool):
     def size(self) -> int:
         return self._size
 
-    def give(self, task: Task) -> None:
+    def submit(self, task: Task) -> None:
         self._given += 1  # Dask takes one key for one computation, also after a worker died
         key = f"{task.recipe.kind}-{task.recipe.key}-{self._given}"
         needs = {GPU: 1} if _wants_gpu(task) and self._has_gpu() else None
@@ -72,7 +72,7 @@ class ClusterWorkers(WorkerPool):
         self._size = self._count()
         return ended
 
-    def stop(self, task: Task) -> None:
+    def cancel(self, task: Task) -> None:
         future = next((future for future, busy in self._busy.items() if busy is task), None)
         if future is None:
             return
@@ -84,7 +84,7 @@ class ClusterWorkers(WorkerPool):
             self._client.restart_workers(workers, timeout=CONNECT_S, raise_for_error=False)
         self._stopped.append((task, TaskOutcome(WORKER_DIED, trace, 0.0, TaskStatus.DIED)))
 
-    def leave(self) -> None:
+    def shutdown(self) -> None:
         for future in self._busy:
             with suppress(Exception):
                 future.cancel()

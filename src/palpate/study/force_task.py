@@ -23,12 +23,12 @@ class ForceTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        inputs = tuple(task.recipe.key for task in (self.estimator, *self.estimator.dataset.needs))
+        inputs = tuple(task.recipe.key for task in (self.estimator, *self.estimator.dataset.dependencies))
         return Recipe(kind="forces", spec={}, inputs=inputs, version=stage_version("force_estimator"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return (self.estimator, *self.estimator.dataset.needs)
+    def dependencies(self) -> tuple[Task, ...]:
+        return (self.estimator, *self.estimator.dataset.dependencies)
 
     @property
     def cost(self) -> float:

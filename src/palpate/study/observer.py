@@ -21,7 +21,7 @@ class Observer(ABC):
         """Say that a task ended after `seconds`; `reason` is empty, or why it gave nothing."""
 
     @abstractmethod
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         """Say how far it has come: a sentence for a person."""
 
 
@@ -37,5 +37,5 @@ class NullObserver(Observer):
     def ended(self, task: str, cost: float, seconds: float, reason: str) -> None:
         pass
 
-    def noted(self, sentence: str) -> None:
+    def message(self, sentence: str) -> None:
         pass

@@ -55,15 +55,15 @@ class Plan:
         """The tasks whose artefacts the records of the designs are read from, each once."""
         unique: dict[str, Task] = {}
         for design in self.designs:
-            for task in (*design.dataset.presses, design.inverted, design.limit, design):
+            for task in (*design.dataset.presses, design.inverted, design.bound, design):
                 unique.setdefault(task.recipe.key, task)
         for more in (*self.built, *self.forces):
             unique.setdefault(more.recipe.key, more)
         return tuple(unique.values())
 
-    def limit_tasks(self) -> tuple[Task, ...]:
+    def bound_tasks(self) -> tuple[Task, ...]:
         """What the limits of all designs need, each once, after those it needs."""
-        return with_dependencies([design.limit for design in self.designs])
+        return with_dependencies([design.bound for design in self.designs])
 
 
 def plan_study(study: Study) -> Plan:
@@ -87,7 +87,7 @@ def plan_study(study: Study) -> Plan:
         presses = tuple(_plan_presses(study, skin))
         relatives = tuple(tuple(group) for group in _plan_relatives(study, skin))
         twin = plan_twin(study, skin) if study.built else None
-        straight = min(presses, key=lambda press: press.wall.radial)
+        straight = min(presses, key=lambda press: press.obstacle.radial)
         # a filled skin has one state; of a barrel only the one pressed from rest is followed
         alone = study.material.gel or skin.build().hole
         inverted = straight if alone else replace(straight, branch=Branch.INVERTED)
@@ -99,7 +99,7 @@ def plan_study(study: Study) -> Plan:
                 markers=markers,
                 camera=study.camera,
                 spec=study.dataset,
-                relatives=relatives,
+                perturbed_presses=relatives,
             )
             designs.append(EvaluationTask(dataset=dataset, spec=study.learning, inverted=inverted))
             if twin is not None:
@@ -111,7 +111,7 @@ def plan_study(study: Study) -> Plan:
 def _refuse_unfit(study: Study, skin: Skin) -> None:
     """Refuse, with a `PalpateError`, what the study asks and the skin can not have."""
     for tilt_deg in study.tilts_deg:
-        study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).refuse_skin(skin, study.mesh.rim)
+        study.obstacle.model_copy(update={"tilt_deg": tilt_deg}).check_skin(skin, study.mesh.rim)
     if skin.hole and study.material.gel:
         raise PalpateError(
             f"{skin.name} is open at both ends: what fills it is not meshed.",
@@ -133,7 +133,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
             # half a skin is symmetric about the plane of the tilt
             mesh=mesh.model_copy(update={"whole": True}) if azimuth_deg else mesh,
             material=study.material.material(),
-            wall=study.obstacle.model_copy(update={"tilt_deg": tilt_deg, **turned}),
+            obstacle=study.obstacle.model_copy(update={"tilt_deg": tilt_deg, **turned}),
             solver=study.solver,
         )
 
@@ -165,7 +165,9 @@ def check_markers(dome_spec: SkinSpec, markers: MarkerSpec) -> MarkerSpec:
     try:
         raise_on_errors(check_design(skin, layout))
     except PalpateError as error:
-        raise PalpateError(f"Design {dome_spec.build().name}: {error.what}", error.remedy, code=error.code) from None
+        raise PalpateError(
+            f"Design {dome_spec.build().name}: {error.problem}", error.remedy, code=error.code
+        ) from None
     return markers.model_copy(update={"count": len(layout)})
 
 
@@ -179,6 +181,6 @@ def with_dependencies(last: Sequence[Task]) -> tuple[Task, ...]:
 
 
 def _needs_first(task: Task) -> Iterator[Task]:
-    for need in task.needs:
+    for need in task.dependencies:
         yield from _needs_first(need)
     yield task

@@ -100,7 +100,7 @@ class DesignResult:
         Versions of palpate, of its stages and of the libraries that matter.
     artefacts
         Keys of the artefacts in the store, by kind: ``press``, ``dataset``, ``limit``, ``estimator``, ``learning``.
-    limits
+    bounds
         Bounds on the error of any estimator, by depth; empty where the chain broke before.
     coverage
         What the estimator's intervals are worth on presses that neither trained nor calibrated; `None` where it has
@@ -129,7 +129,7 @@ class DesignResult:
     seed: int
     versions: Mapping[str, str]
     artefacts: Mapping[str, tuple[str, ...]]
-    limits: tuple[ErrorBound, ...] = ()
+    bounds: tuple[ErrorBound, ...] = ()
     coverage: Coverage | None = None
     repeat_rmse_deg: tuple[float, ...] = ()
     spec: Mapping[str, Any] = field(default_factory=dict)

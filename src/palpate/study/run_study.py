@@ -79,8 +79,8 @@ def run_study(
     run = Run(
         ensure_writable(out), plan.tasks(), WorkerOptions(workers, limit_s, cluster), observer or NullObserver()
     )
-    run.do()
-    run.do_again(plan.read_at_the_end())
+    run.run()
+    run.verify_outputs(plan.read_at_the_end())
     outcomes = run.outcomes
     run.write_failures()
     made = {built.skin: run.store.find(built.twin.recipe) for built in plan.built}
@@ -110,11 +110,11 @@ def run_bounds(
         One record a design, in the order of the study.
     """
     plan = plan_study(study)
-    run = Run(ensure_writable(out), plan.limit_tasks(), WorkerOptions(workers), observer or NullObserver())
-    run.do()
-    run.do_again(tuple(design.limit for design in plan.designs))
+    run = Run(ensure_writable(out), plan.bound_tasks(), WorkerOptions(workers), observer or NullObserver())
+    run.run()
+    run.verify_outputs(tuple(design.bound for design in plan.designs))
     run.write_failures()
-    return collect_bounds([design.limit for design in plan.designs], run.store, run.outcomes)
+    return collect_bounds([design.bound for design in plan.designs], run.store, run.outcomes)
 
 
 def run_tasks(
@@ -138,7 +138,7 @@ def run_tasks(
         WorkerOptions(workers, None, cluster or None),
         observer or NullObserver(),
     )
-    run.do()
+    run.run()
     run.write_failures()
     reasons = {task.recipe.key: next(filter(None, map(run.reason, with_dependencies([task]))), "") for task in tasks}
     return {key: reason for key, reason in reasons.items() if reason}
@@ -158,7 +158,7 @@ class WorkerOptions:
     limit_s: float | None = None
     cluster: str | None = None
 
-    def crew(self, store: ArtefactStore, tasks: int) -> WorkerPool:
+    def make_pool(self, store: ArtefactStore, tasks: int) -> WorkerPool:
         """Workers for so many tasks."""
         if self.cluster is not None:
             return ClusterWorkers(store, self.cluster)
@@ -168,20 +168,20 @@ class WorkerOptions:
 class Run:
     """One run of the tasks of a study: what was there, and how the rest ended."""
 
-    def __init__(self, out: Path, tasks: tuple[Task, ...], hands: WorkerOptions, observer: Observer) -> None:
+    def __init__(self, out: Path, tasks: tuple[Task, ...], worker_options: WorkerOptions, observer: Observer) -> None:
         self.out, self.tasks = out, tasks
         self.store = ArtefactStore(out / "store")
         self.outcomes: dict[str, TaskOutcome] = {}
-        self.made = {task.recipe.key for task in tasks if self.store.holds(task.recipe, task.suffix)}
-        self._hands, self._observer = hands, observer
+        self.made = {task.recipe.key for task in tasks if self.store.has(task.recipe, task.suffix)}
+        self._hands, self._observer = worker_options, observer
 
-    def do(self) -> None:
+    def run(self) -> None:
         """Do what is not there yet."""
         todo = [task for task in self.tasks if task.recipe.key not in self.made]
         self._observer.planned(len(todo), len(self.made), sum(task.cost for task in todo))
         self._do(todo)
 
-    def do_again(self, read: Sequence[Task]) -> None:
+    def verify_outputs(self, read: Sequence[Task]) -> None:
         """Verify what is read at the end and was there before; what is found broken is made again."""
         for _ in range(MOST_REMADE):
             broken = [
@@ -221,7 +221,7 @@ class Run:
         if any(isinstance(task, EstimatorTask | ForceTask) for task in todo):
             _refuse_missing_libraries()
         self.made -= {task.recipe.key for task in todo}
-        with self._hands.crew(self.store, len(todo)) as crew:
+        with self._hands.make_pool(self.store, len(todo)) as crew:
             there = self.made | {key for key, how in self.outcomes.items() if not how.reason}
             outcomes = run_task_graph(todo, there, crew, self._observer, self._hands.limit_s)
         self.outcomes.update(outcomes)

@@ -25,7 +25,7 @@ class DesignAccuracy:
         The design.
     twin
         File of the skin's twin; `None` where it could not be made.
-    figures
+    accuracies
         Without known presses, and with some; empty without a twin.
     problem
         Why there are none.
@@ -34,7 +34,7 @@ class DesignAccuracy:
     skin: SkinSpec
     markers: MarkerSpec
     twin: Path | None
-    figures: tuple[PredictedAccuracy, ...]
+    accuracies: tuple[PredictedAccuracy, ...]
     problem: str = ""
 
 
@@ -58,8 +58,8 @@ def run_twins(
     """
     plan = plan_study(study.model_copy(update={"built": study.built or AsBuiltSpec()}))
     run = Run(ensure_writable(out), plan.built_tasks(), WorkerOptions(workers), observer or NullObserver())
-    run.do()
-    run.do_again((*plan.built, *{task.twin.recipe.key: task.twin for task in plan.built}.values()))
+    run.run()
+    run.verify_outputs((*plan.built, *{task.twin.recipe.key: task.twin for task in plan.built}.values()))
     run.write_failures()
     return tuple(_collect(run, task) for task in plan.built)
 

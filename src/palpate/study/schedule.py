@@ -58,7 +58,7 @@ class Schedule:
         for task in tasks:
             self._add(task)
 
-    def take(self) -> Task | None:
+    def next_task(self) -> Task | None:
         """Take the ready task with the longest way to the end; `None` where none is ready now."""
         while self._ready:
             task = self._waiting.get(heapq.heappop(self._ready)[2])
@@ -66,7 +66,7 @@ class Schedule:
                 return self._waiting.pop(task.recipe.key)
         return None
 
-    def close(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
+    def complete(self, task: Task, outcome: TaskOutcome) -> Iterator[tuple[Task, TaskOutcome]]:
         """Note how a task ended, and end all that depend on a failed one; yields each with its outcome."""
         key = task.recipe.key
         self.outcomes[key] = outcome
@@ -77,16 +77,16 @@ class Schedule:
                 self._lacking[later].discard(key)
                 self._push(later)
             return
-        reason = outcome.reason if task.needs else f"{task.name} failed: {outcome.reason}"
+        reason = outcome.reason if task.dependencies else f"{task.name} failed: {outcome.reason}"
         for later in self._hanging.pop(key, []):
             if (hanging := self._waiting.pop(later, None)) is not None:
-                yield from self.close(hanging, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
+                yield from self.complete(hanging, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
 
-    def give_up(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
+    def cancel_all(self, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
         """End every waiting task for one reason; yields each with its outcome."""
         while self._waiting:
             task = self._waiting.pop(next(iter(self._waiting)))
-            yield from self.close(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
+            yield from self.complete(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
 
     def remake(self, task: Task, missing: str) -> bool:
         """Let an artefact that `task` needs and that broke be made again, and the task after it.
@@ -96,7 +96,7 @@ class Schedule:
         bool
             Whether it may; not where it broke more than `MOST_REMADE` times.
         """
-        need = next((need for need in task.needs if need.recipe.key == missing), None)
+        need = next((need for need in task.dependencies if need.recipe.key == missing), None)
         if need is None or (missing in self.outcomes and self.outcomes[missing].reason):
             return False
         if missing in self.made:
@@ -112,7 +112,7 @@ class Schedule:
     def _add(self, task: Task) -> None:
         key = task.recipe.key
         self._waiting[key] = task
-        self._lacking[key] = {need.recipe.key for need in task.needs} - self.made
+        self._lacking[key] = {need.recipe.key for need in task.dependencies} - self.made
         for lacking in self._lacking[key]:
             self._hanging.setdefault(lacking, []).append(key)
         self._push(key)
@@ -152,7 +152,7 @@ class RunningTasks:
 
 
 def run_task_graph(
-    tasks: Iterable[Task], made: Iterable[str], crew: WorkerPool, observer: Observer, limit_s: float | None = None
+    tasks: Iterable[Task], made: Iterable[str], pool: WorkerPool, observer: Observer, limit_s: float | None = None
 ) -> dict[str, TaskOutcome]:
     """Do tasks, each as soon as its inputs exist.
 
@@ -162,7 +162,7 @@ def run_task_graph(
         What is to be done, each task after those it needs.
     made
         Keys of the artefacts that exist already.
-    crew
+    pool
         Who does them.
     observer
         Called at every start and end.
@@ -176,20 +176,20 @@ def run_task_graph(
     """
     schedule, work = Schedule(tasks, made), RunningTasks()
     while True:
-        while (task := _next(schedule, work, crew.size)) is not None:
+        while (task := _next(schedule, work, pool.size)) is not None:
             observer.started(task.name)
             limit = time_limit(task) if limit_s is None else limit_s
             work.running[task.recipe.key] = (task, time.monotonic() + limit)
-            crew.give(task)
+            pool.submit(task)
         if not work.running and not work.busy:
-            for ended, how in schedule.give_up(NEVER_CAME):
+            for ended, how in schedule.cancel_all(NEVER_CAME):
                 observer.ended(ended.name, ended.cost, how.seconds, how.reason)
             return schedule.outcomes
-        for task, outcome in crew.wait(POLL_S):
+        for task, outcome in pool.wait(POLL_S):
             del work.running[task.recipe.key]
             for ended, how in _settle(schedule, work, task, outcome):
                 observer.ended(ended.name, ended.cost, how.seconds, how.reason)
-        _stop_hung(work, crew, limit_s)
+        _stop_hung(work, pool, limit_s)
 
 
 def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
@@ -197,7 +197,7 @@ def _next(schedule: Schedule, work: RunningTasks, size: int) -> Task | None:
     if len(work.running) >= size or (work.alone and work.running):
         return None
     work.alone = False
-    task = schedule.take()
+    task = schedule.next_task()
     if task is None and work.busy and work.busy[0][0] <= time.monotonic():
         task = work.busy.popleft()[1]
     if task is None and work.suspects and not work.running and not work.busy:
@@ -216,15 +216,15 @@ def _settle(
         return
     elif outcome.ended is TaskStatus.DIED and key in work.stopped:
         reason = f"it took longer than {work.stopped[key]:g} s and was stopped"
-        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskStatus.FAILED))
+        yield from schedule.complete(task, TaskOutcome(reason, outcome.trace, work.stopped[key], TaskStatus.FAILED))
     elif outcome.ended is TaskStatus.DIED and not work.tried[key]:
         work.tried[key] += 1
         work.suspects.append(task)
     elif outcome.ended is TaskStatus.DIED:
         reason = f"{outcome.reason}; tried once more alone, it died again"
-        yield from schedule.close(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskStatus.FAILED))
+        yield from schedule.complete(task, TaskOutcome(reason, outcome.trace, outcome.seconds, TaskStatus.FAILED))
     else:
-        yield from schedule.close(task, outcome)
+        yield from schedule.complete(task, outcome)
         if outcome.ended is TaskStatus.UNWRITABLE:
             yield from _give_up(schedule, work, f"not tried: {outcome.reason}")
 
@@ -232,10 +232,10 @@ def _settle(
 def _give_up(schedule: Schedule, work: RunningTasks, reason: str) -> Iterator[tuple[Task, TaskOutcome]]:
     """End all that is not at work now."""
     for task in (*work.suspects, *(task for _, task in work.busy)):
-        yield from schedule.close(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
+        yield from schedule.complete(task, TaskOutcome(reason, "", 0.0, TaskStatus.FAILED))
     work.suspects.clear()
     work.busy.clear()
-    yield from schedule.give_up(reason)
+    yield from schedule.cancel_all(reason)
 
 
 def _stop_hung(work: RunningTasks, crew: WorkerPool, limit_s: float | None) -> None:
@@ -243,7 +243,7 @@ def _stop_hung(work: RunningTasks, crew: WorkerPool, limit_s: float | None) -> N
     for key, (task, until) in work.running.items():
         if now > until and key not in work.stopped:
             work.stopped[key] = time_limit(task) if limit_s is None else limit_s
-            crew.stop(task)
+            crew.cancel(task)
 
 
 def _ways(tasks: list[Task]) -> dict[str, float]:
@@ -252,6 +252,6 @@ def _ways(tasks: list[Task]) -> dict[str, float]:
     for task in reversed(tasks):  # each after those it needs, so backwards
         key = task.recipe.key
         ways[key] = ways.get(key, 0.0) + task.cost
-        for need in task.needs:
+        for need in task.dependencies:
             ways[need.recipe.key] = max(ways.get(need.recipe.key, 0.0), ways[key])
     return ways

@@ -23,19 +23,19 @@ class KindStatus:
 
     Attributes
     ----------
-    made, of
+    made, total
         Artefacts that are there, and that the study needs.
     working, quarantined
         Artefacts of the study that a process makes now, and that were found broken.
-    left_s
+    remaining_s
         Expected time on one core for what is missing, s; only its order of magnitude matters.
     """
 
     made: int
-    of: int
+    total: int
     working: int
     quarantined: int
-    left_s: float
+    remaining_s: float
 
 
 @dataclass(frozen=True)
@@ -86,10 +86,10 @@ def _count(kind: str, tasks: list[Task], stored: StoreContents) -> KindStatus:
     missing = [task for task in tasks if (kind, _file(task)) not in stored.artefacts]
     return KindStatus(
         made=len(tasks) - len(missing),
-        of=len(tasks),
+        total=len(tasks),
         working=sum((kind, task.recipe.key) in stored.working for task in missing),
         quarantined=sum((kind, f"{_file(task)}.broken") in stored.quarantined for task in tasks),
-        left_s=sum(task.cost for task in missing),
+        remaining_s=sum(task.cost for task in missing),
     )
 
 

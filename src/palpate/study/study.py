@@ -142,7 +142,9 @@ class AsBuiltSpec(Spec):
         unit="1",
         meaning="contact laws of the twin's presses, unless the study's wall is frictionless",
     )
-    known: int = parameter(5, unit="1", meaning="known presses of each unit in the second figures", ge=1, le=100)
+    calibration_presses: int = parameter(
+        5, unit="1", meaning="known presses of each unit in the second figures", ge=1, le=100
+    )
     inverted: bool = parameter(
         True, unit="", meaning="whether the twin has the skin's inverted state as well, where there is one"
     )

@@ -56,7 +56,7 @@ class Task(ABC):
 
     @property
     @abstractmethod
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         """Tasks whose artefacts this one reads."""
 
     @property
@@ -76,38 +76,38 @@ class PressTask(Task):
     skin: SkinSpec
     mesh: MeshSpec
     material: Material
-    wall: ObstacleSpec
+    obstacle: ObstacleSpec
     solver: SolverSpec
     branch: Branch = Branch.FLAT
 
     @property
     def name(self) -> str:
         state = " inverted" if self.branch is Branch.INVERTED else ""
-        friction = "" if isinstance(self.wall.contact, str) else f" friction {self.wall.contact:g}"
+        friction = "" if isinstance(self.obstacle.contact, str) else f" friction {self.obstacle.contact:g}"
         skin = self.skin.build()
-        turned = skin.symmetry is not Symmetry.REVOLVED and self.wall.radial > 0
-        azimuth = f" azimuth {self.wall.turn_deg:g}°" if turned else ""
-        return f"press {skin.name} tilt {self.wall.radial:g}°{azimuth}{friction}{state}"
+        turned = skin.symmetry is not Symmetry.REVOLVED and self.obstacle.radial > 0
+        azimuth = f" azimuth {self.obstacle.turn_deg:g}°" if turned else ""
+        return f"press {skin.name} tilt {self.obstacle.radial:g}°{azimuth}{friction}{state}"
 
     @cached_property
     def recipe(self) -> Recipe:
         solver = self.solver.model_dump(mode="json")
-        return press_recipe(self.skin, self.mesh, self.material, self.wall, solver, self.branch)
+        return press_recipe(self.skin, self.mesh, self.material, self.obstacle, solver, self.branch)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return ()
 
     @property
     def cost(self) -> float:
-        images = self.wall.depth / self.wall.image_step
+        images = self.obstacle.depth / self.obstacle.depth_step
         # an inverted state begins early: what stands on both branches waits for it
         a_piece = 10.0 if self.branch is Branch.INVERTED else 0.5
         return a_piece * images * (10.0 if self.mesh.filled else 1.0) * (2.0 if self.mesh.whole else 1.0)
 
     def make(self, store: ArtefactStore) -> None:
         mesh = mesh_skin(build_skin(self.skin), self.mesh)
-        press = solve_press(mesh, self.material, self.wall, self.solver, self.branch)
+        press = solve_press(mesh, self.material, self.obstacle, self.solver, self.branch)
         store.write(self.recipe, lambda path: write_press(path, press))
 
 
@@ -120,7 +120,7 @@ class DatasetTask(Task):
     markers: MarkerSpec
     camera: CameraSpec
     spec: DatasetSpec
-    relatives: tuple[tuple[PressTask, ...], ...] = ()
+    perturbed_presses: tuple[tuple[PressTask, ...], ...] = ()
     """Presses of units that differ: for each friction of `spec.randomise`, then of a thinner and a thicker wall."""
 
     @property
@@ -135,12 +135,12 @@ class DatasetTask(Task):
             "camera": self.camera.model_dump(mode="json"),
             "dataset": self.spec.model_dump(mode="json"),
         }
-        inputs = tuple(press.recipe.key for press in self.needs)
+        inputs = tuple(press.recipe.key for press in self.dependencies)
         return Recipe(kind="dataset", spec=spec, inputs=inputs, version=dataset_version(build_camera(self.camera)))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return (*self.presses, *(press for group in self.relatives for press in group))
+    def dependencies(self) -> tuple[Task, ...]:
+        return (*self.presses, *(press for group in self.perturbed_presses for press in group))
 
     @property
     def cost(self) -> float:
@@ -153,7 +153,8 @@ class DatasetTask(Task):
     def generate(self, store: ArtefactStore, *, forces: bool = False) -> Dataset:
         """The images from the presses of a store, with the forces of the wall if wished."""
         groups = [
-            [read_press(find_artefact(store, task)) for task in group] for group in (self.presses, *self.relatives)
+            [read_press(find_artefact(store, task)) for task in group]
+            for group in (self.presses, *self.perturbed_presses)
         ]
         layout = place_markers(build_skin(self.skin), self.markers)
         frictions = 1 + len(self.spec.randomise.frictions if self.spec.randomise else ())
@@ -179,7 +180,7 @@ class BoundTask(Task):
         return Recipe(kind="limit", spec=dataset.spec, inputs=dataset.inputs, version=stage_version("error_bound"))
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return self.dataset.presses
 
     @property
@@ -217,7 +218,7 @@ class EstimatorTask(Task):
         )
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return (self.dataset,)
 
     @property
@@ -254,7 +255,7 @@ class EvaluationTask(Task):
         return f"learning {self.dataset.skin.build().name} {self.dataset.markers.count} markers"
 
     @cached_property
-    def limit(self) -> BoundTask:
+    def bound(self) -> BoundTask:
         """The bounds that the errors are held against."""
         return BoundTask(self.dataset)
 
@@ -268,13 +269,13 @@ class EvaluationTask(Task):
         return Recipe(
             kind="learning",
             spec={"seed": self.spec.seed},
-            inputs=tuple(task.recipe.key for task in self.needs),
+            inputs=tuple(task.recipe.key for task in self.dependencies),
             version=stage_version("test_errors"),
         )
 
     @property
-    def needs(self) -> tuple[Task, ...]:
-        return (self.dataset, self.limit, self.estimator)
+    def dependencies(self) -> tuple[Task, ...]:
+        return (self.dataset, self.bound, self.estimator)
 
     @property
     def cost(self) -> float:
@@ -286,7 +287,7 @@ class EvaluationTask(Task):
         dataset = read_dataset(find_artefact(store, self.dataset))
         estimator = read_estimator(find_artefact(store, self.estimator))
         clean, jittered = evaluate(estimator, dataset, None), evaluate(estimator, dataset, self.spec.seed)
-        leak = find_leakage(jittered, read_bounds(find_artefact(store, self.limit)), dataset.spec)
+        leak = find_leakage(jittered, read_bounds(find_artefact(store, self.bound)), dataset.spec)
         if leak:
             raise PalpateError(
                 leak, "Look for a press, or a pose, that stands on both sides of the split.", code="evaluation-leaks"

@@ -89,7 +89,7 @@ def run_task(task: Task, store: ArtefactStore) -> TaskOutcome:
         with store.lease(task.recipe) as free:
             if not free:
                 return outcome(TaskStatus.BUSY)
-            if store.holds(task.recipe, task.suffix):
+            if store.has(task.recipe, task.suffix):
                 return outcome(TaskStatus.FOUND)
             task.make(store)
     except MissingArtefactError as error:

@@ -40,7 +40,7 @@ class WorkerPool(ABC):
         """Number of tasks that can be at work together."""
 
     @abstractmethod
-    def give(self, task: Task) -> None:
+    def submit(self, task: Task) -> None:
         """Give a task to a free member; at most `size` are given and not yet returned."""
 
     @abstractmethod
@@ -48,18 +48,18 @@ class WorkerPool(ABC):
         """Tasks that have ended, after `seconds` at most; a member that died is replaced."""
 
     @abstractmethod
-    def stop(self, task: Task) -> None:
+    def cancel(self, task: Task) -> None:
         """End the member that does a task; `wait` then tells that it died, and where it stood if it could say."""
 
     @abstractmethod
-    def leave(self) -> None:
+    def shutdown(self) -> None:
         """End every member, at work or not."""
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.leave()
+        self.shutdown()
 
 
 class LocalWorkers(WorkerPool):
@@ -84,7 +84,7 @@ class LocalWorkers(WorkerPool):
     def size(self) -> int:
         return self._size
 
-    def give(self, task: Task) -> None:
+    def submit(self, task: Task) -> None:
         member = self._free.pop()
         self._busy[member.submit(task, self._store)] = (member, task)
 
@@ -105,12 +105,12 @@ class LocalWorkers(WorkerPool):
             ended.append((task, outcome))
         return ended
 
-    def stop(self, task: Task) -> None:
+    def cancel(self, task: Task) -> None:
         for member, busy in self._busy.values():
             if busy is task:
                 member.kill()
 
-    def leave(self) -> None:
+    def shutdown(self) -> None:
         for member, _ in self._busy.values():
             member.leave()
         for member in self._free:

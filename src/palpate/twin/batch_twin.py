@@ -1,6 +1,6 @@
 """The twin of one print under many walls at once, on torch: pixels of all dots for thousands of poses, on any device.
 
-The same splines, waves and camera as `MarkerTwin.move` and `Camera.project`, with the poses as the first axis of
+The same splines, waves and camera as `MarkerTwin.evaluate` and `Camera.project`, with the poses as the first axis of
 every array, and with torch's derivatives through all of it. Walls are flat and come straight down.
 """
 
@@ -81,25 +81,25 @@ class BatchTwin:
         self._scale = self._tensor(np.array([spec.fx_px, spec.fy_px]))
         self._middle = self._tensor(np.array([spec.cx_px, spec.cy_px]))
 
-    def pixels(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
+    def pixels(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
         """Pixels (n, m, 2) of the dots.
 
         Parameters
         ----------
         poses
             (n, 3) rx, ry (degrees) and depth (mm).
-        slips
+        inverse_frictions
             (n,) 1/µ.
         """
-        return self._in_pieces(lambda *each: self._centre(self._project(self._move(*each))), poses, slips)
+        return self._in_pieces(lambda *each: self._centre(self._project(self._move(*each))), poses, inverse_frictions)
 
-    def positions(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
-        """Positions (n, m, 3) mm of the dots; `poses` and `slips` as for `pixels`."""
-        return self._in_pieces(self._move, poses, slips)
+    def positions(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Positions (n, m, 3) mm of the dots; `poses` and `inverse_frictions` as for `pixels`."""
+        return self._in_pieces(self._move, poses, inverse_frictions)
 
-    def forces(self, poses: Tensor | FloatArray, slips: Tensor | FloatArray) -> Tensor:
-        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `slips` as for `pixels`."""
-        return self._in_pieces(self._force, poses, slips)
+    def forces(self, poses: Tensor | FloatArray, inverse_frictions: Tensor | FloatArray) -> Tensor:
+        """Forces (n, 3) N on the walls, in the dome's frame; `poses` and `inverse_frictions` as for `pixels`."""
+        return self._in_pieces(self._force, poses, inverse_frictions)
 
     def _centre(self, pixels: Tensor) -> Tensor:
         """Centres (n, m, 2) of the traces whose corners these are (n, m k, 2)."""

@@ -48,7 +48,7 @@ def build_field(presses: Sequence[Press], markers: MarkerLayout, depths_mm: Floa
             "Press every azimuth and read single presses; images of such a skin are not interpolated.",
             code="skin-no-symmetry",
         )
-    if len({press.wall.pose_space for press in presses}) > 1:
+    if len({press.obstacle.pose_space for press in presses}) > 1:
         raise PalpateError(
             "The presses are of obstacles with different poses.",
             "Give presses of one obstacle.",

@@ -19,7 +19,7 @@ from palpate.twin.twin import FORCES, Twin
 from palpate.twin.twin_file import material_text
 
 THICKNESS = "thickness"
-TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.DRIFTS)
+TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.LATERAL_FIELDS)
 """Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""
 _ACROSS = np.array([False, False, False, False, True, True])
 """Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""
@@ -59,14 +59,14 @@ def build_twin(presses: Sequence[Press], inverted: Sequence[Press] = ()) -> Twin
     slips, tilts, table = _sort(presses)
     depths = _depths(table, 0.0)
     flat = _interpolate(table, (slips, tilts, depths))
-    standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.wall.radial)))
+    standing = list(takewhile(_stands, sorted(inverted, key=lambda press: press.obstacle.radial)))
     if len(standing) < _FEWEST:
         return flat
     first = max(float(press.depth[0]) for press in standing)
     depths = _depths(standing, first)
     if len(depths) < _FEWEST:
         return flat
-    tilts = np.array([press.wall.radial for press in standing])
+    tilts = np.array([press.obstacle.radial for press in standing])
     return replace(flat, inverted=_interpolate(standing, (np.zeros(1), tilts, depths)))
 
 
@@ -109,13 +109,13 @@ def _interpolate(table: Sequence[Press], axes: tuple[FloatArray, FloatArray, Flo
     return Twin(
         skin=table[0].mesh.skin,
         order=order,
-        shapes=modes,
+        modes=modes,
         tilts_deg=tilts,
         depths_mm=depths,
-        slips=slips,
-        reach_mm=reach,
+        inverse_frictions=slips,
+        max_depth_mm=reach,
         amplitudes=pressed,
-        drifts=drifts,
+        lateral=drifts,
         material=material_text(table[0].material),
     )
 
@@ -140,11 +140,13 @@ def _refuse_others(presses: Sequence[Press]) -> None:
         missing = [name for name in TWIN_DERIVATIVES if name not in press.derivatives]
         if missing:
             raise PalpateError(
-                f"The press under {press.wall.words} has no derivative by {missing[0]}.",
+                f"The press under {press.obstacle.label} has no derivative by {missing[0]}.",
                 f"Press with `derivatives: [{', '.join(TWIN_DERIVATIVES)}]`.",
                 code="derivative-missing",
             )
-    if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(press.wall.pose_space.tilts for press in presses):
+    if first.mesh.skin.symmetry is not Symmetry.REVOLVED or not all(
+        press.obstacle.pose_space.is_tilt for press in presses
+    ):
         raise PalpateError(
             "A twin is of a body of revolution under a flat wall.",
             "Use single presses instead.",
@@ -154,7 +156,7 @@ def _refuse_others(presses: Sequence[Press]) -> None:
 
 def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
     """Slips (s,), tilts (t,), and presses by rising slip, then tilt."""
-    by_place = {(_slip(press), press.wall.radial): press for press in presses}
+    by_place = {(_slip(press), press.obstacle.radial): press for press in presses}
     slips = np.array(sorted({slip for slip, _ in by_place}))
     tilts = np.array(sorted({tilt for _, tilt in by_place}))
     missing = [(slip, tilt) for slip in slips for tilt in tilts if (slip, tilt) not in by_place]
@@ -177,12 +179,12 @@ def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]
 
 
 def _slip(press: Press) -> float:
-    return 1.0 / press.wall.friction if press.wall.friction > 0 else float("inf")
+    return 1.0 / press.obstacle.friction if press.obstacle.friction > 0 else float("inf")
 
 
 def _depths(presses: Sequence[Press], first: float) -> FloatArray:
     """Depths (d,) mm of the images, from the first that is no less than `first`."""
-    steps = {round(float(press.wall.image_step), 9) for press in presses}
+    steps = {round(float(press.obstacle.depth_step), 9) for press in presses}
     if len(steps) > 1:
         raise PalpateError(
             f"The presses have images every {sorted(steps)} mm.",

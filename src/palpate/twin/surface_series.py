@@ -48,7 +48,7 @@ def expand_surface(press: Press, derivatives: Mapping[str, bool]) -> FloatArray:
     """
     psi = np.pi * np.arange(_HALF + 1) / _HALF
     azimuth = psi + QUARTER_TURN  # the frame of the mesh
-    azimuth += np.deg2rad(press.wall.turn_deg) if press.mesh.spec.whole else 0.0
+    azimuth += np.deg2rad(press.obstacle.turn_deg) if press.mesh.spec.whole else 0.0
     cosine, sine = np.cos(azimuth), np.sin(azimuth)
     points = surface_points(press.mesh.skin, place_circles(), azimuth).reshape(-1, 3)
     flip = np.array([-1.0, 1.0, 1.0])

@@ -30,10 +30,10 @@ class TwoMirrorField(MarkerField):
 
     moved: TwoMirrorSeries
 
-    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, image: int) -> FloatArray:
+    def positions(self, rx_deg: FloatArray, ry_deg: FloatArray, depth_index: int) -> FloatArray:
         tilt, azimuth = np.hypot(rx_deg, ry_deg), np.arctan2(ry_deg, rx_deg)
-        moved = self.moved.at(tilt, azimuth, self.depths_mm[image])
-        moved[self.labels(tilt, image)[0] == ""] = np.nan
+        moved = self.moved.at(tilt, azimuth, self.depths_mm[depth_index])
+        moved[self.labels(tilt, depth_index)[0] == ""] = np.nan
         return np.asarray(self.rest + moved)
 
 
@@ -53,6 +53,6 @@ def build_two_mirror_field(
         rest=rest,
         depths_mm=images,
         runs=table.label(images),
-        space=presses[0].wall.pose_space,
+        space=presses[0].obstacle.pose_space,
         moved=table.series(partial(mirror_points, points=rest)),
     )

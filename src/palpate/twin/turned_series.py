@@ -159,7 +159,7 @@ class TwoMirrorTable:
 
     def _late(self, row: Sequence[Press]) -> FloatArray:
         """(a,) mm by which the presses of one tilt touch higher than the straight one."""
-        return first_touch(row[0].mesh.skin, np.full(len(row), row[0].wall.radial), np.radians(self.azimuths_deg))
+        return first_touch(row[0].mesh.skin, np.full(len(row), row[0].obstacle.radial), np.radians(self.azimuths_deg))
 
     def _around(self, row: Sequence[Press], follow: Callable[[Press], FloatArray]) -> FloatArray:
         """A quantity (l, n, …) of the presses of one tilt at all levels and azimuths."""
@@ -171,7 +171,7 @@ def first_touch(skin: Skin, tilt_deg: FloatArray, azimuth: FloatArray) -> FloatA
     """Z - Z(0) (n,) mm of tilts (n,) in degrees at azimuths (n,) in rad."""
     turns = rotation_vector(np.radians(tilt_deg), azimuth)
     normals = np.array([wall_normal(*turn) for turn in turns.tolist()]).reshape(-1, 3)
-    return skin.touch_height(normals) - skin.outer_height
+    return skin.support_height(normals) - skin.outer_height
 
 
 def between_azimuths(azimuth: FloatArray, count: int) -> FloatArray:

@@ -67,7 +67,7 @@ def find_twin(
                     report(error)
                 continue
             if twin.skin.spec_data == skin.spec_data and twin.material in ("", material_text(material)):
-                off = twin.off_mm if np.isfinite(twin.off_mm) else np.inf
+                off = twin.interpolation_error_mm if np.isfinite(twin.interpolation_error_mm) else np.inf
                 found.append(((not twin.material, off, -float(twin.depths_mm[-1])), path))
     return min(found)[1] if found else None
 
@@ -108,7 +108,7 @@ def write_twin(path: Path, twin: Twin) -> None:
             file.attrs["skin"] = json.dumps(twin.skin.spec_data)
             file.attrs["material"] = twin.material
             file.attrs["made_by"] = json.dumps(provenance())
-            file.attrs["off_mm"] = twin.off_mm
+            file.attrs["off_mm"] = twin.interpolation_error_mm
             _write_branch(file, twin)
             if twin.inverted is not None:
                 _write_branch(file.create_group(_INVERTED), twin.inverted)
@@ -168,16 +168,16 @@ def _read_branch(group: h5py.Group, made: h5py.AttributeManager) -> Twin:
         skin=build_skin(skin_from_data(json.loads(made["skin"]))),
         **{name: group[name][:] for name in _ARRAYS},
         amplitudes=TensorSpline(knots, group["amplitudes"][:]),
-        drifts=TensorSpline(knots, group["drifts"][:]),
+        lateral=TensorSpline(knots, group["drifts"][:]),
         material=str(made.get("material", "")),
-        off_mm=float(made.get("off_mm", np.nan)),
+        interpolation_error_mm=float(made.get("off_mm", np.nan)),
     )
 
 
 def _check(path: Path, twin: Twin) -> None:
     """Refuse a branch whose numbers cannot be."""
     if not all(
-        np.isfinite(part).all() for part in (twin.shapes, twin.amplitudes.coefficients, twin.drifts.coefficients)
+        np.isfinite(part).all() for part in (twin.modes, twin.amplitudes.coefficients, twin.lateral.coefficients)
     ):
         raise PalpateError(f"{path} holds numbers that are none.", _AGAIN, code="twin-not-finite")
     wanted = _PARTS * (len(twin.order) + FORCES)

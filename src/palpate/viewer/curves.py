@@ -43,7 +43,7 @@ def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurv
 
 
 def _short(design: Design) -> str:
-    return f"H{design.dome.height:g} T{design.dome.thickness:g} {len(design.layout)}"
+    return f"H{design.skin.height:g} T{design.skin.thickness:g} {len(design.layout)}"
 
 
 def _points(rows: Sequence[Row], column: str) -> list[tuple[float, float]]:

@@ -32,9 +32,9 @@ def build_pressed_skin(presses: Sequence[Press]) -> PressedSkin:
         raise PalpateError("There is no press to show.", "Run the study first.", code="presses-none")
     first = presses[0]
     skin, spec = first.mesh.skin, first.mesh.spec.model_copy(update={"whole": False})
-    if not first.wall.pose_space.tilts:
+    if not first.obstacle.pose_space.is_tilt:
         raise PalpateError(
-            f"Presses by other than walls are not drawn: {first.wall.words}.",
+            f"Presses by other than walls are not drawn: {first.obstacle.label}.",
             "Write single presses for ParaView: `palpate press --export FOLDER`.",
             code="obstacle-not-drawn",
         )

@@ -48,7 +48,7 @@ class Job:
         self.fault = ""
         self.done = False
 
-    def look(self) -> bool:
+    def poll(self) -> bool:
         """Take in what the process sent meanwhile; whether it is done."""
         while not self.done:
             try:
@@ -69,7 +69,7 @@ class Job:
                 self._end(str(content))
         return self.done
 
-    def call_off(self) -> None:
+    def cancel(self) -> None:
         """Stop the work and its process."""
         if not self.done:
             self._process.terminate()

@@ -141,11 +141,11 @@ def open_live(design: Design, model: Predictor | Twin, source: Source, *, marked
     """
     images = source.images()
     first = _first_of(images, "Record the untouched dome first.")
-    unit = Unit(design.dome, design.layout, marked=marked, nominal=design.camera.spec)
+    unit = Unit(design.skin, design.layout, has_orientation_mark=marked, nominal=design.camera.spec)
     check_model(model, unit, TILT_SPACE)
     sensor = open_sensor([first], unit, model)
     sensor.clock = source.clock
-    return Live(sensor, source, images, first.shape[:2], sensor.naming.positions_px)
+    return Live(sensor, source, images, first.shape[:2], sensor.assignment.positions_px)
 
 
 def open_recorded_live(model: RecordedModel, source: Source) -> Live:
@@ -158,7 +158,7 @@ def open_recorded_live(model: RecordedModel, source: Source) -> Live:
     """
     images = source.images()
     first = _first_of(images, "Give a folder of images, a video or a camera.")
-    model.eye.look(first)
+    model.preprocessor.extract(first)
     rest = np.zeros((0, 2)) if model.layout is None else model.layout.rest_px
     return Live(model, source, chain([first], images), first.shape[:2], rest)
 

@@ -98,7 +98,7 @@ class DesignOpening(LiveOpening):
                 code="model-missing",
             )
         design = self._library.design(int(self._design.value))
-        twin, chosen = twin_path(self.folder, design.dome), str(self._source.value)
+        twin, chosen = twin_path(self.folder, design.skin), str(self._source.value)
         model = open_model(twin if twin.is_file() else model_path(self._library.results, design))
         source = self._touches(design) if chosen == _VIRTUAL else self._open_source(chosen)
         try:
@@ -108,7 +108,7 @@ class DesignOpening(LiveOpening):
             raise
 
     def _touches(self, design: Design) -> Source:
-        unit = Unit(design.dome, design.layout, nominal=design.camera.spec)
+        unit = Unit(design.skin, design.layout, nominal=design.camera.spec)
         return SimulatedSource(unit, sample_presses(self._library.specimen(design).pressed.presses))
 
 
@@ -126,7 +126,7 @@ class TrainedOpening(LiveOpening):
         super().__init__(learnt.folder)
         self._model = learnt.model
         low, high = learnt.model.about["range"]
-        if learnt.model.space.tilts:
+        if learnt.model.space.is_tilt:
             self.reach_deg = math.ceil(max(math.hypot(*low[:2]), math.hypot(*high[:2])))
 
     def build(self) -> None:

@@ -195,26 +195,30 @@ def list_figures(reading: Reading, truth: tuple[float, ...] | None) -> list[tupl
     """Rows of the table beside the dial: name, value, half-width, unit, and what is to be known of it."""
     least, most = tilt_interval(reading)
     rows = [
-        (item.axis, value, half, item.sign.strip(), f"true {truth[i]:.2f}" if truth else "")
+        (item.axis, value, half, item.unit_symbol.strip(), f"true {truth[i]:.2f}" if truth else "")
         for i, (item, value, half) in enumerate(
             zip(reading.space.components, reading.pose, reading.half_width, strict=True)
         )
     ]
-    if reading.space.tilts:
+    if reading.space.is_tilt:
         rows.append(("tilt", reading.radial, (most - least) / 2, "°", f"{least:.2f} to {most:.2f}"))
     if reading.force is not None:
         force = reading.force
         rows += [
-            ("force", force.pressing.value, force.pressing.half_width, "N", "along the wall's normal"),
-            ("sideways", force.tangential.value, force.tangential.half_width, "N", "in the wall's plane"),
+            ("force", force.normal_force.value, force.normal_force.half_width, "N", "along the wall's normal"),
+            ("sideways", force.tangential_force.value, force.tangential_force.half_width, "N", "in the wall's plane"),
         ]
     if reading.fit is not None:
         spread = np.sqrt(np.diag(reading.fit.covariance))
         correlation = float(reading.fit.covariance[0, 1] / (spread[0] * spread[1]))
         state = "; the skin is inverted" if reading.fit.inverted else ""
         rows += [
-            ("1/µ", reading.fit.slip, float(reading.fit.half_width[3]), "", "0 does not slip"),
-            *([("1/R", reading.fit.bend, reading.fit.bend_sd, "/m", "0 is flat")] if reading.fit.bend_sd else []),
+            ("1/µ", reading.fit.inverse_friction, float(reading.fit.half_width[3]), "", "0 does not slip"),
+            *(
+                [("1/R", reading.fit.curvature, reading.fit.curvature_sd, "/m", "0 is flat")]
+                if reading.fit.curvature_sd
+                else []
+            ),
             ("misfit", reading.fit.misfit, 0.0, "", f"about 1; rx and ry correlate by {correlation:+.2f}{state}"),
         ]
     return rows

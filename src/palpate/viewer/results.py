@@ -60,7 +60,7 @@ class Design:
         Number of the row, from 0.
     row
         Its figures.
-    dome, layout, camera
+    skin, layout, camera
         What was designed.
     press_keys
         Keys of its presses in the store; empty where the chain broke before them.
@@ -68,7 +68,7 @@ class Design:
 
     number: int
     row: Mapping[str, Cell]
-    dome: Skin
+    skin: Skin
     layout: MarkerLayout
     camera: Camera
     press_keys: tuple[str, ...]
@@ -142,7 +142,7 @@ def read_presses(results: Results, design: Design) -> tuple[Press, ...]:
         reason = design.row.get("failure") or "its chain broke before the first press"
         raise PalpateError(f"{design.name} has no press: {reason}", _AGAIN, code="press-missing")
     presses = (read_press(artefact_path(results, "press", key, ".h5")) for key in design.press_keys)
-    return tuple(sorted(presses, key=lambda press: press.wall.radial))
+    return tuple(sorted(presses, key=lambda press: press.obstacle.radial))
 
 
 def artefact_path(results: Results, kind: str, key: str, suffix: str) -> Path:

@@ -138,7 +138,7 @@ def _state(search: SearchFolder) -> str:
             "stopped; load the page again to see more."
         )
     found = f"{search.front} designs that none of {search.skins} skins beats" if search.front else "No design"
-    return f"{found}; errors are foreseen of built units after {search.spec.known} known presses."
+    return f"{found}; errors are foreseen of built units after {search.spec.calibration_presses} known presses."
 
 
 def _words(cell: Any) -> str:

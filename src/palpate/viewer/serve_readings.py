@@ -70,7 +70,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         loops.append(asyncio.get_running_loop())
         if feed.open_source is not None:
             words = (feed.open_source, feed.retry_s, feed.again)
-            threading.Thread(target=reader.follow, args=words, daemon=True).start()
+            threading.Thread(target=reader.run, args=words, daemon=True).start()
         yield
         reader.stop()
 
@@ -81,7 +81,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         try:
             image = decode_image(await request.body())
         except PalpateError as error:
-            content = {"error": error.what, "remedy": error.remedy, "code": error.code}
+            content = {"error": error.problem, "remedy": error.remedy, "code": error.code}
             return JSONResponse(content, status_code=400)
         return JSONResponse(await run_in_threadpool(reader.read, image))
 

@@ -40,11 +40,11 @@ def _as_skin(given: Any) -> Any:
 class DesignDraft(Spec):
     """A design with the press that is asked of it, and how it is made."""
 
-    dome: Annotated[SkinSpec, BeforeValidator(_as_skin)] = DomeSpec()
+    skin: Annotated[SkinSpec, BeforeValidator(_as_skin)] = DomeSpec()
     markers: MarkerSpec = MarkerSpec()
     material: MaterialSpec = MaterialSpec()
     camera: CameraSpec = CameraSpec()
-    wall: WallSpec = WallSpec()
+    obstacle: WallSpec = WallSpec()
     process: ProcessSpec = ProcessSpec()
 
 
@@ -65,7 +65,7 @@ def build_preview(sketch: DesignDraft) -> DesignPreview:
     PalpateError
         If the dome cannot be built or its markers not be placed on it.
     """
-    skin = build_skin(sketch.dome)
+    skin = build_skin(sketch.skin)
     layout, camera = place_markers(skin, sketch.markers), build_camera(sketch.camera)
     if not layout.on_dome.all():
         raise PalpateError(
@@ -81,15 +81,15 @@ def build_preview(sketch: DesignDraft) -> DesignPreview:
     order = list(Severity)
     findings = tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
     design = Design(-1, sketch_row(sketch), skin, layout, camera, ())
-    return DesignPreview(design, RenderedSkin(rest_skin(mesh, sketch.wall.tilt_deg), build_shell(mesh)), findings)
+    return DesignPreview(design, RenderedSkin(rest_skin(mesh, sketch.obstacle.tilt_deg), build_shell(mesh)), findings)
 
 
 def sketch_row(sketch: DesignDraft) -> dict[str, float | int | str | None]:
     """The figures of a sketch that a grid would have as well."""
     return {
-        "height_mm": sketch.dome.height,
-        "base_radius_mm": sketch.dome.base_radius,
-        "thickness_mm": sketch.dome.thickness,
+        "height_mm": sketch.skin.height,
+        "base_radius_mm": sketch.skin.base_radius,
+        "thickness_mm": sketch.skin.thickness,
         "markers": sketch.markers.count,
     }
 

@@ -50,7 +50,7 @@ class TwoMirrorPresses(PressedSkin):
     @cached_property
     def moved(self) -> TwoMirrorSeries:
         """Displacement (n, 3) mm of the nodes."""
-        return self.table.series(self._follow(lambda press, mesh: press.on(mesh).displacement))
+        return self.table.series(self._follow(lambda press, mesh: press.interpolated_to(mesh).displacement))
 
     @cached_property
     def force(self) -> TwoMirrorSeries:
@@ -98,4 +98,4 @@ def build_two_mirror_skin(presses: Sequence[Press], mesh: Mesh) -> TwoMirrorPres
     """Presses of a skin with two mirrors, to be drawn on a whole mesh; see `palpate.viewer.build_pressed_skin`."""
     table = TwoMirrorTable.of(presses)
     depths = np.concatenate([[0.0], table.depths_mm])
-    return TwoMirrorPresses(mesh, presses[0].wall, tuple(presses), depths, table.label(depths), table)
+    return TwoMirrorPresses(mesh, presses[0].obstacle, tuple(presses), depths, table.label(depths), table)

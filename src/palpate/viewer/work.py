@@ -16,17 +16,17 @@ from palpate.viewer.sketch import DesignDraft
 
 def press_sketch(sketch: DesignDraft, report: Report) -> Press:
     """Solve the press of a sketch, whose wall says how; `report` takes the share done."""
-    mesh = mesh_skin(build_skin(sketch.dome), sketch.material.mesh(MeshSpec()))
-    wall = sketch.wall
+    mesh = mesh_skin(build_skin(sketch.skin), sketch.material.mesh(MeshSpec()))
+    wall = sketch.obstacle
     return solve_press(
-        mesh, sketch.material.material(), wall, observe=lambda depth: report(min(depth / wall.depth, 1.0))
+        mesh, sketch.material.material(), wall, on_increment=lambda depth: report(min(depth / wall.depth, 1.0))
     )
 
 
 def pack_sketch(sketch: DesignDraft, report: Report) -> bytes:
     """The fabrication pack of a sketch as a zip file; how far it is cannot be known."""
     spec = PackSpec(
-        dome=sketch.dome,
+        skin=sketch.skin,
         markers=sketch.markers,
         mount=MountSpec(),
         material=sketch.material.material(),

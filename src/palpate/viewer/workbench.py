@@ -66,7 +66,7 @@ class Workbench:
                 fields[name] = NumberField(WallSpec, name, label, step, partial(change, name), ends)
             ui.select(
                 list(_CONTACTS),
-                value=self._sketch.wall.contact,
+                value=self._sketch.obstacle.contact,
                 label="Contact",
                 on_change=lambda event: change("contact", event.value),
             ).props("dense outlined options-dense").classes("wide contact")
@@ -181,7 +181,7 @@ class Workbench:
         errand = self._errand
         if errand is None:
             return
-        done = await asyncio.to_thread(errand.look)
+        done = await asyncio.to_thread(errand.poll)
         self._progress.value = errand.share
         if not done:
             return
@@ -196,19 +196,19 @@ class Workbench:
 
     def _call_off(self) -> None:
         if self._errand is not None:
-            self._errand.call_off()
+            self._errand.cancel()
 
     def _show_press(self, press: Press) -> None:
         sketch, drawn = self._ordered
         pressed = build_pressed_skin([press])
         specimen = RenderedSkin(pressed, build_shell(pressed.mesh))
-        motion = pressed.at(sketch.wall.tilt_deg)
+        motion = pressed.at(sketch.obstacle.tilt_deg)
         self._curves, _ = force_curves([(drawn.design, motion)])
         self._force_note.text = press.message or f"Ended: {press.ended} at {press.ended_depth:.2f} mm."
         self._status.text = f"Pressed in {press.cpu_s:.1f} s."
         self._draw_force()
         self._bar.show(self._shelf.put(drawn.design, specimen))
-        self._bar.play(sketch.wall.tilt_deg, sketch.wall.azimuth_deg % 360)
+        self._bar.play(sketch.obstacle.tilt_deg, sketch.obstacle.azimuth_deg % 360)
 
     def _hand_out_pack(self, pack: bytes) -> None:
         self._status.text = f"The pack has {len(pack) / 1e6:.1f} MB."

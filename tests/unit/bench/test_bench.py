@@ -63,11 +63,11 @@ def test_the_presses_are_at_other_tilts_and_on_another_mesh_for_every_unit(bench
 
 
 def test_what_the_robot_takes_for_first_touch_does_not_matter_after_one_press(bench, nominal):
-    off = run_unit_trial(bench, Deviation(touch=1.0))
+    off = run_unit_trial(bench, Deviation(depth_zero=1.0))
     assert off.zero.offset == pytest.approx(1.0 + nominal.zero.offset, abs=1e-9)
     assert np.abs(change(off, nominal)).max() < 1e-9
     blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
-    raw = run_unit_trial(blind, Deviation(touch=1.0))
+    raw = run_unit_trial(blind, Deviation(depth_zero=1.0))
     assert raw.zero is None
     assert np.mean(raw.corrected() - raw.truth, axis=0)[2] == pytest.approx(-1.0, abs=0.15)
 
@@ -87,11 +87,13 @@ def test_a_unit_whose_dots_cannot_be_named_is_a_failure_with_a_reason(bench):
     assert lost.failure
     result = score_unit(1, lost)
     assert result.scores == ()
-    assert not result.as_good
+    assert not result.meets_paper
 
 
 def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
-    quick = replace(bench, spec=bench.spec.model_copy(update={"tolerance": ToleranceSpec(friction=0, thickness=0)}))
+    quick = replace(
+        bench, spec=bench.spec.model_copy(update={"tolerance": ToleranceSpec(friction_min=0, thickness=0)})
+    )
     results = list(run_bench(quick))
     write_bench(tmp_path, quick, results)
     report = json.loads((tmp_path / "bench.json").read_text())
@@ -107,15 +109,15 @@ def test_the_tables_name_seed_versions_and_tolerances(bench, tmp_path):
 
 
 def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
-    tolerance = ToleranceSpec(thickness=0.1, friction=0.6, friction_most=0.9)
+    tolerance = ToleranceSpec(thickness=0.1, friction_min=0.6, friction_max=0.9)
     bench = small_bench(tmp_path, write_small_twin(tmp_path / "twin.h5"), known=4, azimuths=1, tolerance=tolerance)
     results = list(run_bench(bench))
-    unit = results[1].played
+    unit = results[1].trial
     assert not unit.failure
-    learnt = {each.name: each for each in unit.learnt}
+    learnt = {each.name: each for each in unit.parameters}
     assert learnt["thickness"].truth == unit.deviation.thickness != 0
-    assert learnt["thickness"].before == pytest.approx(0.1 / np.sqrt(3))
-    slips = [each for each in unit.learnt if each.name.startswith("1/friction")]
+    assert learnt["thickness"].prior_sd == pytest.approx(0.1 / np.sqrt(3))
+    slips = [each for each in unit.parameters if each.name.startswith("1/friction")]
     assert [each.truth for each in slips] == 4 * [1 / unit.deviation.friction]
     assert rms(np.array([each.mean - each.truth for each in slips])) < 0.3  # a coarse mesh of the same cells
     force, off, half = collect_estimates([unit], "force_n")

@@ -17,13 +17,13 @@ from palpate.material import get_material
 
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
-TOLERANCE = ToleranceSpec(lateral=0.5, twist_deg=1.0, bend=5.0)
+TOLERANCE = ToleranceSpec(lateral=0.5, twist_deg=1.0, curvature=5.0)
 PARTS = {part: item for item in IMPERFECTIONS for part in item.parts}
 
 
 def test_every_deviation_is_within_its_tolerance_and_none_is_forgotten():
     units = [sample_deviation(TOLERANCE, 0, number).as_dict() for number in range(1, 60)]
-    assert {item.name for item in IMPERFECTIONS} | {"friction_most"} == set(ToleranceSpec.model_fields)
+    assert {item.name for item in IMPERFECTIONS} | {"friction_max"} == set(ToleranceSpec.model_fields)
     for part, item in PARTS.items():
         drawn, limit = np.array([unit[part] for unit in units]), getattr(TOLERANCE, item.name)
         if item.name == "friction":
@@ -40,7 +40,7 @@ class Pinhole(Lens):
     """A lens without coefficients."""
 
     name = "pinhole"
-    limit = math.inf
+    max_radius = math.inf
 
     def distort(self, points):
         return points
@@ -58,7 +58,7 @@ class Aside(Lens):
 
     name = "aside"
     leading = "bend"
-    limit = math.inf
+    max_radius = math.inf
     shift: float = 0.0
     bend: float = 0.0
 
@@ -126,7 +126,9 @@ def test_the_camera_is_mounted_off_and_its_lens_not_quite_known():
 
 def test_dots_are_misprinted_within_the_tolerance_and_stay_on_the_inner_surface():
     as_designed = build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), RenderSpec()).edges
-    printed = build_scene(DOME, LAYOUT, Deviation(dot=0.1, pad_x=0.2), CameraSpec(), RenderSpec()).edges
+    printed = build_scene(
+        DOME, LAYOUT, Deviation(marker_position=0.1, print_shift_x=0.2), CameraSpec(), RenderSpec()
+    ).edges
     assert np.abs(DOME.distance(printed)).max() < 1e-9
     off = np.linalg.norm(printed.mean(axis=1) - as_designed.mean(axis=1), axis=-1)
     assert 0.1 < off.max() < 0.6
@@ -144,7 +146,7 @@ def test_missing_dots_are_not_drawn_and_the_mark_never_is_missing():
 def test_light_and_dirt_stay_while_noise_is_new():
     spec = RenderSpec(noise=2.0, dirt=10, unevenness=0.3)
     first, again = (spec.model_copy(update={"noise_seed": seed}) for seed in (1, 2))
-    images = [build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), chosen).at_rest() for chosen in (first, again)]
+    images = [build_scene(DOME, LAYOUT, Deviation(), CameraSpec(), chosen).render_rest() for chosen in (first, again)]
     assert np.array_equal(images[0], images[1])  # the scene numbers its images itself
     from palpate.camera import build_camera, render
 

@@ -50,7 +50,7 @@ def layout_of(size: float) -> MarkerLayout:
 
 
 def press(size: float, tilt: float) -> Press:
-    wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=3.0 * size, image_step=0.6 * size)
+    wall = WallSpec(tilt_deg=tilt, contact="frictionless", depth=3.0 * size, depth_step=0.6 * size)
     mesh, solver = mesh_skin(build_skin(skin_of(size)), MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     return solve_press(mesh, ECOFLEX, wall, solver)
 
@@ -65,7 +65,7 @@ def read(twin: Twin, size: float) -> PoseFit:
     rest = build_camera(camera).project(layout.positions)
     belief = infer_from_rest(twin, layout, camera, rest, tolerance, 0.02)
     fitter = PoseFitter(build_unit_model(twin, layout, belief, tolerance), 0.02)
-    points = twin.print_dots(layout.positions).move(POSE * [1.0, 1.0, size], 0.0).positions
+    points = twin.with_markers(layout.positions).evaluate(POSE * [1.0, 1.0, size], 0.0).positions
     return fitter.fit(build_camera(camera).project(points))
 
 
@@ -97,7 +97,7 @@ def test_its_units_are_foreseen_to_be_as_good(twins: dict[float, Twin]) -> None:
     figures = []
     for size in SIZES:
         robot = RobotUncertainty(depth=0.02 * size)
-        spec = AccuracySpec(least_depth=1.0 * size, max_tilt_deg=9.0, known=2, robot=robot, noise_px=0.02)
+        spec = AccuracySpec(min_depth=1.0 * size, max_tilt_deg=9.0, calibration_presses=2, robot=robot, noise_px=0.02)
         camera = build_camera(camera_of(size))
         figures.append(predict_accuracy(twins[size], layout_of(size), camera, tolerance_of(size), spec))
     assert figures[1].rmse_deg == pytest.approx(figures[0].rmse_deg, rel=0.02)

@@ -92,7 +92,7 @@ def test_the_rim_hides_what_bulges_beyond_it() -> None:
 
 def test_where_the_lens_folds_nothing_is_seen_and_nothing_traced_back() -> None:
     camera = build_camera(CameraSpec(distortion=(-1.0, 0, 0, 0, 0), distance=20))
-    assert camera.lens.limit == pytest.approx(1 / np.sqrt(3))
+    assert camera.lens.max_radius == pytest.approx(1 / np.sqrt(3))
     beyond = [13.0, 0.0, 0.0]
     assert not camera.visible(beyond)
     with refused("lens-folds", "0.577"):

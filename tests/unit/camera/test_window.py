@@ -61,7 +61,7 @@ def test_rays_traced_from_the_pinhole_meet_the_points(window: WindowSpec) -> Non
     camera = behind(window)
     at, rays = trace(camera, camera.project(POINTS), window)
     assert miss(at, rays).max() < 1e-9
-    starts, sight = camera.sight(camera.project(POINTS))
+    starts, sight = camera.sight_lines(camera.project(POINTS))
     assert starts == pytest.approx(at, abs=1e-12)
     assert sight == pytest.approx(rays, abs=1e-12)
 
@@ -86,9 +86,9 @@ def test_near_the_axis_a_point_seems_as_deep_as_its_depth_over_the_index() -> No
 def test_a_window_as_dense_as_air_is_none() -> None:
     air = WindowSpec(thickness=5.0, index=1.0, gel_index=1.0)
     assert behind(air).project(POINTS) == pytest.approx(behind(None).project(POINTS), abs=1e-9)
-    starts, rays = behind(None).sight([[100.0, 80.0]])
+    starts, rays = behind(None).sight_lines([[100.0, 80.0]])
     assert starts == pytest.approx(behind(None).origin[None])
-    assert rays == pytest.approx(behind(air).sight([[100.0, 80.0]])[1], abs=1e-12)
+    assert rays == pytest.approx(behind(air).sight_lines([[100.0, 80.0]])[1], abs=1e-12)
 
 
 def test_what_stands_before_or_in_the_window_is_seen_without_a_jump() -> None:
@@ -122,7 +122,7 @@ def test_derivatives_by_the_camera_are_those_of_cameras_moved_past_the_window() 
         return build_camera(camera.spec.model_copy(update={name: getattr(camera.spec, name) + by}))
 
     pairs = [(moved(name, step), moved(name, -step)) for name, step in zip(names, steps, strict=True)]
-    found = CameraDerivatives(camera, pairs, steps).slopes(POINTS)
+    found = CameraDerivatives(camera, pairs, steps).jacobian(POINTS)
     wider = [
         (moved(name, 20 * step).project(POINTS) - moved(name, -20 * step).project(POINTS)) / (40 * step)
         for name, step in zip(names, steps, strict=True)

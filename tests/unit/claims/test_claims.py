@@ -13,7 +13,7 @@ from palpate.claims.judge_material import judge_law, judge_mesh
 from palpate.grid import SpecificationGrid, evaluate_grid, write_grid
 from results import FIRST, PAPER
 
-HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.OPEN
+HOLDS, FAILS, OPEN = Verdict.HOLDS, Verdict.FAILS, Verdict.UNDECIDED
 WHOLE = evaluate_grid(PAPER)
 
 

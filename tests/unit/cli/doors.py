@@ -317,13 +317,13 @@ def still_twin(dome: Skin) -> Twin:
     return Twin(
         skin=dome,
         order=np.zeros(1, int),
-        shapes=np.zeros((1, 3, len(place_circles()))),
+        modes=np.zeros((1, 3, len(place_circles()))),
         tilts_deg=tilts,
         depths_mm=depths,
-        slips=np.zeros(1),
-        reach_mm=np.full((1, len(tilts)), 8.0),
+        inverse_frictions=np.zeros(1),
+        max_depth_mm=np.full((1, len(tilts)), 8.0),
         amplitudes=fit_spline(axes, pressed),
-        drifts=fit_spline(axes, drifts),
+        lateral=fit_spline(axes, drifts),
     )
 
 

@@ -11,7 +11,7 @@ def test_every_part_of_a_search_is_counted_from_one(capsys: pytest.CaptureFixtur
         lines.planned(2, 1, 10.0)
         lines.ended("press", 5.0, 1.0, "")
         lines.ended("twin", 5.0, 1.0, "No press.")
-    lines.noted("4 of 60 skins tried.")
+    lines.message("4 of 60 skins tried.")
     said = capsys.readouterr().err.splitlines()
     part = ["2 artefacts to make, 1 found", "[1/2] press: done in 1.0 s", "[2/2] twin: No press."]
     assert said == [*part, *part, "4 of 60 skins tried."]

@@ -185,7 +185,7 @@ def test_live_says_what_to_do_without_a_camera(model, capsys):
 def test_live_names_markers_without_a_mark_by_a_known_press(recording, model, capsys):
     camera = build_camera(CameraSpec(roll_deg=65.0))
     normals = (LAYOUT.positions - [0, 0, DOME.center_z]) / DOME.radius
-    wall = WallSpec(tilt_deg=8.0, azimuth_deg=15.0, depth=4.0, image_step=4.0)
+    wall = WallSpec(tilt_deg=8.0, azimuth_deg=15.0, depth=4.0, depth_step=4.0)
     press = solve_press(mesh_skin(DOME, MeshSpec(cells=6)), get_material("zaid_2024_ecoflex_00_30"), wall)
     rest, pressed = press.positions(LAYOUT.positions)[[0, -1]]
     for name, points in (("0", rest), ("1", rest - [0, 0, 1]), ("2", rest - [0, 0, 2]), ("press", pressed)):

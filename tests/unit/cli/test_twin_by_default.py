@@ -72,12 +72,12 @@ def test_without_a_twin_the_command_that_makes_it_is_said_and_nothing_is_compute
 
 
 def test_the_best_twin_of_skin_and_material_reads_whenever_it_was_written() -> None:
-    mine = replace(still_twin(SKIN), material=material_text(ECOFLEX), off_mm=0.02)
+    mine = replace(still_twin(SKIN), material=material_text(ECOFLEX), interpolation_error_mm=0.02)
     keep("a_rough", mine, age_s=-10)
-    fine = keep("b_fine", replace(mine, off_mm=0.01), age_s=10)
-    keep("c_as_fine", replace(mine, off_mm=0.01))
-    keep("d_unsaid", replace(mine, off_mm=0.0, material=""))
-    keep("e_unchecked", replace(mine, off_mm=np.nan))
+    fine = keep("b_fine", replace(mine, interpolation_error_mm=0.01), age_s=10)
+    keep("c_as_fine", replace(mine, interpolation_error_mm=0.01))
+    keep("d_unsaid", replace(mine, interpolation_error_mm=0.0, material=""))
+    keep("e_unchecked", replace(mine, interpolation_error_mm=np.nan))
     keep("f_stiff", replace(mine, material=material_text(get_material("yeoh:1,1,1"))), age_s=-10)
     broken = twin_path(Path("results") / "broken", SKIN)
     broken.parent.mkdir(parents=True)
@@ -88,7 +88,7 @@ def test_the_best_twin_of_skin_and_material_reads_whenever_it_was_written() -> N
     told: list[PalpateError] = []
     assert find_twin(Path("results"), SKIN, ECOFLEX, told.append) == fine
     assert len(told) == 2
-    assert all(any(str(path) in error.what for error in told) for path in (broken, old))
+    assert all(any(str(path) in error.problem for error in told) for path in (broken, old))
     assert find_twin(Path("results"), build_skin(DomeSpec(thickness=1)), ECOFLEX) is None
     assert find_twin(Path("nowhere"), SKIN, ECOFLEX) is None
 

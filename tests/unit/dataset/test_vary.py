@@ -124,7 +124,7 @@ def test_a_misprinted_dot_moves_as_the_surface_beneath_it_and_looks_as_designed_
 
     field = randomise_field(presses, layout, PerturbedPresses(), spec(dot=0.2))
     step = np.full((1, len(layout.positions), 2), 0.1)
-    there = replace(field, off=step)
+    there = replace(field, tangent_offsets=step)
     rest = there.rest_of(np.array([0]))[0]
     assert np.linalg.norm(rest - layout.positions, axis=1) == pytest.approx(np.full(37, 0.1 * np.sqrt(2)), rel=0.02)
     moved = there.positions(np.array([[5.0, 2.0]]), np.array([0]), 9)[0]

@@ -64,7 +64,7 @@ class TestAgreement:
 
     def test_what_calculix_does_not_give_is_nan(self, pair: Pair) -> None:
         assert np.isnan(pair.theirs.contact_energy).all()
-        assert np.isnan(pair.theirs.hold_tension).all()
+        assert np.isnan(pair.theirs.stabilisation_tension).all()
         assert (pair.theirs.negative_pivots == -1).all()
 
     def test_the_rest_is_measured(self, pair: Pair) -> None:
@@ -194,9 +194,9 @@ def test_stored_energy_of_a_swelling_is_that_of_its_bulk_modulus() -> None:
 @pytest.mark.parametrize(
     "obstacle",
     [
-        BallSpec(radius=8, offset=4, depth=3, image_step=1),
-        CylinderSpec(radius=8, offset=3, depth=3, image_step=1),
-        EdgeSpec(radius=6, opening_deg=120, offset=2, depth=3, image_step=1),
+        BallSpec(radius=8, offset=4, depth=3, depth_step=1),
+        CylinderSpec(radius=8, offset=3, depth=3, depth_step=1),
+        EdgeSpec(radius=6, opening_deg=120, offset=2, depth=3, depth_step=1),
     ],
     ids=["ball", "bar", "edge"],
 )

@@ -6,28 +6,28 @@ from palpate.design import OFFSET_SPACE, TILT_SPACE, PoseSpace
 from palpate.fea import BallSpec, CylinderSpec, WallSpec
 from palpate.fea.edge import EdgeSpec
 
-LINES = PoseSpace.of_lines()
+LINES = PoseSpace.for_lines()
 
 
 @pytest.mark.parametrize("space", [TILT_SPACE, OFFSET_SPACE, LINES])
 def test_a_space_is_found_by_the_names_of_its_components(space):
-    assert PoseSpace.named(list(space.names)) is space
+    assert PoseSpace.from_names(list(space.names)) is space
 
 
 def test_a_pose_of_another_package_is_read_by_its_names():
-    space = PoseSpace.named(["across_mm", "along_mm", "depth_mm"])
+    space = PoseSpace.from_names(["across_mm", "along_mm", "depth_mm"])
     assert [(item.axis, item.unit) for item in space.components] == [
         ("across", "mm"),
         ("along", "mm"),
         ("depth", "mm"),
     ]
-    assert not space.tilts
+    assert not space.is_tilt
 
 
 @pytest.mark.parametrize("names", [["rx_deg"], ["a", "b", "c"]])
 def test_names_of_no_pose_are_refused(names):
     with refused("pose-components-unknown"):
-        PoseSpace.named(names)
+        PoseSpace.from_names(names)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def test_names_of_no_pose_are_refused(names):
     [(WallSpec(tilt_deg=5.0, azimuth_deg=90.0), (0.0, 5.0)), (BallSpec(offset=3.0, azimuth_deg=90.0), (0.0, 3.0))],
 )
 def test_the_azimuth_of_an_obstacle_is_that_of_its_pose(obstacle, place):
-    assert obstacle.pose_space.part(obstacle.radial, obstacle.turn_deg) == pytest.approx(place)
+    assert obstacle.pose_space.cartesian(obstacle.radial, obstacle.turn_deg) == pytest.approx(place)
 
 
 def test_an_error_is_the_length_in_the_first_two_components():

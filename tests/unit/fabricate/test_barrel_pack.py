@@ -67,7 +67,7 @@ def frustum(low: float, high: float, height: float) -> float:
 
 def body_mm3(module: ContactModule) -> float:
     """Volume of the module, by Pappus for the wall: its section lies between two arcs and both ends."""
-    skin, half = module.dome, module.dome.height / 2
+    skin, half = module.skin, module.skin.height / 2
 
     def within(reach: float) -> float:
         return quad(lambda z: np.pi * (np.sqrt(reach**2 - z**2) - skin.centre_radius) ** 2, -half, half)[0]
@@ -207,7 +207,7 @@ def test_a_wall_at_the_side_is_stopped_by_the_rings_where_geometry_says(
         travel = free_travel(module, enclosure, tilt)
         wall = box((0, -200, -400), (50, 200, 400)).turned("y", tilt)
         normal = np.array([np.cos(np.radians(tilt)), 0.0, -np.sin(np.radians(tilt))])
-        at = TACLINK.touch(normal) @ normal
+        at = TACLINK.support_point(normal) @ normal
         assert ring.overlap(wall.moved(*((at - travel + 0.05) * normal))) < 1e-3
         assert ring.overlap(wall.moved(*((at - travel - 0.2) * normal))) > 1e-3
     deep = ProcessSpec(working_depth=7, working_tilt_deg=5)

@@ -94,7 +94,7 @@ def test_the_mesh_of_a_pad_is_closed_and_lies_on_its_two_surfaces(module: Contac
 def test_mold_and_part_fill_the_block_of_a_pad(module: ContactModule) -> None:
     mold, spec = build_mold(module, PROCESS), PROCESS
     core, cavity = mold.parts["mold_core"], mold.parts["mold_cavity"]
-    block = AREA * mold.radius**2 * (spec.plate + module.dome.outer_height + spec.mold_floor + 3.0)
+    block = AREA * mold.radius**2 * (spec.plate + module.skin.outer_height + spec.mold_floor + 3.0)
     through = np.pi / 4 * (spec.pour_diameter**2 + spec.vents * spec.vent_diameter**2) * spec.plate
     pin, hole = spec.pin_diameter / 2, spec.pin_diameter / 2 + spec.clearance
     play = 3 * np.pi * (hole**2 * (spec.pin_height + 0.5) - pin**2 * spec.pin_height)

@@ -106,7 +106,7 @@ def test_the_wall_is_stopped_by_the_clamp_ring_where_geometry_says() -> None:
     ring = enclosure.parts["clamp_ring"]
     for tilt in (0.0, 12.0):
         travel = free_travel(module, enclosure, tilt)
-        top = module.dome.center_z + module.dome.outer_radius / np.cos(np.radians(tilt))
+        top = module.skin.center_z + module.skin.outer_radius / np.cos(np.radians(tilt))
         wall = box((-200, -200, 0), (200, 200, 50)).turned("x", tilt)  # falls along y
         assert ring.overlap(wall.moved(z=top - travel + 0.05)) < 1e-3
         assert ring.overlap(wall.moved(z=top - travel - 0.2)) > 1e-3

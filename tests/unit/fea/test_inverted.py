@@ -31,7 +31,7 @@ def press():
 @pytest.fixture(scope="module")
 def path(press):
     """A path under the wall of `press`, whose monitor judges states."""
-    return start_press(press.mesh, MATERIAL, press.wall, SolverSpec(), RING_POINTS)
+    return start_press(press.mesh, MATERIAL, press.obstacle, SolverSpec(), RING_POINTS)
 
 
 def judged(path, displacement, negative_pivots: int = 0) -> str:
@@ -75,19 +75,19 @@ def test_an_unstable_state_is_not_called_inverted(path, press) -> None:
 
 
 def test_the_flat_state_is_not_called_inverted(path, press) -> None:
-    flat = solve_press(press.mesh, MATERIAL, press.wall)
+    flat = solve_press(press.mesh, MATERIAL, press.obstacle)
     assert (flat.branch == Branch.FLAT).all()
     check_values(judged(path, flat.displacement[-1]), "4 mm")
 
 
 def test_a_dented_state_is_not_called_inverted(path, press) -> None:
-    flat = solve_press(press.mesh, MATERIAL, press.wall)
-    dented = path.monitor.pushed(DEPTH, State(flat.displacement[-1], path.increments[0].state.p), 1.5)
+    flat = solve_press(press.mesh, MATERIAL, press.obstacle)
+    dented = path.monitor.perturbed(DEPTH, State(flat.displacement[-1], path.increments[0].state.p), 1.5)
     assert "ring" in judged(path, dented)
 
 
 def test_a_half_lifted_state_is_not_called_inverted(path, press) -> None:
-    flat = solve_press(press.mesh, MATERIAL, press.wall).displacement[-1]
+    flat = solve_press(press.mesh, MATERIAL, press.obstacle).displacement[-1]
     lifted = np.where(press.mesh.nodes[:, 1:2] > -2.0, press.displacement[-1], flat)
     assert "ring" in judged(path, lifted)
 
@@ -134,7 +134,7 @@ def test_under_a_ball_the_skin_is_mirrored_in_the_ball() -> None:
 def test_without_adhesion_nothing_pulls_the_skin_to_the_wall(contact: str) -> None:
     press = solve_press(skin(), MATERIAL, WallSpec(contact=contact, depth=DEPTH), SolverSpec(adhesion=0))
     assert press.ended is EndReason.DEPTH_REACHED
-    assert (press.hold_tension == 0).all()
+    assert (press.stabilisation_tension == 0).all()
     if contact == "frictionless":
         assert press.branch[-1] == Branch.INVERTED
         assert press.jump_depth > 2.6

@@ -120,7 +120,7 @@ def test_a_press_survives_its_file(tilted: Press, tmp_path: Path) -> None:
     assert again.positions(ring()) == pytest.approx(tilted.positions(ring()), abs=1e-5)
     assert again.force == pytest.approx(tilted.force)
     assert list(again.branch) == list(tilted.branch)
-    assert again.wall == tilted.wall
+    assert again.obstacle == tilted.obstacle
     (tmp_path / "broken.h5").write_bytes((tmp_path / "press.h5").read_bytes()[:500])
     with refused("press-unreadable"):
         read_press(tmp_path / "broken.h5")

@@ -153,7 +153,7 @@ def test_a_row_with_other_columns_or_of_no_design_is_refused():
 
 def test_designs_that_are_kept_keep_their_tables():
     grid = evaluate_grid(FIRST)
-    some = grid.keep([grid.designs[5], grid.designs[2]])
+    some = grid.select([grid.designs[5], grid.designs[2]])
     assert [row["markers"] for row in some.designs] == [37, 91]
     for table in ("by_depth", "by_tilt", "presses"):
         for new, old in ((0, 5), (1, 2)):

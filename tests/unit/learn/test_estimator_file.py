@@ -135,4 +135,4 @@ def test_the_interval_comes_back_with_its_presses(tmp_path):
     assert again.interval.error == pytest.approx(one.interval.error, rel=1e-5)
     found, expected = again.estimate(dataset.images_px), one.estimate(dataset.images_px)
     assert found.half_width == pytest.approx(expected.half_width, rel=1e-4)
-    assert np.array_equal(found.outside, expected.outside)
+    assert np.array_equal(found.out_of_distribution, expected.out_of_distribution)

@@ -72,7 +72,7 @@ def test_the_axes_of_the_wall_are_the_dome_s_turned() -> None:
 
 
 def test_forces_are_told_with_intervals_that_hold(dataset: Dataset, files: tuple[Path, Path]) -> None:
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     found = open_predictor(files[1]).predict(held.images_px)
     assert found.forces is not None
     assert found.forces_half_width is not None

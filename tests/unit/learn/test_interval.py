@@ -132,7 +132,7 @@ def test_an_image_that_the_training_never_saw_is_called_outside(dataset, estimat
     else:
         images = dataset.rest_px + 1.6 * (images - dataset.rest_px)
         images = images[np.hypot(*dataset.poses[:200, :2].T) > 10.0]
-    assert estimator.estimate(images).outside.mean() > 0.95
+    assert estimator.estimate(images).out_of_distribution.mean() > 0.95
 
 
 def test_a_pose_steeper_than_any_of_the_training_is_called_outside():
@@ -142,5 +142,5 @@ def test_a_pose_steeper_than_any_of_the_training_is_called_outside():
     narrow |= {name: getattr(wide, name)[tilt < 6.0] for name in ("branch", "travel_mm")}
     inside = replace(wide, **narrow)
     estimator = calibrate_interval(fit_ridge(inside), inside)
-    assert estimator.estimate(wide.images_px[tilt > 9.0]).outside.all()
-    assert estimator.estimate(wide.images_px[tilt < 5.0]).outside.mean() < 0.02
+    assert estimator.estimate(wide.images_px[tilt > 9.0]).out_of_distribution.all()
+    assert estimator.estimate(wide.images_px[tilt < 5.0]).out_of_distribution.mean() < 0.02

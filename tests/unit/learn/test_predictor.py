@@ -27,8 +27,8 @@ def test_runtime_gives_the_interval_that_numpy_gives(tmp_path):
     found, expected = predictor.predict(images), estimator.estimate(images)
     assert predictor.level == 0.9
     assert found.half_width == pytest.approx(expected.half_width, rel=1e-4)
-    assert np.array_equal(found.outside, expected.outside)
-    assert 50 <= found.outside.sum() < 100
+    assert np.array_equal(found.out_of_distribution, expected.out_of_distribution)
+    assert 50 <= found.out_of_distribution.sum() < 100
 
 
 def test_a_model_without_an_interval_promises_nothing(tmp_path):
@@ -37,7 +37,7 @@ def test_a_model_without_an_interval_promises_nothing(tmp_path):
     found = predictor.predict(make_dataset().images_px[:3])
     assert predictor.level is None
     assert np.isinf(found.half_width).all()
-    assert not found.outside.any()
+    assert not found.out_of_distribution.any()
 
 
 def test_one_image_of_169_markers_takes_less_than_a_fifth_of_a_millisecond(tmp_path):

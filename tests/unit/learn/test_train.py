@@ -58,7 +58,7 @@ def test_shuffled_labels_leave_the_spread_of_the_labels():
     poses[..., :2] = poses[order][..., :2]
     shuffled = replace(dataset, poses=poses.reshape(-1, 3))
     found = evaluate(train(shuffled, TrainingSpec(width=8, epochs=10, repeats=1, learning_rate=3e-4)), shuffled)
-    spread = shuffled.part(validation=True).poses[:, :2].std()
+    spread = shuffled.subset(validation=True).poses[:, :2].std()
     assert found.rmse_deg == pytest.approx(spread, rel=0.05)
 
 

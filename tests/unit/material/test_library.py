@@ -56,7 +56,7 @@ def test_every_fit_of_our_own_is_tested() -> None:
 def test_a_fit_of_the_library_comes_out_of_its_data(name: str) -> None:
     files, spec = FITS[name]
     samples = [
-        prepare_sample(sample, PrepareSpec(greatest_stretch=5))
+        prepare_sample(sample, PrepareSpec(max_stretch=5))
         for file, bench in files
         for sample in read_test_file(DATA / file, bench)
     ]

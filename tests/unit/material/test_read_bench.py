@@ -254,7 +254,7 @@ def test_a_malformed_file_is_refused_with_row_column_and_remedy(case: str, tmp_p
     with refused(*says) as caught:
         read_test_file(path, TestFileSpec(**spec))
     assert time.perf_counter() - started < 5
-    assert str(path) in caught.value.what
+    assert str(path) in caught.value.problem
     assert caught.value.remedy
 
 

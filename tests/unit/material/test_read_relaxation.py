@@ -41,7 +41,7 @@ def test_a_stress_that_comes_up_first_is_taken_for_an_even_ramp(tmp_path):
     time = np.concatenate([[0, 0.5, 1.0], 1.0 + TIME])
     stress = np.concatenate([[0, 0.01, 0.021], STRESS])
     test = read_relaxation(write(tmp_path / "a.csv", "time (s),stress (MPa)", time, stress))
-    assert test.came == (0.0, 1.0)
+    assert test.ramp_times == (0.0, 1.0)
     assert "evenly" in test.notes[-1]
 
 
@@ -81,7 +81,7 @@ def test_a_file_that_holds_no_relaxation_is_refused_with_a_remedy(kind, tmp_path
     header, columns, spec, says = WRONG[kind]
     with refused(*says) as caught:
         read_relaxation(write(tmp_path / "wrong.csv", header, *columns), TestFileSpec(**spec))
-    assert "wrong.csv" in caught.value.what
+    assert "wrong.csv" in caught.value.problem
     assert caught.value.remedy
 
 

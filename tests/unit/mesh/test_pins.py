@@ -30,7 +30,7 @@ def mesh() -> Mesh:
 
 
 def press(tilt: float, **wall: float) -> Press:
-    spec = WallSpec(tilt_deg=tilt, depth=3.2, image_step=0.4, **wall)
+    spec = WallSpec(tilt_deg=tilt, depth=3.2, depth_step=0.4, **wall)
     return solve_press(
         mesh_skin(SKIN, MeshSpec(cells=16)), ECOFLEX, spec, SolverSpec(derivatives=("tilt_deg", *TWIN_DERIVATIVES))
     )
@@ -97,14 +97,14 @@ def test_field_and_twin_follow_the_tips_of_a_press_between_theirs(presses: list[
     field = build_field(presses, LAYOUT)
     assert np.abs(field.positions(rx, ry, 7)[0] - expected[8]).max() < 0.03
     twin = build_twin(presses)
-    found = twin.print_dots(LAYOUT.positions).move(np.array([rx[0], ry[0], 3.2]), 0.0).positions
+    found = twin.with_markers(LAYOUT.positions).evaluate(np.array([rx[0], ry[0], 3.2]), 0.0).positions
     assert np.abs(found - expected[8]).max() < 0.03
 
 
 def test_a_derivative_by_tilt_foresees_the_tips_of_the_next_tilt(presses: list[Press]) -> None:
     here, high, low = presses[1], press(4.5), press(3.5)
-    rate = here.moved(LAYOUT.positions, by="tilt_deg")[-1]
-    change = high.moved(LAYOUT.positions)[-1] - low.moved(LAYOUT.positions)[-1]
+    rate = here.displacement_at(LAYOUT.positions, by="tilt_deg")[-1]
+    change = high.displacement_at(LAYOUT.positions)[-1] - low.displacement_at(LAYOUT.positions)[-1]
     # every press has a mesh of its own: points of the wall themselves differ by 0.08 here
     assert np.sqrt(np.mean((change - rate) ** 2)) < 0.12 * np.sqrt(np.mean(change**2))
 
@@ -113,7 +113,9 @@ def test_a_derivative_by_tilt_foresees_the_tips_of_the_next_tilt(presses: list[P
 def test_tips_on_both_sides_of_the_mirror_follow_a_derivative(presses: list[Press], name: str) -> None:
     """What turns about the axis moves mirrored tips to mirrored places the other way, all else the same way."""
     flip = np.array([-1.0, 1.0, 1.0])
-    rate, mirrored = (presses[1].moved(points, by=name)[-1] for points in (LAYOUT.positions, LAYOUT.positions * flip))
+    rate, mirrored = (
+        presses[1].displacement_at(points, by=name)[-1] for points in (LAYOUT.positions, LAYOUT.positions * flip)
+    )
     sign = -1 if name == "twist_rate_deg" else 1
     assert np.abs(rate).max() > 1e-3
     assert mirrored == pytest.approx(sign * rate * flip, abs=1e-9)

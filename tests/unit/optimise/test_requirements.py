@@ -37,8 +37,8 @@ WRONG = {
     "heights: [10, 90]": ("range-malformed", 90, 2, 60),
     "depth: 12\nheights: [5, 11]": ("heights-below-depth", 11, 12),
     "least_depth: 8": ("depths-not-rising", "least_depth", 8),
-    "greatest_dot: 0.8": ("marker-sizes-not-rising", "greatest_dot", 0.8, 1),
-    "dot: 0.2": ("markers-not-printable", "process.smallest_dot", 0.2, 0.4),
+    "max_marker_diameter: 0.8": ("marker-sizes-not-rising", "max_marker_diameter", 0.8, 1),
+    "dot: 0.2": ("markers-not-printable", "process.min_marker_diameter", 0.2, 0.4),
     "materials: [cheese]": ("material-unknown", "cheese"),
     "cameras: []": ("list-empty", "cameras"),
     "objectives: [error, error]": ("list-entry-twice", "objectives", "error"),
@@ -118,31 +118,33 @@ TRIED = (
 def test_the_winner_has_the_least_error_of_those_within_the_limits() -> None:
     front = Front(SPEC, TRIED)
     assert front.winner is not None
-    assert (front.winner.tried.number, front.winner.option.markers.count) == (1, 37)
+    assert (front.winner.trial.number, front.winner.option.markers.count) == (1, 37)
     assert front.shortfall == ""
 
 
 def test_a_front_of_two_has_what_nothing_beats() -> None:
     front = Front(SPEC.model_copy(update={"objectives": ("error", "markers")}), TRIED)
-    assert [(entry.tried.number, entry.option.markers.count) for entry in front.best] == [(1, 37), (1, 19), (1, 7)]
+    assert [(entry.trial.number, entry.option.markers.count) for entry in front.pareto] == [(1, 37), (1, 19), (1, 7)]
     forces = Front(SPEC.model_copy(update={"objectives": ("error", "force")}), TRIED)
-    assert [entry.tried.number for entry in forces.best] == [1, 0]
+    assert [entry.trial.number for entry in forces.pareto] == [1, 0]
 
 
 def test_the_ends_of_a_front_are_no_worse_than_the_rival_and_each_is_played_once() -> None:
     several = SPEC.model_copy(update={"objectives": ("error", "force", "markers")})
-    front = Front(several, TRIED, rival=PredictedAccuracy(5, 0.06, 0.31, 0.01, 0.02))
-    assert [(title, entry.tried.number, entry.option.markers.count) for title, entry in front.ends] == [
+    front = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.31, 0.01, 0.02))
+    assert [(title, entry.trial.number, entry.option.markers.count) for title, entry in front.extremes] == [
         ("least force", 0, 37),
         ("fewest markers", 1, 19),
     ]
-    assert Front(several, TRIED).bar_deg == SPEC.error_deg, "what is wanted counts where there is no rival"
-    assert [entry.tried.number for _, entry in Front(several, TRIED).ends] == [1, 1]
+    assert Front(several, TRIED).error_threshold_deg == SPEC.error_deg, (
+        "what is wanted counts where there is no rival"
+    )
+    assert [entry.trial.number for _, entry in Front(several, TRIED).extremes] == [1, 1]
     assert front.winner is not None
     assert [title for title, _ in _finalists(front, front.winner)] == ["winner", "least force", "fewest markers"]
-    strict = Front(several, TRIED, rival=PredictedAccuracy(5, 0.06, 0.16, 0.01, 0.02))
+    strict = Front(several, TRIED, baseline=PredictedAccuracy(5, 0.06, 0.16, 0.01, 0.02))
     assert [title for title, _ in _finalists(strict, front.winner)] == ["winner, least force, fewest markers"]
-    assert Front(SPEC, TRIED).ends == ()
+    assert Front(SPEC, TRIED).extremes == ()
     page = report(front, compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "palpate optimise wanted.yaml")
     check_values(page, "0.310°")
     (told,) = (line for line in page.splitlines() if line.startswith("* fewest markers"))
@@ -180,16 +182,16 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
 
     def press_finely(self: _Judge, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
         asked.extend(task.skin.height for task in tasks)
-        coarse = [next(one.proposal for one in tried if one.proposal.skin == task.skin) for task in tasks]
-        return [replace(one, reach_mm=7.9) if one.skin.height in short else one for one in coarse]
+        coarse = [next(one.coarse for one in tried if one.coarse.skin == task.skin) for task in tasks]
+        return [replace(one, max_depth_mm=7.9) if one.skin.height in short else one for one in coarse]
 
     monkeypatch.setattr(_Judge, "_do", press_finely)
     spec = SPEC.model_copy(update={"finalists": 2})
     front = Front(spec, tried)
-    finished = replace(front, tried=_Judge(spec, tmp_path, None, None, "").finish(front))
+    finished = replace(front, trials=_Judge(spec, tmp_path, None, None, "").finish(front))
     assert asked == [20.0, 19.0, 18.0, 17.0]
     assert finished.winner is not None
-    assert finished.winner.tried.number == 2
+    assert finished.winner.trial.number == 2
     page = report(finished, compute_sobol_indices(tried, SkinSpace.of(spec), 169), "")
     for number in (0, 1):
         assert re.search(rf"\bSkin {number}\b", page)
@@ -198,8 +200,10 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
 
 def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -> None:
     """Only what meets the limits counts, and of finalists what coarse presses said, as of the others."""
-    finalist = replace(TRIED[1], full=skin(1, 18, 0.55, 0.9, 0.9, 0.9).proposal)
-    front = Front(SPEC, (TRIED[0], finalist), control=SearchBaselines((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0])))
+    finalist = replace(TRIED[1], fine=skin(1, 18, 0.55, 0.9, 0.9, 0.9).coarse)
+    front = Front(
+        SPEC, (TRIED[0], finalist), search_baselines=SearchBaselines((TRIED[0], TRIED[2]), (TRIED[3], TRIED[0]))
+    )
     write_front(tmp_path, front, "palpate optimise wanted.yaml")
     page = (tmp_path / "report.md").read_text()
     for name, *values_told in (
@@ -239,9 +243,9 @@ def test_what_matters_is_found_where_it_is_known() -> None:
     found = compute_sobol_indices(tried, space, 169)
     assert found.explained > 0.98
     assert found.variables[0].name == "height"
-    assert found.variables[0].together == pytest.approx(1.0, abs=0.05)
-    assert all(abs(one.together) < 0.05 for one in found.variables[1:])
-    assert "height" in found.sentence
+    assert found.variables[0].total == pytest.approx(1.0, abs=0.05)
+    assert all(abs(one.total) < 0.05 for one in found.variables[1:])
+    assert "height" in found.summary
 
 
 def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
@@ -250,8 +254,8 @@ def test_nothing_matters_where_no_surface_goes_through_the_skins() -> None:
     space, tried = spread_skins(lambda number, _: 10 ** chance[number])
     found = compute_sobol_indices(tried, space, 169)
     assert found.explained < 0.2
-    assert max(one.together for one in found.variables) > 0.15
-    assert not any(one.name in found.sentence for one in found.variables)
+    assert max(one.total for one in found.variables) > 0.15
+    assert not any(one.name in found.summary for one in found.variables)
 
 
 def test_skins_that_fall_short_of_the_depth_do_not_say_what_matters() -> None:
@@ -269,4 +273,4 @@ def test_what_is_not_known_of_a_skin_is_told_as_such() -> None:
     assert constraint_violations(spec, jumps)["made"] > 0
     unread = SkinEvaluation(DomeSpec(), "zaid_2024_ecoflex_00_30", 8.0, 0.5)
     assert objective_values(spec, unread) == (math.inf, math.log10(0.5))
-    assert objective_values(SPEC, skin(0, 20.0, 0.5, 0.3, 0.2).proposal)[0] == math.log10(0.2)
+    assert objective_values(SPEC, skin(0, 20.0, 0.5, 0.3, 0.2).coarse)[0] == math.log10(0.2)

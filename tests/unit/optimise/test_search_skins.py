@@ -35,7 +35,7 @@ def judge(places: Sequence[Place]) -> list[Evaluation]:
 
 
 def least(tried) -> float:
-    return min(10 ** one.judged.values[0] for one in tried if one.judged.violations["force"] <= 0)
+    return min(10 ** one.evaluation.values[0] for one in tried if one.evaluation.violations["force"] <= 0)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -70,9 +70,9 @@ def test_skins_of_which_nothing_is_known_do_not_hide_how_the_others_differ(
 
     found = [
         min(
-            10 ** (one.judged.values[0] / 0.05)
+            10 ** (one.evaluation.values[0] / 0.05)
             for one in search_skins(SPACE, judge_some, SearchPlan(24, seed), tmp_path / str(seed))
-            if max(one.judged.violations.values()) <= 0
+            if max(one.evaluation.violations.values()) <= 0
         )
         for seed in range(2)
     ]
@@ -89,7 +89,7 @@ def test_a_journal_written_anew_goes_on_as_the_old_one_would(tmp_path: Path, sam
     assert read_trials(cut) == tried
     assert search_skins(SPACE, judge, plan, cut) == expected
     # and by other values, it goes on otherwise where it goes by them
-    other = [replace(one, judged=replace(one.judged, values=(one.place["aspect"],))) for one in tried]
+    other = [replace(one, evaluation=replace(one.evaluation, values=(one.place["aspect"],))) for one in tried]
     rewrite_journal(cut, SPACE, plan, other)
     found = search_skins(SPACE, judge, plan, cut)
     assert (found[12:] == expected[12:]) == (sampler == "random")
@@ -110,7 +110,7 @@ def test_two_objectives_are_searched_where_hardly_anything_is_known(tmp_path: Pa
         ]
 
     calls: list[int] = []
-    found = search_skins(SPACE, judge_few, SearchPlan(14, 1, objectives=2), tmp_path / "journal")
+    found = search_skins(SPACE, judge_few, SearchPlan(14, 1, n_objectives=2), tmp_path / "journal")
     assert calls == [4, 4, 4, 2]
     assert len({tuple(one.place.values()) for one in found}) > 10, "it goes on looking elsewhere"
     assert read_trials(tmp_path / "journal", 2) == found
@@ -130,7 +130,7 @@ class CutError(Exception):
 
 @pytest.mark.parametrize("when", [1, 2, 4])
 def test_a_search_that_was_cut_off_tries_what_it_would_have_tried(tmp_path: Path, when: int) -> None:
-    plan = SearchPlan(18, seed=3, first=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
+    plan = SearchPlan(18, seed=3, initial=({"height": 20.0, "thickness": 2.0, "aspect": 1.0},))
     whole = search_skins(SPACE, judge, plan, tmp_path / "whole")
     calls = []
 
@@ -144,7 +144,7 @@ def test_a_search_that_was_cut_off_tries_what_it_would_have_tried(tmp_path: Path
         search_skins(SPACE, cut, plan, tmp_path / "cut")
     again = search_skins(SPACE, judge, plan, tmp_path / "cut")
     assert [one.place for one in again] == [one.place for one in whole]
-    assert whole[0].place == plan.first[0]
+    assert whole[0].place == plan.initial[0]
 
 
 def test_nothing_is_judged_twice_and_a_longer_search_goes_on(tmp_path: Path) -> None:

@@ -35,8 +35,8 @@ def share_right(sensor: DrawnSensor, count: int, noise: float = 0.1, **motion: f
         correspondent.remember(dots, found)
         off = np.linalg.norm(layout.rest_px + found.moved_px - places[own], axis=1)
         right.append(((off < 3) & found.found).mean())
-        good += found.good
-        wrong += found.good and right[-1] < 0.9
+        good += found.accepted
+        wrong += found.accepted and right[-1] < 0.9
     return float(np.mean(right)), good, wrong
 
 
@@ -87,7 +87,7 @@ def test_dots_that_left_the_image_are_missing_and_the_others_stay_numbered() -> 
     for places in heads:
         seen = places[:, 0] < np.quantile(places[:, 0], 0.93)
         found = correspondent.find(places[seen])
-        if found.good:
+        if found.accepted:
             assert found.found[~seen[own]].sum() <= 3
             off = np.linalg.norm(layout.rest_px + found.moved_px - places[own], axis=1)
             assert (off[found.found] < 3).mean() > 0.97
@@ -97,7 +97,7 @@ def test_dots_strewn_at_random_are_not_believed() -> None:
     rest, _ = heads_of(DrawnSensor(rings=6), 1)
     correspondent = MarkerMatcher(number_markers(rest), SHAPE)
     strewn = np.random.default_rng(0).uniform(30, 390, (127, 2))
-    assert not correspondent.find(strewn).good
+    assert not correspondent.find(strewn).accepted
 
 
 def test_an_image_with_hardly_a_dot_is_said_to_have_none() -> None:
@@ -119,7 +119,7 @@ def test_the_dots_of_another_unit_of_the_make_are_found_by_the_layout_of_the_fir
     rest, _ = heads_of(sensor, 1)
     other, _ = heads_of(replace(another_unit(sensor), seed=3), 1)
     found = MarkerMatcher(number_markers(rest), SHAPE).find(other)
-    assert found.good
+    assert found.accepted
     assert found.found.mean() > 0.97
 
 

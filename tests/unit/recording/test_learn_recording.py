@@ -97,7 +97,7 @@ def test_most_correspondences_are_right_against_what_was_drawn(
 
 def test_presses_that_judge_teach_nothing(learnt: RecordingResult) -> None:
     split, press = learnt.seen.split, learnt.seen.press
-    parts = [set(press[rows].tolist()) for rows in (split.teach, split.choose, split.judge)]
+    parts = [set(press[rows].tolist()) for rows in (split.train, split.validation, split.test)]
     assert sum(map(len, parts)) == len(set().union(*parts))
 
 
@@ -133,7 +133,7 @@ def test_without_an_image_at_rest_the_most_central_one_is_named(copied: Path) ->
     (copied / "images" / "rest.png").unlink()
     found = learn(copied)
     assert any(re.search(r"\brest\b", note) for note in found.seen.notes)
-    assert found.seen.good.mean() > 0.9
+    assert found.seen.accepted.mean() > 0.9
 
 
 def test_poses_of_another_run_are_told(copied: Path) -> None:
@@ -189,7 +189,7 @@ def test_images_without_dots_are_read_from_the_picture_and_told(copied: Path) ->
     found = learn(copied)
     assert any(re.search(r"\b150\b", note) for note in found.seen.notes)
     assert len({score.name for score in found.scores}) >= 3
-    assert 0.4 < found.seen.good.mean() < 0.6
+    assert 0.4 < found.seen.accepted.mean() < 0.6
     assert np.isfinite(found.estimates).all()
 
 
@@ -205,7 +205,7 @@ def test_grey_images_with_black_dots_are_learnt_alike(tmp_path: Path) -> None:
     draw_recording(tmp_path, draw_motions(80, 2, shear=2.0), SENSOR, threshold=False, dark=True)
     found = learn(tmp_path)
     assert found.seen.eye.dark
-    assert found.seen.good.mean() > 0.95
+    assert found.seen.accepted.mean() > 0.95
 
 
 def test_networks_go_on_where_they_were_stopped(drawn: tuple[Path, DrawnTruth], tmp_path: Path) -> None:
@@ -244,7 +244,7 @@ def test_a_picture_network_in_the_file_says_what_the_trained_one_said(
     needs("onnxruntime")
     found = learn(drawn[0], RecordingSpec(estimators="picture", epochs=2, picture_px=48, threads=1))
     assert "picture-network" in {score.name for score in found.scores}
-    names = {part for use in (found.model.with_dots, found.model.without) if use for part in use.parts}
+    names = {part for use in (found.model.marker_ensemble, found.model.image_ensemble) if use for part in use.parts}
     assert names <= {"picture-ridge", "picture-network"}
 
 
@@ -265,7 +265,7 @@ def test_a_linear_estimator_of_a_simulation_is_a_start(
     layout, assigned = learnt.model.layout, learnt.seen.assigned
     assert layout is not None
     assert assigned is not None
-    good = learnt.seen.good
+    good = learnt.seen.accepted
     part = fit_ridge_part("ridge", TrainingSet(learnt.seen.moved, learnt.seen.targets, good, good), False)
     rest, weight = layout.rest_px, part.arrays["weight"].astype(float)
     normal = Normalisation((210.0, 210.0), (100.0, 100.0))
@@ -368,9 +368,9 @@ def test_a_part_is_kept_for_the_columns_asked_for_and_the_way_that_images_turn()
 
 
 def test_a_network_on_all_motions_is_trained_anew_where_fewer_columns_are_asked_for(tmp_path: Path) -> None:
-    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], asked=asked) for asked in (2, 3)]
+    store, jobs = ArtefactStore(tmp_path), [replace(_small_jobs()[1], n_outputs=asked) for asked in (2, 3)]
     made = [next(iter(train_members([job], 1, store, quiet))).part for job in jobs]
-    assert [part.predict(jobs[0].lesson.inputs).shape[1] for part in made] == [2, 3]
+    assert [part.predict(jobs[0].training_set.inputs).shape[1] for part in made] == [2, 3]
 
 
 def _small_jobs(kind: type[TrainingJob] = TrainingJob) -> list[TrainingJob]:
@@ -415,12 +415,12 @@ def test_networks_trained_beside_each_other_are_those_trained_one_by_one(tmp_pat
 
 
 class _Dying(TrainingJob):
-    def train(self, threads: int, kept: Path, say: object) -> NoReturn:
+    def train(self, threads: int, checkpoint: Path, report: object) -> NoReturn:
         os._exit(7)
 
 
 class _Refusing(TrainingJob):
-    def train(self, threads: int, kept: Path, say: object) -> NoReturn:
+    def train(self, threads: int, checkpoint: Path, report: object) -> NoReturn:
         raise PalpateError("The disk is full.", "Make room.", code="disk-full")
 
 

@@ -74,7 +74,7 @@ def test_turned_presses_teach_what_many_would_and_turned_the_wrong_way_they_do_n
     turned, wrong = (
         error(
             train_rotated_network(
-                "turned", replace(lesson, turning=RotationAugmentation(rest, 0.0 * rest, one)), epochs=200
+                "turned", replace(lesson, rotation=RotationAugmentation(rest, 0.0 * rest, one)), epochs=200
             )
         )
         for one in (sense, -sense)
@@ -118,7 +118,7 @@ def test_a_layout_that_leans_is_told_from_the_mean():
     turning = RotationAugmentation(
         places, base, find_rotation_sense(places, moved[:80] - lean - base, poses[:80, :2])
     )
-    part = train_rotated_network("turned", replace(lesson, turning=turning), epochs=200)
+    part = train_rotated_network("turned", replace(lesson, rotation=turning), epochs=200)
     plain = train_marker_network("plain", lesson)
 
     def error(one):

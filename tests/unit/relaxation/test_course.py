@@ -38,7 +38,7 @@ def test_a_wall_drawn_back_through_corners_is_followed_exactly():
 def test_forces_of_three_components_are_followed():
     curve = ForceCurve(np.array([0.0, 1.0]), np.array([[0.0, 0, 0], [0.1, -0.2, 1.0]]))
     found = simulate_depth_hold(SOLID, curve, np.array([0.0, 5.0]), np.array([1.0, 1.0]))
-    assert found.force[1] == pytest.approx(float(SOLID.left(5.0)) * curve.force[1], rel=1e-12)
+    assert found.force[1] == pytest.approx(float(SOLID.relaxation_function(5.0)) * curve.force[1], rel=1e-12)
 
 
 def test_under_a_kept_force_a_standard_solid_creeps_as_known():

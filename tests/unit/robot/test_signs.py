@@ -23,15 +23,15 @@ TILT_DEG = 8.0
 
 @pytest.fixture(scope="module")
 def press() -> Press:
-    wall = WallSpec(tilt_deg=TILT_DEG, depth=3.0, image_step=1.5)
+    wall = WallSpec(tilt_deg=TILT_DEG, depth=3.0, depth_step=1.5)
     return solve_press(mesh_skin(SKIN, MeshSpec(cells=8)), MATERIAL, wall)
 
 
 def motion(press: Press, azimuth_deg: float, camera: CameraSpec) -> FloatArray:
     """Where the image of a press differs from that at rest: column and row from the middle of the dome, px."""
     scene = build_scene(SKIN, place_markers(SKIN, MARKERS), Deviation(), camera, RenderSpec())
-    turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
-    images = [image.astype(float) for image in scene.through(turned)]
+    turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
+    images = [image.astype(float) for image in scene.render_press(turned)]
     changed = np.abs(images[-1] - images[0])
     rows, columns = np.indices(changed.shape)
     where = np.array([np.sum(columns * changed), np.sum(rows * changed)]) / changed.sum()
@@ -45,8 +45,8 @@ def test_a_known_press_moves_the_dots_where_the_drawing_says(press: Press) -> No
     assert abs(about_x[0]) < 0.3 * abs(about_x[1])
     assert about_y[0] > 3.0
     assert abs(about_y[1]) < 0.3 * abs(about_y[0])
-    assert press.wall.radial == TILT_DEG
-    touched_first = SKIN.touch(wall_normal(np.radians(TILT_DEG), 0.0))
+    assert press.obstacle.radial == TILT_DEG
+    touched_first = SKIN.support_point(wall_normal(np.radians(TILT_DEG), 0.0))
     assert touched_first[1] < 0 < touched_first[2]
     assert (press.force[-1] @ wall_normal(np.radians(TILT_DEG), 0.0)) > 0, "the dome pushes along the normal"
     deepest = press.positions(SKIN.inner_point(np.zeros(1), np.zeros(1)))[:, 0, 2]

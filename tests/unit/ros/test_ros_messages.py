@@ -25,7 +25,7 @@ LEANING = Deviation(offset_x=0.2, offset_y=-0.1)
 
 
 def press(tilt_deg: float, azimuth_deg: float = 0.0) -> Press:
-    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0, image_step=0.5)
+    wall = WallSpec(tilt_deg=tilt_deg, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5)
     return solve_press(mesh_skin(SKIN, MeshSpec(cells=6)), MATERIAL, wall, SolverSpec(derivatives=TWIN_DERIVATIVES))
 
 
@@ -35,7 +35,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sensor")
     write_twin(folder / "twin.h5", build_twin([press(tilt) for tilt in (0.0, 3.0, 6.0, 9.0)]))
     scene = build_scene(SKIN, LAYOUT, LEANING, CameraSpec(), RenderSpec(noise=1.0))
-    images = [scene.at_rest(), *(list(scene.through(PRESSED))[k] for k in (6, 8, 8, 8))]
+    images = [scene.render_rest(), *(list(scene.render_press(PRESSED))[k] for k in (6, 8, 8, 8))]
     (folder / "images").mkdir()
     for number, image in enumerate(images):
         cv2.imwrite(str(folder / "images" / f"{number}.png"), image)

@@ -148,15 +148,15 @@ def recording(tmp_path_factory):
     bench = small_bench(folder / "bench", write_small_model(folder / "m.onnx"))
     scene = build_scene(bench.nominal, bench.layout, Deviation(), bench.camera, bench.spec.render)
     rows = [["rest.png", "rest", "", "", ""]]
-    cv2.imwrite(str(folder / "rest.png"), scene.at_rest())
+    cv2.imwrite(str(folder / "rest.png"), scene.render_rest())
     for press in solve_unit_presses(bench, Deviation()):
         for turn in (30.0, 200.0):
-            turned = replace(press, wall=press.wall.model_copy(update={"azimuth_deg": turn}))
-            for depth, image in zip(press.depth, scene.through(turned), strict=True):
+            turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": turn}))
+            for depth, image in zip(press.depth, scene.render_press(turned), strict=True):
                 cv2.imwrite(str(folder / f"{len(rows)}.png"), image)
                 angle = np.radians(turn)
-                pose = press.wall.tilt_deg * np.array([np.cos(angle), np.sin(angle)])
-                rows.append([f"{len(rows)}.png", f"{press.wall.tilt_deg} {turn}", *pose, depth + 1.0])
+                pose = press.obstacle.tilt_deg * np.array([np.cos(angle), np.sin(angle)])
+                rows.append([f"{len(rows)}.png", f"{press.obstacle.tilt_deg} {turn}", *pose, depth + 1.0])
     write_truth(folder / "truth.csv", rows)
     return folder
 

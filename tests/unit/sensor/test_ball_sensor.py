@@ -36,7 +36,7 @@ MESH = mesh_skin(DOME, MeshSpec(cells=6, core=4))
 
 def press(offset, azimuth_deg=0.0, mesh=MESH):
     ball = BallSpec(
-        radius=10, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, image_step=0.5, contact="frictionless"
+        radius=10, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5, contact="frictionless"
     )
     return solve_press(mesh, SILICONE, ball)
 
@@ -118,7 +118,7 @@ def test_a_model_of_a_ball_is_refused_where_tilts_are_asked_for(predictor):
 
 
 def test_presses_of_a_ball_and_of_a_wall_are_not_mixed(presses):
-    wall = solve_press(MESH, SILICONE, WallSpec(depth=1.0, image_step=0.5, contact="frictionless"))
+    wall = solve_press(MESH, SILICONE, WallSpec(depth=1.0, depth_step=0.5, contact="frictionless"))
     with refused("presses-obstacles-differ"):
         generate_dataset([wall, *presses], LAYOUT, build_camera(), DatasetSpec(n_presses=20))
 

@@ -27,7 +27,7 @@ from palpate.sensor import Unit, open_sensor, run_sensor, write_readings
 from palpate.twin import build_field
 from presses import solve_press
 
-LINES = PoseSpace.of_lines()
+LINES = PoseSpace.for_lines()
 DOME = build_skin(DomeSpec())
 LAYOUT = place_markers(DOME, MarkerSpec(count=37))
 SILICONE = get_material("zaid_2024_ecoflex_00_30")
@@ -35,7 +35,7 @@ MESH = mesh_skin(DOME, MeshSpec(cells=6, core=4))
 
 
 def press(offset, azimuth_deg=0.0, mesh=MESH):
-    edge = EdgeSpec(radius=3, opening_deg=120, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, image_step=0.5)
+    edge = EdgeSpec(radius=3, opening_deg=120, offset=offset, azimuth_deg=azimuth_deg, depth=4.0, depth_step=0.5)
     return solve_press(mesh, SILICONE, edge.model_copy(update={"contact": "frictionless"}))
 
 
@@ -81,7 +81,7 @@ def test_images_are_those_of_an_edge_pressed_at_its_pose(presses, offset, azimut
 
 
 def test_offset_and_angle_are_learnt_where_the_place_alone_does_not_tell_them(dataset, estimator):
-    held = dataset.part(validation=True)
+    held = dataset.subset(validation=True)
     deep = held.poses[:, 2] > 2
     found, true = estimator.predict(held.images_px[deep]), held.poses[deep]
     offset, angle = LINES.line_error(found, true).T
@@ -102,7 +102,7 @@ def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator
     assert predictor.space == LINES
     unit = Unit(DOME, LAYOUT)
     for touched, offset, azimuth_deg in ((presses[1], 2.0, 150.0), (presses[0], 0.0, 70.0)):
-        wall = touched.wall.model_copy(update={"azimuth_deg": azimuth_deg})
+        wall = touched.obstacle.model_copy(update={"azimuth_deg": azimuth_deg})
         source = SimulatedSource(unit, [replace(touched, wall=wall)])
         images = source.images()
         sensor = open_sensor([next(images)], unit, predictor)

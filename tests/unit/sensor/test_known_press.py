@@ -25,11 +25,11 @@ def steep():
 
 
 def turned(press, azimuth_deg):
-    return replace(press, wall=press.wall.model_copy(update={"azimuth_deg": azimuth_deg}))
+    return replace(press, wall=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
 def unit_of(count):
-    return Unit(BUILT, place_markers(BUILT, MarkerSpec(count=count)), marked=False)
+    return Unit(BUILT, place_markers(BUILT, MarkerSpec(count=count)), has_orientation_mark=False)
 
 
 def mounted(rng):
@@ -120,12 +120,12 @@ def test_an_image_of_a_known_press_opens_a_sensor_without_a_mark():
     with refused("orientation-mark-unseen", "12"):
         analyse_rest([rest], unit)
     slanted = (8.0 * np.cos(np.radians(15.0)), 8.0 * np.sin(np.radians(15.0)), 5.0)
-    found = analyse_rest([rest], unit, known=ReferencePress.simulate(pressed, slanted, unit, MATERIAL))
+    found = analyse_rest([rest], unit, reference_press=ReferencePress.simulate(pressed, slanted, unit, MATERIAL))
     assert found.registration.camera.spec.roll_deg == pytest.approx(70.0, abs=0.2)
     along = photograph(turned(solve(8.0), 0.0).positions(layout.positions)[-1])
     known = ReferencePress.simulate(along, (8.0, 0.0, 5.0), unit, MATERIAL)
     with refused("assignment-ambiguous", "2"):
-        analyse_rest([rest], unit, known=known)
+        analyse_rest([rest], unit, reference_press=known)
 
 
 def test_a_press_without_depth_is_refused():

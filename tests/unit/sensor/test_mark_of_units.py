@@ -30,7 +30,7 @@ def test_numbers_are_told_of_every_unit(rings, distance):
     for number in range(1, 6):
         deviation = sample_deviation(tolerance, 0, number)
         scene = build_scene(skin, layout, deviation, camera, DEGRADED)
-        naming = analyse_rest([scene.at_rest()], unit, None, None, True).naming
+        naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
         assert not naming.ambiguous
         there = np.flatnonzero(scene.printed)
         centres = scene.camera.project(scene.edges[:-1].mean(axis=1))
@@ -49,6 +49,6 @@ def test_outer_rings_beyond_a_wide_gap_belong_to_the_field():
     layout = place_markers(skin, MarkerSpec(ring_diameters=WIDE_GAP, diameter=1.0))
     scene = build_scene(skin, layout, sample_deviation(tolerance, 0, 8), camera, DEGRADED)
     unit = Unit(skin, layout, nominal=camera, tolerance=tolerance)
-    naming = analyse_rest([scene.at_rest()], unit, None, None, True).naming
+    naming = analyse_rest([scene.render_rest()], unit, None, None, True).naming
     assert not naming.ambiguous
     assert naming.found.sum() >= scene.printed.sum() - 1

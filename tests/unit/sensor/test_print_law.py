@@ -21,21 +21,21 @@ def test_the_radii_of_a_bent_print_are_found_and_explain_its_image(count, kept):
     design = design_of(count, 1.6)
     naming = judge(assign_markers(drawn["dots"], design.pattern), drawn, drawn["dots"], design).naming
     found = register_dome(naming, design.layout, design.skin, design.camera)
-    relative = found.law.growth / found.law.growth.mean() - drawn["law"] / drawn["law"].mean()
+    relative = found.distortion.growth / found.distortion.growth.mean() - drawn["law"] / drawn["law"].mean()
     assert np.abs(relative).max() < 0.03  # the common growth is shared with the camera's distance
-    off = found.camera.project(found.law.positions) - drawn["smooth"]
+    off = found.camera.project(found.distortion.positions) - drawn["smooth"]
     assert np.sqrt((off**2).sum(axis=1).mean()) < 0.45
-    assert found.law.rms_px < 0.2 * found.rms_px
+    assert found.distortion.rms_px < 0.2 * found.rms_px
 
 
 def test_an_inspection_of_a_bent_print_reports_the_rings_and_draws_them():
     rng = generator(4, "inspection")
     drawn = bent(91, rng, scale=1.6, mark=False, missing=0.0)
     design = design_of(91, 1.6)
-    unit = Unit(design.skin, design.layout, nominal=design.camera, marked=False)
+    unit = Unit(design.skin, design.layout, nominal=design.camera, has_orientation_mark=False)
     inspection = inspect_unit([draw(drawn["dots"], drawn["shape"], rng, scale=1.6)], unit)
-    assert inspection.law is not None
-    assert inspection.law.rms_px < 1.0
+    assert inspection.distortion is not None
+    assert inspection.distortion.rms_px < 1.0
     assert "rings as printed" in [text.get_text() for text in draw_inspection(inspection).axes[0].get_legend().texts]
 
 
@@ -43,5 +43,6 @@ def test_an_even_print_has_no_law():
     design = design_of(91)
     pixels = design.pattern.expected_px + generator(5, "even").normal(0, 0.1, (91, 2))
     assert (
-        register_dome(assign_markers(pixels, design.pattern), design.layout, design.skin, design.camera).law is None
+        register_dome(assign_markers(pixels, design.pattern), design.layout, design.skin, design.camera).distortion
+        is None
     )

@@ -27,7 +27,7 @@ PRESSED = np.array([4.0, -3.0, 4.0])
 
 
 def press(tilt_deg: float) -> Press:
-    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, image_step=0.6)
+    wall = WallSpec(tilt_deg=tilt_deg, contact="frictionless", depth=4.8, depth_step=0.6)
     mesh, solver = mesh_skin(DOME, MeshSpec(cells=8)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     return solve_press(mesh, get_material("zaid_2024_ecoflex_00_30"), wall, solver)
 
@@ -49,7 +49,7 @@ class Drawn:
 
     def dots(self, pose: np.ndarray | None = None, noise: float = NOISE) -> np.ndarray:
         printed = self.layout.positions
-        points = printed if pose is None else self.twin.print_dots(printed).move(pose, 0.0).positions
+        points = printed if pose is None else self.twin.with_markers(printed).evaluate(pose, 0.0).positions
         shown = build_camera(self.camera).project(points) + self.aside_px
         return shown + noise * self.rng.normal(size=shown.shape)
 
@@ -86,7 +86,7 @@ class Following:
         return self.state.rest.motion
 
     def read(self, sighting: TrackedMarkers) -> PoseEstimate:
-        estimate, self.state = self.reader.read(sighting, self.state)
+        estimate, self.state = self.reader.estimate(sighting, self.state)
         return estimate
 
 
@@ -105,14 +105,14 @@ def test_a_slow_drift_is_followed_and_poses_stay_right(twin: Twin, way: str) -> 
     before = read_pressed(reader, unit)
     for number in range(1000):
         unit.drift(way, number / 1000)
-        assert Flag.MOVED not in read(reader, unit.dots(None if number % 10 else PRESSED)).flags
+        assert Flag.CAMERA_MOVED not in read(reader, unit.dots(None if number % 10 else PRESSED)).flags
     assert reader.rest.rms_px == pytest.approx(0.5, abs=0.2)
     off = read_pressed(reader, unit) - before
     assert np.abs(off[:2]).max() < 0.02
     assert abs(off[2]) < 0.02
     assert np.abs(read_pressed(forgetful, unit) - before).max() > 0.02
     read(forgetful, unit.dots())
-    assert Flag.MOVED in read(forgetful, unit.dots()).flags
+    assert Flag.CAMERA_MOVED in read(forgetful, unit.dots()).flags
 
 
 @pytest.mark.parametrize("depth", [0.05, 0.15, 0.4])
@@ -129,11 +129,11 @@ def test_a_knock_of_the_camera_is_said_at_once_and_until_it_is_undone(twin: Twin
     reader = unit.open()
     assert read(reader, unit.dots()).flags == ()
     unit.aside_px = 0.6, -0.3
-    assert Flag.MOVED in read(reader, unit.dots()).flags
-    assert Flag.MOVED in read(reader, unit.dots(PRESSED)).flags
+    assert Flag.CAMERA_MOVED in read(reader, unit.dots()).flags
+    assert Flag.CAMERA_MOVED in read(reader, unit.dots(PRESSED)).flags
     assert reader.rest.rms_px < 0.02
     unit.aside_px = 0.0, 0.0
-    assert Flag.MOVED not in read(reader, unit.dots()).flags
+    assert Flag.CAMERA_MOVED not in read(reader, unit.dots()).flags
 
 
 def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
@@ -141,7 +141,7 @@ def test_nothing_is_followed_further_than_is_asked(twin: Twin) -> None:
     reader, flags = unit.open(follow_px=0.2), []
     for number in range(450):
         unit.aside_px = 1e-3 * number, 0.0
-        flags.append(Flag.MOVED in read(reader, unit.dots()).flags)
+        flags.append(Flag.CAMERA_MOVED in read(reader, unit.dots()).flags)
     assert not any(flags[:100])
     assert flags[-1]
     assert reader.rest.rms_px <= 0.2
@@ -188,6 +188,6 @@ def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_follow
             pose = np.array([11.0 * np.cos(azimuth), 11.0 * np.sin(azimuth), depth])
             dots = unit.dots(pose if depth else None)
             seen, control = read(watchful, dots), read(still, dots)
-            assert Flag.MOVED not in (*seen.flags, *control.flags)
+            assert Flag.CAMERA_MOVED not in (*seen.flags, *control.flags)
             if depth:
                 assert np.abs(seen.pose[:2] - control.pose[:2]).max() < 0.02

@@ -233,7 +233,7 @@ def test_a_hidden_mark_is_not_guessed(predictor):
     image = render(build_camera(), flat_marker_outlines(points, normals, LAYOUT.diameter))
     with refused("orientation-mark-unseen", "12"):
         open_sensor([image], Unit(DOME, LAYOUT), predictor)
-    assert open_sensor([image], Unit(DOME, LAYOUT, marked=False), predictor).naming.ambiguous
+    assert open_sensor([image], Unit(DOME, LAYOUT, has_orientation_mark=False), predictor).assignment.ambiguous
 
 
 def test_hostile_images_give_flagged_readings_and_the_next_is_read(predictor):
@@ -261,7 +261,7 @@ def test_several_rest_images_are_averaged(predictor):
     true = build_camera().project(LAYOUT.positions)
     alone = open_sensor(images[:1], Unit(DOME, LAYOUT), predictor)
     together = open_sensor(images, Unit(DOME, LAYOUT), predictor, SensorSpec(), DetectSpec(polarity="dark"))
-    error = [np.std(sensor.naming.positions_px - true) for sensor in (alone, together)]
+    error = [np.std(sensor.assignment.positions_px - true) for sensor in (alone, together)]
     assert error[1] < error[0]
 
 
@@ -274,7 +274,7 @@ def test_motion_outside_the_training_is_flagged_only_while_touched(predictor):
 
     sensor = open_sensor([photograph((0, 0, 0))], Unit(DOME, LAYOUT), Outside())
     assert sensor.read(photograph((0, 0, 0))).flags == ()
-    assert sensor.read(photograph((0, 0, 4.0))).flags == (Flag.OUTSIDE,)
+    assert sensor.read(photograph((0, 0, 4.0))).flags == (Flag.OUT_OF_DISTRIBUTION,)
     assert predictor.level is None
 
 

@@ -34,7 +34,7 @@ LEANING = CameraSpec(offset_x=1.0, offset_y=-2.0, tilt_x_deg=4.0, tilt_y_deg=-3.
 
 
 def straight(tilt_deg: float = 0.0, depth: float = 4.0, **wall: float) -> Press:
-    spec = WallSpec(tilt_deg=tilt_deg, depth=depth, image_step=0.5, **wall)
+    spec = WallSpec(tilt_deg=tilt_deg, depth=depth, depth_step=0.5, **wall)
     return solve_press(mesh_skin(build_skin(DomeSpec()), MeshSpec(cells=8)), ECOFLEX, spec)
 
 

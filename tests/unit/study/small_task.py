@@ -37,7 +37,7 @@ class Sum(Task):
         return Recipe(kind="sum", spec=[self.label, self.number], inputs=inputs)
 
     @property
-    def needs(self) -> tuple[Task, ...]:
+    def dependencies(self) -> tuple[Task, ...]:
         return self.after
 
     @property

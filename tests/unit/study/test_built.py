@@ -31,15 +31,15 @@ def test_built_units_are_foreseen_without_training(folder: Path) -> None:
     few, many = run_twins(STUDY, folder, workers=1)
     assert few.problem == many.problem == ""
     assert few.twin == many.twin
-    assert [figure.known for figure in many.figures] == [0, 3]
-    assert many.figures[1].rmse_deg < many.figures[0].rmse_deg < few.figures[0].rmse_deg
-    assert many.figures[0].rmse_deg < many.figures[0].worst_deg < 2.0
+    assert [figure.calibration_presses for figure in many.accuracies] == [0, 3]
+    assert many.accuracies[1].rmse_deg < many.accuracies[0].rmse_deg < few.accuracies[0].rmse_deg
+    assert many.accuracies[0].rmse_deg < many.accuracies[0].p95_deg < 2.0
 
 
 def test_they_are_the_first_columns_and_the_first_picture_of_the_grid(folder: Path) -> None:
     found = run_twins(STUDY, folder, workers=1)
     grid = evaluate_grid(collect_designs(plan_study(STUDY), ArtefactStore(folder / "store"), {}, seed=0))
-    assert [row["built_rmse_deg"] for row in grid.designs] == [design.figures[0].rmse_deg for design in found]
+    assert [row["built_rmse_deg"] for row in grid.designs] == [design.accuracies[0].rmse_deg for design in found]
     assert grid.columns.index("known_worst_deg") < grid.columns.index("rmse_deg")
     assert default_metric(grid) == "built_rmse_deg"
 
@@ -58,4 +58,4 @@ def test_other_tolerances_are_other_figures_of_the_same_twin() -> None:
 
 def _wider():
     assert STUDY.built is not None
-    return STUDY.built.model_copy(update={"tolerance": STUDY.built.tolerance.model_copy(update={"pad": 0.5})})
+    return STUDY.built.model_copy(update={"tolerance": STUDY.built.tolerance.model_copy(update={"print_shift": 0.5})})

@@ -210,7 +210,7 @@ def test_a_broken_artefact_in_a_read_only_store_is_not_read(small_disk: Path) ->
 def test_leaving_a_crew_ends_its_workers_at_once(store: ArtefactStore) -> None:
     started = time.monotonic()
     with LocalWorkers(store, 1) as crew:
-        crew.give(Sum("hung", 1.0, fault="hung"))
+        crew.submit(Sum("hung", 1.0, fault="hung"))
         while not (store.root / "starts.log").exists():
             crew.wait(0.1)
             assert time.monotonic() - started < 60

@@ -45,7 +45,7 @@ def prepare(store: ArtefactStore, floor_deg: float) -> EvaluationTask:
     limit = ErrorBound(4.0, 48, 1.0, 2 * floor_deg, 0.1, floor_deg, 0.001, floor_deg, 0.001)
     store.write(task.dataset.recipe, lambda path: write_dataset(path, dataset))
     store.write(task.estimator.recipe, lambda path: write_estimator(path, estimator), ".onnx")
-    store.write(task.limit.recipe, lambda path: _write(path, [asdict(limit)]), ".json")
+    store.write(task.bound.recipe, lambda path: _write(path, [asdict(limit)]), ".json")
     return task
 
 
@@ -60,7 +60,7 @@ def test_an_honest_estimator_is_judged(tmp_path: Path) -> None:
     (design,) = collect_designs(Plan((task,)), store, {}, seed=0)
     assert design.clean is not None
     assert design.clean.rmse_deg < 0.1
-    assert design.limits[0].floor_deg == 0.01
+    assert design.bounds[0].floor_deg == 0.01
     assert design.coverage is not None
     assert (design.coverage.level, design.coverage.presses) == (0.9, 50)
     assert 0.8 < design.coverage.angle < 1.0
@@ -83,4 +83,4 @@ def test_the_design_of_a_leak_fails_with_its_reason_and_keeps_its_limit(tmp_path
     (design,) = collect_designs(Plan((task,)), store, {task.recipe.key: run_task(task, store)}, seed=0)
     assert design.failure.startswith("Leakage")
     assert design.clean is design.jittered is None
-    assert design.limits[0].least_squares_deg == 6.0
+    assert design.bounds[0].least_squares_deg == 6.0

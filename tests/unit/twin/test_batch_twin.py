@@ -31,7 +31,7 @@ LEANING = {"tilt_x_deg": 3.0, "roll_deg": 12.0, "offset_x": 0.7}
 def twin() -> Twin:
     mesh, solver = mesh_skin(SKIN, MeshSpec(cells=4)), SolverSpec(derivatives=TWIN_DERIVATIVES)
     walls = [
-        WallSpec(tilt_deg=tilt, depth=2.0, image_step=0.5, contact=contact)
+        WallSpec(tilt_deg=tilt, depth=2.0, depth_step=0.5, contact=contact)
         for contact in ("no-slip", 1.5, 0.7, 0.4)
         for tilt in (0.0, 4.0, 8.0, 12.0)
     ]
@@ -40,7 +40,7 @@ def twin() -> Twin:
 
 @pytest.fixture(scope="module")
 def dots(twin: Twin) -> MarkerTwin:
-    return twin.print_dots(LAYOUT.positions)
+    return twin.with_markers(LAYOUT.positions)
 
 
 def draw(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -54,7 +54,7 @@ def draw(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def one_by_one(dots: MarkerTwin, camera: Camera, poses: np.ndarray, slips: np.ndarray) -> np.ndarray:
-    return np.array([camera.project(dots.move(*each).positions) for each in zip(poses, slips, strict=True)])
+    return np.array([camera.project(dots.evaluate(*each).positions) for each in zip(poses, slips, strict=True)])
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_pixels_are_those_of_the_kernels(dots: MarkerTwin, spec: CameraSpec) -> 
 def test_forces_and_positions_are_those_of_the_kernels(dots: MarkerTwin) -> None:
     poses, slips = draw(300)
     batch = BatchTwin(dots, build_camera())
-    moved = [dots.move(*each) for each in zip(poses, slips, strict=True)]
+    moved = [dots.evaluate(*each) for each in zip(poses, slips, strict=True)]
     assert batch.forces(poses, slips).numpy() == pytest.approx(np.array([each.force for each in moved]), abs=1e-12)
     assert batch.positions(poses, slips).numpy() == pytest.approx(
         np.array([each.positions for each in moved]), abs=1e-11
@@ -100,20 +100,20 @@ def test_a_unit_looks_as_its_model_has_it(twin: Twin) -> None:
     model = build_unit_model(twin, LAYOUT, replace(belief, mean=mean), ToleranceSpec())
     poses, slips = draw(40)
     found = BatchTwin(model.outlines, model.camera, 6, 0.05).pixels(poses, slips).numpy()
-    looked = np.array([model.look(*each, unit=False).pixels for each in zip(poses, slips, strict=True)])
+    looked = np.array([model.predict(*each, unit=False).pixels for each in zip(poses, slips, strict=True)])
     assert np.flatnonzero(np.isnan(looked[0, :, 0])).tolist() == [5]
-    assert found[:, model.seen] == pytest.approx(looked[:, model.seen], abs=1e-9)
+    assert found[:, model.visible] == pytest.approx(looked[:, model.visible], abs=1e-9)
     plain = BatchTwin(model.outlines, model.camera, 6).pixels(poses, slips).numpy()
-    assert np.abs(plain - found)[:, model.seen].max() > 1e-3
+    assert np.abs(plain - found)[:, model.visible].max() > 1e-3
 
 
 def test_torch_differentiates_through_the_twin(dots: MarkerTwin) -> None:
     pose, slip = torch.tensor([[3.0, -2.0, 1.7]], dtype=torch.float64), torch.tensor([0.8], dtype=torch.float64)
     batch = BatchTwin(dots, build_camera())
     by_pose, by_slip = torch.autograd.functional.jacobian(batch.positions, (pose, slip))
-    moved = dots.move(pose[0].numpy(), 0.8)
-    assert by_pose[0, :, :, 0].numpy() == pytest.approx(moved.by[..., :3], abs=1e-9)
-    assert by_slip[0, :, :, 0].numpy() == pytest.approx(moved.by[..., 3], abs=1e-9)
+    moved = dots.evaluate(pose[0].numpy(), 0.8)
+    assert by_pose[0, :, :, 0].numpy() == pytest.approx(moved.jacobian[..., :3], abs=1e-9)
+    assert by_slip[0, :, :, 0].numpy() == pytest.approx(moved.jacobian[..., 3], abs=1e-9)
 
 
 def test_torch_differentiates_through_the_window(dots: MarkerTwin) -> None:
@@ -137,7 +137,7 @@ class Mirror(Lens):
     """A lens that no batch knows."""
 
     name: ClassVar[str] = "mirror"
-    limit = float("inf")
+    max_radius = float("inf")
 
     def distort(self, points: np.ndarray) -> np.ndarray:
         return -points

@@ -27,7 +27,7 @@ TILTS = (87.0, 88.5, 90.0, 91.5, 93.0)
 
 
 def press(tilt_deg: float, depth: float = 3.0) -> Press:
-    wall = SideWallSpec(tilt_deg=tilt_deg, depth=depth, image_step=1.0, contact="frictionless")
+    wall = SideWallSpec(tilt_deg=tilt_deg, depth=depth, depth_step=1.0, contact="frictionless")
     mesh = mesh_skin(SKIN, MeshSpec(cells=10, core=2))
     silicone = get_material("neo-hooke:0.02176").with_bulk_ratio(9.667)
     return solve_press(mesh, silicone, wall, SolverSpec(tolerance=1e-6))
@@ -51,7 +51,7 @@ def camera() -> Camera:
 def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azimuth(field: MarkerField) -> None:
     tilt, azimuth = 89.3, 40.0
     solved = press(tilt)
-    solved = replace(solved, wall=solved.wall.model_copy(update={"azimuth_deg": azimuth}))
+    solved = replace(solved, obstacle=solved.obstacle.model_copy(update={"azimuth_deg": azimuth}))
     rx, ry = rotation_vector(np.array([tilt]), np.radians(azimuth)).T
     for image in range(3):
         truth = solved.positions(LAYOUT.positions)[image + 1]
@@ -64,7 +64,7 @@ def test_markers_between_the_tilts_are_those_of_a_press_there_turned_to_the_azim
 
 
 def test_fields_of_the_side_have_a_least_tilt_and_no_answer_below_it(field: MarkerField) -> None:
-    assert (field.least, field.offset) == (87.0, 93.0)
+    assert (field.min_tilt_deg, field.max_offset) == (87.0, 93.0)
     branch, reason = field.labels(np.array([86.0, 87.0, 90.2, 94.0]), 0)
     assert list(branch) == ["", "flat", "flat", ""]
     assert (reason[0], reason[3]) == ("below the solved tilts", "beyond the solved tilts")
@@ -97,7 +97,7 @@ def test_drawn_presses_carry_their_markers_and_do_not_pass_the_wall(presses: lis
     motion = drawn.at(90.75)
     assert motion.depths_mm.tolist() == pytest.approx([0.0, 1.0, 2.0, 3.0])
     assert motion.way == pytest.approx(motion.normal)
-    assert motion.touch @ motion.normal == pytest.approx(SKIN.touch(motion.normal) @ motion.normal)
+    assert motion.touch @ motion.normal == pytest.approx(SKIN.support_point(motion.normal) @ motion.normal)
     ahead = LAYOUT.positions[:, 0] >= 0
     surface = locate_inner(drawn.mesh, LAYOUT.positions[ahead]).interpolate(motion.displacement)
     seen = drawn.markers(LAYOUT, motion, 0.0)[:, ahead] - LAYOUT.positions[ahead]

@@ -35,7 +35,7 @@ STEP, DEPTH = 0.1, 1.0
 def moved_by(points: np.ndarray, tilt_deg: float, azimuth_deg: float, depth: float) -> np.ndarray:
     """Displacement (m, 3) of points under a wall: alike in both mirrors, and smooth in where the wall is."""
     normal = wall_normal(*rotation_vector(np.radians(tilt_deg), np.radians(azimuth_deg)))
-    wall = PAD.touch_height(normal[None])[0] - depth
+    wall = PAD.support_height(normal[None])[0] - depth
     x, y = points[:, 0] / 10, points[:, 1] / 10
     deep = PAD.outer_height - wall + 10 * (x * normal[0] + y * normal[1]) / normal[2]
     across = 0.1 * x * deep * (1 + y**2) + 0.3 * normal[0] * deep
@@ -139,13 +139,15 @@ def test_a_mirrored_press_is_the_press_of_the_mirrored_wall_and_half_a_press_the
 
     def press(azimuth: float, *, whole: bool = True) -> object:
         mesh = mesh_skin(PAD, MeshSpec(filled=True, cells=6, core=1, whole=whole))
-        return solve_press(mesh, material, WallSpec(tilt_deg=2, azimuth_deg=azimuth, depth=0.3, image_step=0.1))
+        return solve_press(mesh, material, WallSpec(tilt_deg=2, azimuth_deg=azimuth, depth=0.3, depth_step=0.1))
 
     here, there, points = press(30.0), press(150.0), LAYOUT.positions
-    mirrored = here.moved(points * [1, -1, 1]) * [1, -1, 1]
-    assert mirrored == pytest.approx(there.moved(points), abs=2e-4)
+    mirrored = here.displacement_at(points * [1, -1, 1]) * [1, -1, 1]
+    assert mirrored == pytest.approx(there.displacement_at(points), abs=2e-4)
     assert here.force * [1, -1, 1] == pytest.approx(there.force, abs=2e-3 * np.abs(here.force).max())
-    assert press(0.0, whole=False).moved(points) == pytest.approx(press(0.0).moved(points), abs=5e-4)
+    assert press(0.0, whole=False).displacement_at(points) == pytest.approx(
+        press(0.0).displacement_at(points), abs=5e-4
+    )
     with refused("mesh-whole-needed", "30"):
         press(30.0, whole=False)
     with refused("derivative-missing"):

@@ -45,7 +45,7 @@ def die(report):
 
 def wait_for(errand, seconds=60):
     end = time.monotonic() + seconds
-    while not errand.look():
+    while not errand.poll():
         assert time.monotonic() < end
         time.sleep(0.02)
 
@@ -98,15 +98,15 @@ def test_a_worker_has_one_thread_and_goes_with_its_server(tmp_path, monkeypatch)
 def test_work_can_be_called_off():
     errand = Job(work_for_ever)
     while errand.share < 0.5:
-        errand.look()
+        errand.poll()
         time.sleep(0.02)
-    errand.call_off()
-    assert errand.look()
+    errand.cancel()
+    assert errand.poll()
     assert errand.fault == "Cancelled."
 
 
 def test_a_sketch_is_drawn_at_rest_with_its_wall():
-    drawn = build_preview(DesignDraft(wall=WallSpec(tilt_deg=5)))
+    drawn = build_preview(DesignDraft(obstacle=WallSpec(tilt_deg=5)))
     motion = drawn.specimen.pressed.at(5.0)
     assert motion.depths_mm.tolist() == [0.0]
     assert np.abs(motion.displacement).max() == 0

@@ -137,7 +137,7 @@ def test_the_shell_is_closed_and_lies_on_the_two_spheres():
 def pad_moved(points, tilt_deg, azimuth_deg, depth):
     """Displacement (n, 3) mm under a wall: by how far each point would lie beyond it, less towards the base."""
     normal = wall_normal(*rotation_vector(np.radians(tilt_deg), np.radians(azimuth_deg)))
-    height = PAD.touch_height(normal[None])[0] - depth - points[:, :2] @ normal[:2] / normal[2]
+    height = PAD.support_height(normal[None])[0] - depth - points[:, :2] @ normal[:2] / normal[2]
     deep = (4.0 - height) * points[:, 2] / 4.0
     return np.column_stack([0.02 * points[:, 0] * deep, 0.01 * points[:, 1] * deep, -0.5 * deep])
 

@@ -43,7 +43,7 @@ IMAGES = 12
 def rest_image() -> np.ndarray:
     skin = build_skin(DOME)
     scene = build_scene(skin, place_markers(skin, MARKERS), Deviation(), CameraSpec(), RenderSpec(noise=2.0))
-    return scene.at_rest()
+    return scene.render_rest()
 
 
 @pytest.fixture(scope="module")

@@ -51,7 +51,7 @@ class KannalaBrandt(Lens):
         return min(fold_of([1.0, 3.0 * self.k1, 5.0 * self.k2, 7.0 * self.k3, 9.0 * self.k4]), np.pi / 2)
 
     @property
-    def limit(self) -> float:
+    def max_radius(self) -> float:
         return float(np.tan(self.widest)) if self.widest < np.pi / 2 else float("inf")
 
     def distort(self, points: FloatArray) -> FloatArray:
@@ -64,7 +64,7 @@ class KannalaBrandt(Lens):
         points = np.asarray(points, float)
         bent = np.linalg.norm(points, axis=-1, keepdims=True)
         if not np.all((bent < self._bend(np.float64(self.widest))) | np.isnan(bent)):
-            raise folded(self.limit)
+            raise folded(self.max_radius)
         low, high = np.zeros_like(bent), np.full_like(bent, self.widest)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
