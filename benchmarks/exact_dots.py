@@ -86,7 +86,7 @@ def designs(folder: Path) -> Iterator[_Candidate]:
     names = {"height": "height_mm", "base_radius": "base_radius_mm", "thickness": "thickness_mm"}
     shape = {name: won[column] for name, column in names.items()} | {"aspect": won["aspect"], "taper": won["taper"]}
     rings = tuple(float(ring) for ring in won["ring_diameters_mm"].split())
-    markers = MarkerSpec(count=won["markers"], diameter=won["dot_mm"], ring_diameters=rings)
+    markers = MarkerSpec(count=won["markers"], diameter=won["marker_diameter_mm"], ring_diameters=rings)
     choice = next(one for one in spec.cameras if one.name == won["camera"])
     camera = choice.camera.model_copy(update={"distance": won["distance_mm"]})
     skin = skin_from_data({"kind": "ellipsoid", **shape})

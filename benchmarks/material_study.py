@@ -42,7 +42,7 @@ IMAGES = [
     "bias_rms_deg",
     "bias_max_deg",
     "depth_bias_rms_mm",
-    "limit_deg",
+    "bound_deg",
     "limit_over_paper",
 ]
 

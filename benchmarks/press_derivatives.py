@@ -113,7 +113,7 @@ def beside(mesh: Mesh, wall: WallSpec, solver: SolverSpec, name: str, by: float)
     """A whole press with a parameter that differs."""
     material: Material = MATERIAL
     if name in ("tilt_deg", "depth"):
-        changed = {name: getattr(wall, name) + by} | ({"image_step": wall.depth + by} if name == "depth" else {})
+        changed = {name: getattr(wall, name) + by} | ({"depth_step": wall.depth + by} if name == "depth" else {})
         wall = wall.model_copy(update=changed)
     elif name == "friction":
         wall = wall.model_copy(update={"contact": wall.friction + by})

@@ -29,7 +29,7 @@ def task(seed: int, skins: int) -> RequirementsSpec:
     """The requirements of one seed."""
     wanted = read_requirements("paper_task")
     camera = wanted.cameras[0].model_copy(update={"distances": (DISTANCE, DISTANCE)})
-    other = {"seed": seed, "skins": skins, "control": skins, "cameras": (camera,), "objectives": ("error",)}
+    other = {"seed": seed, "skins": skins, "random_skins": skins, "cameras": (camera,), "objectives": ("error",)}
     return wanted.model_copy(
         update={**other, "finalists": 0, "baseline_grid": None, "baseline": None, "max_hours": 1e4}
     )

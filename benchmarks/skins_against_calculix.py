@@ -87,7 +87,7 @@ def published_case(name: str) -> Case:
     mesh = FILLED if press.mesh.filled else TUBE if skin.hole else HOLLOW
     markers = {one: _marked(design.presses[0].skin.build(), design.markers) for one, design in designs.items()}
     tilt, depth = 92.0 if press.obstacle.sideways else 5.0 if skin.height > PAD_MM else 2.0, press.obstacle.depth / 2
-    travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "image_step": depth / IMAGES}
+    travel = {"tilt_deg": tilt, "contact": "frictionless", "depth": depth, "depth_step": depth / IMAGES}
     modulus = press.material.law.shear_modulus
     penalty = modulus * (CONFINED if modulus < SOFT_WALL_MPA else STIFFER) if mesh.filled else SOFT
     return Case(skin, press.material, mesh, press.obstacle.model_copy(update=travel), markers, penalty)

@@ -54,7 +54,7 @@ class KinematicPress:
         self.mesh = SimpleNamespace(skin=skin)
         self.ended_depth = self.reached
         self.wall = SimpleNamespace(
-            radial=self.tilt_deg, turn_deg=self.azimuth_deg, image_step=STEP, depth=8.0, pose_space=TILT_SPACE
+            radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=8.0, pose_space=TILT_SPACE
         )
 
     def positions(self, points):

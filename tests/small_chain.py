@@ -51,8 +51,8 @@ def write_small_twin(path):
 
 
 def small_bench(folder, model, **spec):
-    chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "image_step": 0.9}
-    chosen |= {"cells": CELLS, "least_depth": 2.0} | spec
+    chosen = {"units": 1, "tilts": 2, "azimuths": 2, "max_tilt_deg": 8.0, "depth": 5.0, "depth_step": 0.9}
+    chosen |= {"cells": CELLS, "min_depth": 2.0} | spec
     return VirtualBench(
         VirtualBenchSpec(**chosen), DOME, MARKERS, MATERIAL, CameraSpec(), model, ArtefactStore(folder / "store")
     )

@@ -108,7 +108,7 @@ def summarise(found: Press) -> dict[str, Any]:
 
 
 def presses() -> Results:
-    wall = {"depth": 4.0, "image_step": 1.0}
+    wall = {"depth": 4.0, "depth_step": 1.0}
     found = {
         "no slip": solve("dome", WallSpec(tilt_deg=6, contact="no-slip", **wall), derivatives=TWIN_DERIVATIVES),
         "frictionless": solve("dome", WallSpec(tilt_deg=6, contact="frictionless", **wall)),

@@ -28,14 +28,14 @@ pytestmark = pytest.mark.slow
 WANTED = """
 name: small
 depth: 3
-least_depth: 1
+min_depth: 1
 max_tilt_deg: 9
 heights: [18, 22]
 base_radii: [20, 20]
 thicknesses: [2, 3]
 aspects: [1, 1]
 markers: 37
-known: 2
+calibration_presses: 2
 skins: 5
 finalists: 0
 """
@@ -89,18 +89,18 @@ def test_a_search_finds_the_same_however_it_was_done(
 def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: Path) -> None:
     from palpate.cli import main
 
-    wanted.write_text(WANTED + "grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
-    more = ["--skins", "2", "--control", "3", "--workers", "2", "--packs"]
+    wanted.write_text(WANTED + "baseline_grid: {designs: {heights: [20], thicknesses: [2.5], markers: [7, 37]}}\n")
+    more = ["--skins", "2", "--random-skins", "3", "--workers", "2", "--packs"]
     with pytest.raises(SystemExit) as left:
         main(["optimise", str(wanted), "--out", str(tmp_path / "out"), *more])
     assert left.value.code == 0
     page = (tmp_path / "out" / "report.md").read_text()
-    assert f"palpate optimise {wanted} --out {tmp_path / 'out'} --skins 2 --control 3 --packs\n" in page
+    assert f"palpate optimise {wanted} --out {tmp_path / 'out'} --skins 2 --random-skins 3 --packs\n" in page
     found = json.loads((tmp_path / "out" / "front.json").read_text())
     assert found["skins"] == 2
     assert found["winner"]["markers"] <= 37
-    by_chance, grid = found["control"]["chance"], found["control"]["grid"]
-    assert by_chance["worst_deg"] <= found["control"]["search"]["worst_deg"], "the first skins are the same"
+    by_chance, grid = found["random_skins"]["chance"], found["random_skins"]["grid"]
+    assert by_chance["p95_deg"] <= found["random_skins"]["search"]["p95_deg"], "the first skins are the same"
     assert (grid["thickness_mm"], grid["distance_mm"], grid["ring_diameters_mm"]) == (2.5, 48.0, "10 20 30")
     assert (tmp_path / "out" / "winner.svg").read_text().count("<path") > 20
     (skin,) = read_study(tmp_path / "out" / "winner.yaml").designs.skins()
@@ -108,7 +108,7 @@ def test_the_command_reports_and_its_winner_can_be_run(wanted: Path, tmp_path: P
     (pack,) = (tmp_path / "out" / "packs").iterdir()
     assert (pack / "instructions.pdf").is_file()
     assert json.loads((pack / "manifest.json").read_text())
-    (tmp_path / "other.yaml").write_text(WANTED + "dot: 1.2\n")
+    (tmp_path / "other.yaml").write_text(WANTED + "min_marker_diameter: 1.2\n")
     with pytest.raises(SystemExit) as left:
         main(["optimise", str(tmp_path / "other.yaml"), "--out", str(tmp_path / "out")])
     assert left.value.code == 2
@@ -121,8 +121,12 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
     monkeypatch.setattr(prove, "VirtualBenchSpec", small)
     monkeypatch.setattr(prove, "UNITS", 3)
     monkeypatch.setattr(prove, "plan_skin_evaluation", lambda *design, full: propose.plan_skin_evaluation(*design))
-    text = WANTED.replace("skins: 5", "skins: 1").replace("[2, 3]", "[2.5, 3]").replace("known: 2", "known: 0")
-    wanted.write_text(text + "proof: trained\nrival: {thickness: 3, markers: {count: 19}}\n")
+    text = (
+        WANTED.replace("skins: 5", "skins: 1")
+        .replace("[2, 3]", "[2.5, 3]")
+        .replace("calibration_presses: 2", "calibration_presses: 0")
+    )
+    wanted.write_text(text + "validation: trained\nbaseline: {thickness: 3, markers: {count: 19}}\n")
     spec, out = read_requirements(wanted), tmp_path / "out"
     front = validate_front(optimise_design(spec, out, workers=2), out, workers=2)
     made = {path: path.stat().st_mtime_ns for path in (out / "store").rglob("*.*")}
@@ -154,7 +158,7 @@ def test_winner_and_rival_are_played_and_what_was_foreseen_stands_beside_it(
         prove.plan_skin_evaluation(spec, DomeSpec(thickness=3.0), spec.materials[0], full=True).twin,
     )
     bench = VirtualBench(
-        small(units=3, max_tilt_deg=9.0, depth=3.0, least_depth=1.0),
+        small(units=3, max_tilt_deg=9.0, depth=3.0, min_depth=1.0),
         DomeSpec(thickness=3.0),
         MarkerSpec(count=19),
         get_material(spec.materials[0]),

@@ -79,7 +79,7 @@ def run_budget(bench: VirtualBench) -> Iterator[BudgetLine]:
         if getattr(bench.spec.tolerance, item.name):
             yield _alone(bench, item, nominal)
     if bench.spec.zero and bench.spec.tolerance.depth_zero:
-        touch = next(item for item in IMPERFECTIONS if item.name == "touch")
+        touch = next(item for item in IMPERFECTIONS if item.name == "depth_zero")
         blind = replace(bench, spec=bench.spec.model_copy(update={"zero": False}))
         line = _alone(blind, touch, run_unit_trial(blind, Deviation()))
         yield replace(line, name="touch_unknown", label="touch zero, not looked for")
@@ -126,7 +126,15 @@ def _change(nominal: UnitTrial, unit: UnitTrial) -> FloatArray:
     return np.asarray(change[np.isfinite(change).all(axis=1)])
 
 
-_TRAINED = ("thickness", "friction", "dot", "camera_offset", "camera_distance", "camera_tilt_deg", "focal")
+_TRAINED = (
+    "thickness",
+    "friction_min",
+    "marker_position",
+    "camera_offset",
+    "camera_distance",
+    "camera_tilt_deg",
+    "focal",
+)
 """Imperfections that `palpate.dataset.RandomisationSpec` varies; others look like a pose, or are gone after rest."""
 
 

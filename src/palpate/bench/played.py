@@ -16,7 +16,7 @@ from palpate.core import BoolArray, FloatArray, IntArray
 from palpate.sensor import DepthZero
 
 POSE = ("rx_deg", "ry_deg", "depth_mm")
-MEASURANDS = (*POSE, "force_n", "slip")
+MEASURANDS = (*POSE, "force_n", "inverse_friction")
 """What an image tells: pose, force along the wall's normal, 1/µ. The last two are NaN where a network reads."""
 COLUMNS = (
     "press",
@@ -122,7 +122,7 @@ def write_trial(path: Path, played: UnitTrial) -> None:
         "columns": COLUMNS,
         "images": [[value if math.isfinite(value) else None for value in row] for row in played.images.tolist()],
         "zero": asdict(played.zero) if played.zero else None,
-        "learnt": [each._asdict() for each in played.parameters],
+        "parameters": [each._asdict() for each in played.parameters],
         "failure": played.failure,
     }
     path.write_text(json.dumps(data), encoding="utf-8")
@@ -135,7 +135,7 @@ def read_trial(path: Path, deviation: Deviation) -> UnitTrial:
         deviation=deviation,
         images=np.array(data["images"], float).reshape(-1, len(COLUMNS)),
         zero=DepthZero(**data["zero"]) if data["zero"] else None,
-        parameters=tuple(ParameterEstimate(**each) for each in data["learnt"]),
+        parameters=tuple(ParameterEstimate(**each) for each in data["parameters"]),
         failure=data["failure"],
     )
 
@@ -148,7 +148,7 @@ def compare_parameters(
         name = row["name"]
         if name.startswith("1/friction"):
             truth = inverse_friction
-        elif name == "touch":  # a thicker dome is touched earlier
+        elif name == "depth_zero":  # a thicker dome is touched earlier
             truth = deviation.depth_zero - deviation.thickness
         else:
             truth = 1.0 + deviation.modulus if name == "stiffness" else float(getattr(deviation, name))

@@ -271,7 +271,7 @@ def _describe_unit(result: UnitResult) -> dict[str, Any]:
         "depth_bias_without_zero_mm": float(np.nanmean(played.estimates[:, 2] - played.truth[:, 2]))
         if result.scores
         else None,
-        "learnt": [each._asdict() for each in played.parameters],
+        "parameters": [each._asdict() for each in played.parameters],
         "without_pose": result.without_pose,
         "flagged": int(played.flagged.sum()),
         "latency_ms": np.quantile(played.latency_ms, [0.5, 0.99]).tolist() if len(played.latency_ms) else [],

@@ -121,6 +121,8 @@ class Imperfection:
         Whether it goes either way.
     solved
         Whether presses must be solved for it.
+    stream
+        Name of its random stream; `name` if empty.
     """
 
     name: str
@@ -128,15 +130,16 @@ class Imperfection:
     parts: tuple[str, ...]
     signed: bool = True
     solved: bool = False
+    stream: str = ""
 
 
 IMPERFECTIONS = (
     Imperfection("thickness", "thickness of the wall", ("thickness",), solved=True),
     Imperfection("modulus", "stiffness", ("modulus",), solved=True),
     Imperfection("stiffening", "stiffening", ("stiffening",), solved=True),
-    Imperfection("friction", "friction", ("friction",), signed=False, solved=True),
-    Imperfection("dot", "place of each dot", ("dot",), signed=False),
-    Imperfection("pad", "place of the print", ("print_shift_x", "print_shift_y")),
+    Imperfection("friction_min", "friction", ("friction",), signed=False, solved=True, stream="friction"),
+    Imperfection("marker_position", "place of each dot", ("marker_position",), signed=False, stream="dot"),
+    Imperfection("print_shift", "place of the print", ("print_shift_x", "print_shift_y"), stream="pad"),
     Imperfection("missing", "missing dots", ("missing",), signed=False),
     Imperfection("camera_offset", "camera's offset", ("offset_x", "offset_y")),
     Imperfection("camera_distance", "camera's distance", ("distance",)),
@@ -147,10 +150,10 @@ IMPERFECTIONS = (
     Imperfection("distortion", "distortion", ("k1",)),
     Imperfection("seating_tilt_deg", "seating, tilt", ("seating_x_deg", "seating_y_deg")),
     Imperfection("seating_turn_deg", "seating, turn", ("seating_turn_deg",)),
-    Imperfection("touch", "touch zero", ("touch",)),
+    Imperfection("depth_zero", "touch zero", ("depth_zero",), stream="touch"),
     Imperfection("lateral", "sideways travel", ("lateral",), signed=False, solved=True),
     Imperfection("twist_deg", "twist", ("twist_deg",), signed=False, solved=True),
-    Imperfection("bend", "curvature of the wall", ("bend",), signed=False, solved=True),
+    Imperfection("curvature", "curvature of the wall", ("curvature",), signed=False, solved=True, stream="bend"),
 )
 
 
@@ -165,17 +168,17 @@ def sample_deviation(tolerance: ToleranceSpec, seed: int, unit: int) -> Deviatio
     """
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", unit), "unit": unit}
     for item in IMPERFECTIONS:
-        limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.name, unit)
+        limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, unit)
         for part in item.parts:
             values[part] = limit * float(rng.uniform(-1.0, 1.0)) if item.signed else limit
-        if item.name == "friction":
+        if item.name == "friction_min":
             values["friction"] = tolerance.friction_at(float(rng.uniform())) if limit else 0.0
     return Deviation(**values)
 
 
 def single_deviation(tolerance: ToleranceSpec, item: Imperfection, seed: int, draw: int) -> Deviation:
     """One imperfection alone at its tolerance; further draws change signs and the dots that are off."""
-    limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.name, "sign", draw // 2)
+    limit, rng = float(getattr(tolerance, item.name)), generator(seed, item.stream or item.name, "sign", draw // 2)
     values: dict[str, Any] = {"seed": child_seed(seed, "dots", draw)}
     for part in item.parts:
         sign = 1.0 if rng.uniform() < 0.5 else -1.0

@@ -96,7 +96,8 @@ class PoseFitter:
         slips = self.model.dots.twin.inverse_frictions
         self._slips = float(slips[0]), min(float(slips[-1]), MAX_INVERSE_FRICTION)
         self._free = np.flatnonzero(
-            (self._sd > 0) & ((len(slips) > 1) | (np.arange(len(CONTACT_STATE)) != CONTACT_STATE.index("slip")))
+            (self._sd > 0)
+            & ((len(slips) > 1) | (np.arange(len(CONTACT_STATE)) != CONTACT_STATE.index("inverse_friction")))
         )
         self._drifts = bool((self._sd[_DRIFT:] > 0).any())
         self.scale = self.scale or prior_stiffness_scale(self.model.tolerance)
@@ -312,7 +313,7 @@ class PoseFitter:
     def _solve(self, normal: FloatArray, gradient: FloatArray, theta: FloatArray) -> FloatArray:
         """The Gauss-Newton step that leaves 1/µ within what was pressed."""
         change: FloatArray = np.asarray(np.linalg.solve(normal, gradient), float)
-        for column in np.flatnonzero(self._free == CONTACT_STATE.index("slip")):
+        for column in np.flatnonzero(self._free == CONTACT_STATE.index("inverse_friction")):
             slip = theta[3] + change[column]
             held = min(max(slip, self._slips[0]), self._slips[1]) - theta[3]
             if held != change[column]:

@@ -18,9 +18,9 @@ from palpate.camera import Camera
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-_KEPT = ("friction", "friction_max")
+_KEPT = ("friction_min", "friction_max")
 """Fields that stay as they are: friction is fitted in each image."""
-_UNSEEN = ("modulus", "stiffening", "missing", "touch", "friction")
+_UNSEEN = ("modulus", "stiffening", "missing", "depth_zero", "friction_min")
 """Imperfections that cost no angle in the model of a twin's fit."""
 
 

@@ -27,7 +27,7 @@ from palpate.built.unit_model import UNIT_PARAMETERS, UnitModel, UnitPosterior, 
 from palpate.core import FloatArray, IntArray, PalpateError
 from palpate.design import Skin
 
-_TWIN_SD = {"thickness": 0.011, "touch": 0.011, "slip": 0.012}
+_TWIN_SD = {"thickness": 0.011, "depth_zero": 0.011, "inverse_friction": 0.012}
 """What the twin is off in these numbers (mm, mm, 1/µ), by 20 units of the bench, of other meshes and stiffening.
 
 The noise of dots is a tenth of it: what a twin does not know is alike in all dots of all images. These and the
@@ -74,8 +74,7 @@ class IdentificationResult:
     scale
         Its stiffness over the design's.
     told
-        The numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS` themselves. `posterior` and `mounting` have those
-        with which the twin explains the images best, and reads others, whatever of them is the twin's own error.
+        The numbers themselves. `posterior` and `mounting` have those with which the twin explains the images best.
     """
 
     posterior: UnitPosterior
@@ -139,8 +138,7 @@ def identify(
 
 
 def twin_error_sd(skin: Skin) -> FloatArray:
-    """What the twin is off (15,) in the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as presses tell
-    them."""
+    """Twin error (15,) in the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`, as presses tell them."""
     return size_scale(skin) * np.array([_TWIN_SD.get(name, 0.0) for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)])
 
 
@@ -291,7 +289,7 @@ class UnitFit:
         together = inverse @ found.common
         covariance: FloatArray = inverse + np.repeat(self.shared_variance, 2) * together @ together.T
         off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.friction_slice] = _TWIN_SD["slip"]
+        off[self.friction_slice] = _TWIN_SD["inverse_friction"]
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
 
@@ -313,7 +311,7 @@ class UnitFit:
         """
         normal, whole = found.normal, found.normal + information
         off = np.concatenate([twin_error_sd(self.twin.skin), np.zeros(self.own * len(self.presses))])
-        off[self.friction_slice] = _TWIN_SD["slip"]
+        off[self.friction_slice] = _TWIN_SD["inverse_friction"]
         lens = np.zeros(self.size)
         lens[: len(UNIT_PARAMETERS)] = _lens_sd(self.twin.skin)
         common = found.common * np.sqrt(np.repeat(self.shared_variance, 2))
@@ -396,8 +394,7 @@ def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
     far = np.abs(unit)
     if far.max() > _FAR:
         raise ContradictionError(
-            f"The unit's {UNIT_PARAMETERS[far.argmax()]} would be {far.max():.0f} standard deviations "
-            "off its design.",
+            f"The unit's {UNIT_PARAMETERS[far.argmax()]} would be {far.max():.0f} standard deviations off.",
             "Check that the presses are of this unit, or widen the tolerance.",
             code="unit-far-off-design",
         )

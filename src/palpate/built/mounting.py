@@ -15,7 +15,7 @@ from palpate.built.tolerance import ToleranceSpec
 from palpate.built.unit_model import UNIT_PARAMETERS, UnitPosterior
 from palpate.core import FloatArray
 
-MOUNTING_PARAMETERS = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "touch")
+MOUNTING_PARAMETERS = ("seating_x_deg", "seating_y_deg", "seating_turn_deg", "depth_zero")
 """Numbers of a `palpate.built.Deviation` that say how a unit sits on its robot."""
 
 

@@ -10,7 +10,16 @@ from palpate.built.force import LEVEL_90, Force
 from palpate.built.unit_model import PredictedImage
 from palpate.core import FloatArray
 
-CONTACT_STATE = ("rx_deg", "ry_deg", "depth_mm", "slip", "bend", "drift_x", "drift_y", "twist_deg")
+CONTACT_STATE = (
+    "rx_deg",
+    "ry_deg",
+    "depth_mm",
+    "inverse_friction",
+    "curvature",
+    "lateral_x",
+    "lateral_y",
+    "twist_deg",
+)
 """What is fitted beside the unit: pose, 1/µ, the wall's curvature (1/m), and its travel (mm) and turn on the way."""
 Linear = tuple[FloatArray, PredictedImage, FloatArray]
 """A touch, what is seen there, and how it depends on the unit."""

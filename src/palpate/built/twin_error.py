@@ -76,7 +76,7 @@ class TwinError:
 
 
 def measure_twin_error(
-    model: UnitModel, checks: Sequence[ValidationPresses], count: int, least_depth: float
+    model: UnitModel, checks: Sequence[ValidationPresses], count: int, min_depth: float
 ) -> TwinError:
     """Errors of a unit as designed that its twin reads from presses which the twin lacks.
 
@@ -88,7 +88,7 @@ def measure_twin_error(
         The presses, one for each friction.
     count
         How many presses are known beforehand; 0: none is.
-    least_depth
+    min_depth
         Of the images that count, mm.
 
     Raises
@@ -98,7 +98,7 @@ def measure_twin_error(
     """
     poses, errors = (
         np.concatenate(each)
-        for each in zip(*(_read_checks(model, one, count, least_depth) for one in checks), strict=True)
+        for each in zip(*(_read_checks(model, one, count, min_depth) for one in checks), strict=True)
     )
     places = np.column_stack([np.hypot(poses[:, 0], poses[:, 1]), poses[:, 2]])
     squares = np.column_stack([np.mean(errors[:, :2] ** 2, axis=1), errors[:, 2] ** 2])
@@ -106,12 +106,12 @@ def measure_twin_error(
 
 
 def _read_checks(
-    model: UnitModel, checks: ValidationPresses, count: int, least_depth: float
+    model: UnitModel, checks: ValidationPresses, count: int, min_depth: float
 ) -> tuple[FloatArray, FloatArray]:
     """Poses and errors (n, 3) of the images of presses of one friction that are read."""
     told = [
         simulate_exact_markers(
-            model, checks.known[number % len(checks.known)], CALIBRATION_TURN_DEG * number, least_depth
+            model, checks.known[number % len(checks.known)], CALIBRATION_TURN_DEG * number, min_depth
         )
         for number in range(count)
     ]
@@ -123,20 +123,20 @@ def _read_checks(
     for number, press in enumerate(press for press in checks.read for _ in range(_READ_TURNS)):
         seen = simulate_exact_markers(model, press, _READ_TURN_DEG * number)
         found = np.array([fitter.fit(pixels).pose for pixels in seen.pixels])
-        counts = seen.poses[:, 2] >= _least(seen.poses[:, 2], least_depth)
+        counts = seen.poses[:, 2] >= _least(seen.poses[:, 2], min_depth)
         poses.append(seen.poses[counts])
         errors.append((found - seen.poses)[counts])
     return np.concatenate(poses), np.concatenate(errors)
 
 
 def simulate_exact_markers(
-    model: UnitModel, press: Press, azimuth_deg: float, least_depth: float = 0.0
+    model: UnitModel, press: Press, azimuth_deg: float, min_depth: float = 0.0
 ) -> CalibrationPress:
     """Poses and exact dots of a press before it jumps, deeper than at rest, with its wall turned about the axis."""
     turned = replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
     azimuth = np.radians(turned.obstacle.turn_deg)
     here = (press.depth > 0.0) & (press.branch == Branch.FLAT)
-    here &= press.depth >= _least(press.depth[here], least_depth)
+    here &= press.depth >= _least(press.depth[here], min_depth)
     tilt = press.obstacle.radial * np.array([np.cos(azimuth), np.sin(azimuth)])
     poses = np.column_stack([np.tile(tilt, (int(here.sum()), 1)), press.depth[here]])
     edges = turned.positions(model.outlines.places)[here].reshape(int(here.sum()), len(model.visible), -1, 3)
@@ -144,6 +144,6 @@ def simulate_exact_markers(
     return CalibrationPress(poses, np.where(model.visible[:, None], pixels, np.nan))
 
 
-def _least(depths: FloatArray, least_depth: float) -> float:
+def _least(depths: FloatArray, min_depth: float) -> float:
     """Depth in mm from which images count; where a press hardly gets there, its deeper half."""
-    return min(least_depth, 0.5 * float(depths.max(initial=0.0)))
+    return min(min_depth, 0.5 * float(depths.max(initial=0.0)))

@@ -16,7 +16,7 @@ from palpate.camera import CameraSpec
 from palpate.core import FloatArray, PalpateError, atomic_write, provenance
 from palpate.design import MarkerLayout, Skin
 
-UNIT_VERSION = "2"
+UNIT_VERSION = "3"
 _KIND = "palpate unit"
 _AGAIN = "Make it again with `palpate identify`."
 
@@ -70,7 +70,7 @@ def write_unit(path: Path, unit: IdentifiedUnit) -> None:
         "markers_mm": unit.markers_mm.tolist(),
         "camera": belief.nominal.model_dump(mode="json"),
         "rest_px": [None if np.isnan(u) else [u, v] for u, v in belief.rest_px.tolist()],
-        "known": {
+        "parameters": {
             name: {"mean": float(mean), "sd": float(deviation)}
             for name, mean, deviation in zip((*UNIT_PARAMETERS, *MOUNTING_PARAMETERS), values, sd, strict=True)
         },
@@ -95,7 +95,7 @@ def read_unit(path: Path) -> IdentifiedUnit:
         if content.get("kind") != _KIND or content.get("version") != UNIT_VERSION:
             raise PalpateError(f"{path} is not a unit of version {UNIT_VERSION}.", _AGAIN, code="unit-file-version")
         values = np.array(
-            [content["known"][name]["mean"] for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)], float
+            [content["parameters"][name]["mean"] for name in (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS)], float
         )
         covariance = np.array(content["covariance"], float)
         rest = np.array([[np.nan, np.nan] if dot is None else dot for dot in content["rest_px"]], float)

@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-from palpate.core import PalpateError
+from palpate.core import PalpateError, rename_columns
 from palpate.grid import Cell, Row, SpecificationGrid, rows_for_design
 
 HEIGHTS, THICKNESSES, MARKERS = (10.0, 20.0, 30.0), (1.0, 2.0, 3.0, 4.0), (7, 37, 91, 169)
@@ -155,10 +155,10 @@ def read_built(path: Path) -> dict[Design, Row]:
     found: dict[Design, Row] = {}
     try:
         with path.open(encoding="utf-8", newline="") as lines:
-            for row in csv.DictReader(lines):
+            for row in map(rename_columns, csv.DictReader(lines)):
                 key = (float(row["height_mm"]), float(row["thickness_mm"]), int(row["markers"]))
-                when = "known" if int(row["known"]) else "built"
-                figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "worst_deg")}
+                when = "known" if int(row["calibration_presses"]) else "built"
+                figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "p95_deg")}
                 found[key] = {**found.get(key, {}), **figures}
     except (OSError, KeyError, TypeError, ValueError) as error:
         raise PalpateError(

@@ -22,7 +22,7 @@ AEROSPACE_LIMIT_DEG = 2.0
 """The aerospace line."""
 
 CLEAN, JITTERED = "rmse_deg", "rmse_jitter_deg"
-BESIDE = {JITTERED: "with jitter", "built_rmse_deg": "as built", "known_rmse_deg": "built, after known presses"}
+BESIDE = {JITTERED: "with jitter", "built_rmse_deg": "as built", "calibrated_rmse_deg": "built, after known presses"}
 """What else would decide, where a grid has it for every design; in words."""
 Errors = dict[Design, float]
 
@@ -105,7 +105,7 @@ def judge_line(evidence: Evidence) -> ClaimFinding:
         f"{name_design(BEST)}: {clean:.2f}° clean, {jittered:.2f}° with jitter; below 2°: {counts[0]} of "
         f"{len(there)} designs clean, {counts[1]} with jitter"
     )
-    for column, words in (("built_worst_deg", "as built"), ("known_worst_deg", "after known presses")):
+    for column, words in (("built_p95_deg", "as built"), ("calibrated_p95_deg", "after known presses")):
         if evidence.has(column):
             worst = evidence.figures(column)
             figures += f"; 19 of 20 units, {words}: {worst[BEST]:.2f}°, below 2°: "

@@ -119,7 +119,7 @@ def _read_recorded(folder: Path, known: GroundTruth, model: RecordedModel) -> tu
     if any(name not in model.space.names for name in TILT_SPACE.names):
         raise PalpateError(
             f"Acceptance judges rx, ry and depth; the model estimates {', '.join(model.space.names)}.",
-            "Learn these by palpate learn --learn.",
+            "Learn these by palpate learn --targets.",
             code="model-outputs-missing",
         )
     found = list(run_sensor(model, _images(folder, known.images)))

@@ -104,7 +104,7 @@ def align(
         "align": spec.model_dump(mode="json"),
         "robot": robot.model_dump(mode="json"),
         "unit": unit.deviation.as_dict(),
-        "known": run.calibration_presses,
+        "calibration_presses": run.calibration_presses,
         "seed": run.seed,
         "offset_error_deg": unit.offset_error_deg,
         "images_by": "the twin of the design",

@@ -41,7 +41,7 @@ class AssetFlags:
     skin: SkinFlag = "dome"
     material: MaterialFlags = MaterialSpec()
     mesh: Annotated[MeshSpec, flags_of(MeshSpec, only="cells", group="Mesh")] = MeshSpec()
-    wall: Annotated[WallSpec, flags_of(WallSpec, only="depth image_step contact", group="Wall")] = WallSpec()
+    wall: Annotated[WallSpec, flags_of(WallSpec, only="depth depth_step contact", group="Wall")] = WallSpec()
     spec: Annotated[AssetSpec, flags_of(AssetSpec, group="Asset")] = AssetSpec()
     lens: Annotated[Path | None, Parameter(help=_LENS)] = None
 

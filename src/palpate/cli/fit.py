@@ -282,7 +282,7 @@ def _warn_of_secants(samples: Sequence[Sample], found: Fit) -> Iterator[str]:
         return
     worst = max(secants, key=lambda item: abs(item.excess))
     far = max(sample.stretch.max() for sample in samples)
-    flag = f"--greatest-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
+    flag = f"--max-stretch {_SENSED:g}, what a sensor strains" if far > _SENSED else "--weighting relative"
     yield (
         f"At 10 % strain in {worst.loading} the fit's secant modulus is {1e3 * worst.fitted:.4g} kPa, that of the "
         f"data {1e3 * worst.measured:.4g} kPa ({100 * worst.excess:+.0f} %), and small strain is what a sensor "

@@ -69,8 +69,8 @@ def _describe(design: DesignBounds) -> dict[str, Any]:
         "base_radius_mm": design.skin.base_radius,
         "thickness_mm": design.skin.thickness,
         "markers": design.markers.count,
-        "limit_deg": pooled.least_squares_deg if pooled else None,
-        "limit_pitman_deg": pooled.pitman_deg if pooled else None,
+        "bound_deg": pooled.least_squares_deg if pooled else None,
+        "bound_pitman_deg": pooled.pitman_deg if pooled else None,
         "by_depth": [asdict(bound) for bound in design.limits],
         "failure": design.failure,
     }
@@ -81,7 +81,7 @@ def _read(folder: Path) -> list[dict[str, Any]]:
     from palpate.grid import read_grid, rows_for_design
 
     grid = read_grid(folder)
-    if all(row["limit_deg"] is None for row in grid.by_depth):
+    if all(row["bound_deg"] is None for row in grid.by_depth):
         raise PalpateError(
             f"The grid of {folder} holds no limits.",
             "Give the study's YAML file, or run it again.",
@@ -91,16 +91,16 @@ def _read(folder: Path) -> list[dict[str, Any]]:
 
 
 def _describe_row(row: Row, depths: Sequence[Row]) -> dict[str, Any]:
-    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "limit_deg", "limit_pitman_deg")
+    names = ("height_mm", "base_radius_mm", "thickness_mm", "markers", "bound_deg", "bound_pitman_deg")
     by_depth = [
         {
             "depth_mm": at["depth_mm"],
-            "least_squares_deg": at["limit_deg"],
-            "pitman_deg": at["limit_pitman_deg"],
-            "floor_deg": at["limit_floor_deg"],
+            "least_squares_deg": at["bound_deg"],
+            "pitman_deg": at["bound_pitman_deg"],
+            "floor_deg": at["bound_floor_deg"],
         }
         for at in depths
-        if at["limit_deg"] is not None
+        if at["bound_deg"] is not None
     ]
     return {
         **{name: row[name] for name in names},
@@ -116,6 +116,6 @@ def _print(title: str, designs: list[dict[str, Any]]) -> None:
         for bound in design["by_depth"]:
             bounds = (bound[name] for name in ("least_squares_deg", "pitman_deg", "floor_deg"))
             rows.append([*head, f"{bound['depth_mm']:g}", *(f"{value:.3f}" for value in bounds)])
-        if design["limit_deg"] is not None:
-            rows.append([*head, "all", f"{design['limit_deg']:.3f}", f"{design['limit_pitman_deg']:.3f}", ""])
+        if design["bound_deg"] is not None:
+            rows.append([*head, "all", f"{design['bound_deg']:.3f}", f"{design['bound_pitman_deg']:.3f}", ""])
     print_table(title, _COLUMNS, rows)

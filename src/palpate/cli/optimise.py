@@ -18,7 +18,7 @@ from palpate.core import PalpateError, load_extra
 if TYPE_CHECKING:
     from palpate.optimise import RequirementsSpec
 
-_SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "worst_deg", "force_n")
+_SHOWN = ("height_mm", "base_radius_mm", "thickness_mm", "aspect", "markers", "distance_mm", "p95_deg", "force_n")
 _PROVE = (
     "Play winner and rivals on the bench, read by their twins, or by trained networks as well; without it, as the "
     "requirements say."
@@ -37,7 +37,7 @@ class SearchFlags:
     random_skins: Annotated[
         int | None, Parameter(help="Skins drawn by chance beside it, which the report holds it against.")
     ] = None
-    validate: Annotated[Literal["none", "played", "trained"] | None, Parameter(help=_PROVE)] = None
+    validate: Annotated[Literal["none", "simulated", "trained"] | None, Parameter(help=_PROVE)] = None
     packs: Annotated[bool, Parameter(negative="", help="Write a fabrication pack of every design of the front.")] = (
         False
     )
@@ -47,8 +47,10 @@ class SearchFlags:
         if self.skins is not None and not 1 <= self.skins <= 100_000:
             raise PalpateError(f"--skins is {self.skins}.", "Give 1 to 100000.", code="option-out-of-bounds")
         if self.random_skins is not None and not 0 <= self.random_skins <= 100_000:
-            raise PalpateError(f"--control is {self.random_skins}.", "Give 0 to 100000.", code="option-out-of-bounds")
-        given = {"skins": self.skins, "proof": self.validate, "control": self.random_skins}
+            raise PalpateError(
+                f"--random-skins is {self.random_skins}.", "Give 0 to 100000.", code="option-out-of-bounds"
+            )
+        given = {"skins": self.skins, "validation": self.validate, "random_skins": self.random_skins}
         return spec.model_copy(update={name: value for name, value in given.items() if value is not None})
 
     def words(self) -> list[str]:
@@ -57,8 +59,8 @@ class SearchFlags:
         given = {
             "--skins": self.skins,
             "--sampler": sampler,
-            "--control": self.random_skins,
-            "--prove": self.validate,
+            "--random-skins": self.random_skins,
+            "--validate": self.validate,
         }
         words = [word for flag, value in given.items() if value is not None for word in (flag, str(value))]
         return [*words, "--packs"] if self.packs else words
@@ -77,7 +79,7 @@ def optimise(
     """Search for the sensor that reads best when built, under the limits of a YAML file.
 
     Skins are proposed by a Gaussian process and pressed; rings of markers and the camera's distance are
-    chosen on each by exchange; what counts is the error of built units over the tolerances. With --prove the
+    chosen on each by exchange; what counts is the error of built units over the tolerances. With --validate the
     winner and its rivals are played on the bench. The same command goes on where it was stopped.
     """
     from palpate.optimise import (

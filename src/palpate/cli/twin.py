@@ -31,9 +31,9 @@ _COLUMNS = (
     "height_mm",
     "thickness_mm",
     "markers",
-    "known",
+    "calibration_presses",
     "rmse_deg",
-    "worst_deg",
+    "p95_deg",
     "depth_rmse_mm",
     "noise_deg",
     "twin_off_mm",
@@ -94,7 +94,9 @@ def twin(
 
     if flags.calibration_presses is not None and not 1 <= flags.calibration_presses <= 100:
         raise PalpateError(
-            f"--known is {flags.calibration_presses}.", "Give 1 to 100 known presses.", code="option-out-of-bounds"
+            f"--calibration-presses is {flags.calibration_presses}.",
+            "Give 1 to 100 known presses.",
+            code="option-out-of-bounds",
         )
     worker_flags.check()
     study = flags.study(source)
@@ -109,7 +111,7 @@ def twin(
             f"{study.name}: built units", list(_COLUMNS), [[_text(row[name]) for name in _COLUMNS] for row in rows]
         )
         print(
-            "rmse_deg: rx and ry of all units; worst_deg: greatest error that 19 of 20 units stay below; known: "
+            "rmse_deg: rx and ry of all units; p95_deg: greatest error that 19 of 20 units stay below; known: "
             "presses by which each unit was identified; twin_off_mm: root mean square by which the twin differs from "
             f"presses between its own. Twins: {folder / 'twins'}"
         )
@@ -140,9 +142,9 @@ def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
             "height_mm": design.skin.height,
             "thickness_mm": design.skin.thickness,
             "markers": design.markers.count,
-            "known": figure.calibration_presses,
+            "calibration_presses": figure.calibration_presses,
             "rmse_deg": round(figure.rmse_deg, 4),
-            "worst_deg": round(figure.p95_deg, 4),
+            "p95_deg": round(figure.p95_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
             "twin_off_mm": round(_off(design.twin), 4) if design.twin else None,

@@ -13,6 +13,7 @@ from palpate.core.parameter import Spec, flag_name, parameter, parameters
 from palpate.core.provenance import installed_version, provenance
 from palpate.core.registry import Registry
 from palpate.core.renamed import deprecated_names
+from palpate.core.renamed_keys import new_column, rename_columns
 from palpate.core.seeds import child_seed, generator
 from palpate.core.store import ArtefactStore, Recipe, StoreError
 from palpate.core.store_care import StoreContents, check_store, clean_store, list_store
@@ -48,10 +49,12 @@ __all__ = [
     "list_store",
     "load_extra",
     "load_opencv",
+    "new_column",
     "parameter",
     "parameters",
     "provenance",
     "reject_external_links",
+    "rename_columns",
     "spec_from_data",
     "stage_version",
     "wrap_write_errors",

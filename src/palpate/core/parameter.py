@@ -12,11 +12,14 @@ command-line help and the tables of the documentation are all read from that one
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
+
+from palpate.core.renamed_keys import RENAMED_KEYS
 
 _QUANTITY = re.compile(r"^\s*((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*([^\d\s].*?)\s*$")
 """A number that is read to its end, then a unit: a number alone is none."""
@@ -67,6 +70,16 @@ class Spec(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_old_keys(cls, data: Any) -> Any:
+        for name in data if isinstance(data, Mapping) else ():
+            for kind in cls.__mro__:
+                new = RENAMED_KEYS.get(kind.__name__, {}).get(name)
+                if new is not None and name not in cls.model_fields:
+                    raise PydanticCustomError("yaml-key-renamed", "{old} is {new} now", {"old": name, "new": new})
+        return data
 
     @field_validator("*", mode="before")
     @classmethod

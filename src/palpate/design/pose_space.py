@@ -109,7 +109,7 @@ class PoseSpace:
 
         Examples
         --------
-        >>> PoseSpace.free([("angle", "deg")]).names
+        >>> PoseSpace.from_axes([("angle", "deg")]).names
         ('angle_deg',)
         """
         anything = (float("-inf"), float("inf"))

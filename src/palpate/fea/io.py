@@ -32,7 +32,7 @@ _ARRAYS = {
     "stabilisation_tension": "MPa",
     "negative_pivots": "1",
 }
-PRESS_FORMAT = "8"
+PRESS_FORMAT = "9"
 """Version of the file format; files of another one are refused."""
 _NUMBERS = ("ended_depth", "jump_depth", "cpu_s", "unknowns", "newton_iterations")
 
@@ -47,7 +47,7 @@ def write_press(path: Path, press: Press) -> None:
         if press.mesh.pole is not None:
             file.attrs["pole"] = press.mesh.pole
         file.attrs["material"] = json.dumps({"name": press.material.name, **press.material.key_data()})
-        file.attrs["wall"] = press.obstacle.model_dump_json()
+        file.attrs["obstacle"] = press.obstacle.model_dump_json()
         file.attrs["solver"] = press.solver.model_dump_json()
         file.attrs["solved_by"] = press.solved_by
         file.attrs["ended"] = str(press.ended)
@@ -86,7 +86,7 @@ def read_press(path: Path) -> Press:
             return Press(
                 mesh=mesh_skin(dome, MeshSpec.model_validate_json(file.attrs["mesh"]), file.attrs.get("pole")),
                 material=material_from_data(json.loads(file.attrs["material"])),
-                obstacle=obstacle_from_data(json.loads(file.attrs["wall"])),
+                obstacle=obstacle_from_data(json.loads(file.attrs["obstacle"])),
                 solver=SolverSpec.model_validate_json(file.attrs["solver"]),
                 **_read_arrays(file),
                 branch=np.array(file["branch"].asstr()[()], dtype=np.str_),

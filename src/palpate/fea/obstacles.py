@@ -46,7 +46,7 @@ def read_obstacle(text: str, travel: ObstacleSpec) -> ObstacleSpec:
     Examples
     --------
     >>> from palpate.fea import WallSpec
-    >>> read_obstacle("ball:radius=8,offset=2", WallSpec(depth=3)).words
+    >>> read_obstacle("ball:radius=8,offset=2", WallSpec(depth=3)).label
     'ball 8 mm, 2 mm off the axis'
     """
     words = data_from_text("obstacle", text)

@@ -39,7 +39,7 @@ from palpate.mechanics import ContactLoading, Obstacle, Solid, Variation
 from palpate.mesh import Mesh, reshape_mesh
 
 _POSE = ("depth", "tilt_deg", "across_deg", "shift", "shift_across", "twist_deg")
-WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "bend", "friction")
+WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "curvature", "friction")
 """What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
 _STEP = 1e-7
 """Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
@@ -112,7 +112,7 @@ def _vary(made: PathInputs, name: str) -> Variation:
         return _vary_wall(made, name)
     if name in WallSpec.LATERAL_FIELDS:
         return _vary_drift(made, name)
-    if name == "bend":
+    if name == "curvature":
         return _vary_bend(made)
     half = not made.mesh.spec.whole
     if name == "twist_deg":
@@ -146,13 +146,13 @@ def _vary_drift(made: PathInputs, name: str) -> Variation:
     assert isinstance(touched, Plane)
     half = not made.mesh.spec.whole
     ways = slope_ways(touched.normal, 0.0 if half else np.radians(made.obstacle.azimuth_deg))
-    way = {"drift": ways[0], "lateral_rate_across": ways[1]}.get(name, np.zeros(3))
+    way = {"lateral_rate": ways[0], "lateral_rate_across": ways[1]}.get(name, np.zeros(3))
     twist = np.radians(1.0) if name == "twist_rate_deg" else 0.0
     high, low = (
         replace(made.loading, obstacle=partial(drifting, made.loading.obstacle, by * way, by * twist))
         for by in (_STEP, -_STEP)
     )
-    return Variation(name, _STEP, high, low, antisymmetric=half and name != "drift", sideways=True)
+    return Variation(name, _STEP, high, low, antisymmetric=half and name != "lateral_rate", sideways=True)
 
 
 def _vary_bend(made: PathInputs) -> Variation:
@@ -163,7 +163,7 @@ def _vary_bend(made: PathInputs) -> Variation:
         replace(made.loading, obstacle=partial(_bent, made.loading.obstacle, 1e-3 * by))
         for by in (_BEND_STEP, -_BEND_STEP)
     )
-    return Variation("bend", _BEND_STEP, high, low)
+    return Variation("curvature", _BEND_STEP, high, low)
 
 
 def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obstacle:

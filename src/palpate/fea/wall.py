@@ -32,7 +32,7 @@ class WallSpec(ObstacleSpec):
         0.0, unit="deg", meaning="direction of the rotation axis: (rx, ry) = tilt (cos, sin)", ge=-360, le=360
     )
 
-    LATERAL_FIELDS: ClassVar[tuple[str, ...]] = ("drift", "lateral_rate_across", "twist_rate_deg")
+    LATERAL_FIELDS: ClassVar[tuple[str, ...]] = ("lateral_rate", "lateral_rate_across", "twist_rate_deg")
     """Fields, and names of derivatives, by which it moves other than along the skin's axis."""
 
     lateral_rate: float = parameter(
@@ -51,7 +51,9 @@ class WallSpec(ObstacleSpec):
     def _leave_out_nothing(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """A flat wall that does not drift is written as before there were others: artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
-        return {name: value for name, value in content.items() if name not in (*self.LATERAL_FIELDS, "bend") or value}
+        return {
+            name: value for name, value in content.items() if name not in (*self.LATERAL_FIELDS, "curvature") or value
+        }
 
     @property
     def moves_laterally(self) -> bool:

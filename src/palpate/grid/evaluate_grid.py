@@ -60,10 +60,10 @@ def _by_depth(design: DesignResult) -> list[Row]:
         row = {
             "depth_mm": depth,
             **found,
-            "limit_deg": bound,
-            "limit_pitman_deg": limit.pitman_deg if limit else None,
-            "limit_floor_deg": limit.floor_deg if limit else None,
-            "rmse_over_limit": rmse / bound if isinstance(rmse, float) and bound else None,
+            "bound_deg": bound,
+            "bound_pitman_deg": limit.pitman_deg if limit else None,
+            "bound_floor_deg": limit.floor_deg if limit else None,
+            "rmse_over_bound": rmse / bound if isinstance(rmse, float) and bound else None,
         }
         rows.append(row)
     return rows
@@ -136,11 +136,11 @@ def _built(figures: Sequence[PredictedAccuracy]) -> dict[str, Cell]:
     first, known = figures
     return {
         "built_rmse_deg": first.rmse_deg,
-        "built_worst_deg": first.p95_deg,
-        "known_rmse_deg": known.rmse_deg,
-        "known_worst_deg": known.p95_deg,
-        "known_depth_rmse_mm": known.depth_rmse,
-        "known_presses": known.calibration_presses,
+        "built_p95_deg": first.p95_deg,
+        "calibrated_rmse_deg": known.rmse_deg,
+        "calibrated_p95_deg": known.p95_deg,
+        "calibrated_depth_rmse_mm": known.depth_rmse,
+        "calibration_presses": known.calibration_presses,
     }
 
 
@@ -158,9 +158,9 @@ def _limits(design: DesignResult) -> dict[str, Cell]:
     judged = compare_with_bound(design.jittered, design.bounds) if design.jittered else None
     pooled = judged[0] if judged else pool_bounds(design.bounds)
     return {
-        "limit_deg": pooled.least_squares_deg if pooled else None,
-        "limit_pitman_deg": pooled.pitman_deg if pooled else None,
-        "rmse_over_limit": judged[1] if judged else None,
+        "bound_deg": pooled.least_squares_deg if pooled else None,
+        "bound_pitman_deg": pooled.pitman_deg if pooled else None,
+        "rmse_over_bound": judged[1] if judged else None,
     }
 
 
@@ -173,7 +173,7 @@ def _coverage(coverage: Coverage | None) -> dict[str, Cell]:
         "interval_half_width_deg": coverage.half_width_deg if coverage else None,
         "interval_half_width_mm": coverage.half_width_mm if coverage else None,
         "interval_presses": coverage.presses if coverage else None,
-        "called_outside": coverage.outside if coverage else None,
+        "flagged_ood": coverage.outside if coverage else None,
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from palpate.core import PalpateError, atomic_write_into
+from palpate.core import PalpateError, atomic_write_into, rename_columns
 from palpate.grid.database import check_schema_version, read_database, write_database
 from palpate.grid.export import write_csv
 from palpate.grid.grid import TABLES, SpecificationGrid, column_unit
@@ -15,7 +15,7 @@ FORMAT, FORMAT_VERSION = "palpate specification grid", 2
 
 DATABASE = "grid.sqlite"
 
-BUILT = (("heat", "built_rmse_deg"), ("heat", "known_worst_deg"))
+BUILT = (("heat", "built_rmse_deg"), ("heat", "calibrated_p95_deg"))
 """Pictures of a grid whose study asked for built units."""
 PICTURES = (
     ("heat", "rmse_deg"),
@@ -79,7 +79,7 @@ def read_grid(directory: Path) -> SpecificationGrid:
         if content["format"] != FORMAT:
             raise ValueError(f"it is not a {FORMAT}")
         check_schema_version(path, content["version"], FORMAT_VERSION)
-        return SpecificationGrid(*(tuple(dict(row) for row in content[table]) for table in ("designs", *TABLES)))
+        return SpecificationGrid(*(tuple(map(rename_columns, content[table])) for table in ("designs", *TABLES)))
     except FileNotFoundError:
         raise PalpateError(
             f"{directory} has no grid.json.", "Give the result folder of a finished study.", code="grid-missing"

@@ -92,10 +92,10 @@ def _study_data(
         },
         "material": {"name": material},
         "tilts_deg": [round(float(tilt), 6) for tilt in np.linspace(0.0, spec.max_tilt_deg, 7)],
-        "wall": {"depth": spec.depth, "image_step": spec.depth / 10.0},
+        "wall": {"depth": spec.depth, "depth_step": spec.depth / 10.0},
         "camera": camera.model_dump(mode="json", exclude_defaults=True),
         "built": {
-            "known": max(spec.calibration_presses, 1),
+            "calibration_presses": max(spec.calibration_presses, 1),
             "tolerance": spec.tolerance.model_dump(exclude_defaults=True),
         },
     }

@@ -249,7 +249,17 @@ def _candidates(front: Front) -> list[int]:
 def _keep(spec: RequirementsSpec, sampler: str, out: Path) -> None:
     """Leave the requirements in the folder; refuse a folder of others, but let a search go on for longer."""
     asked = {**spec.model_dump(mode="json"), "sampler": sampler}
-    free = {"skins", "hours", "finalists", "error_deg", "name", "proof", "rival", "control", "grid"}
+    free = {
+        "skins",
+        "max_hours",
+        "finalists",
+        "error_deg",
+        "name",
+        "validation",
+        "baseline",
+        "random_skins",
+        "baseline_grid",
+    }
     file = ensure_writable(out) / ASKED
     if file.exists():
         before = json.loads(file.read_text("utf-8"))

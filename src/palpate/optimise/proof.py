@@ -180,7 +180,7 @@ def validation_lines(proof: ValidationResult | None) -> Iterator[str]:
     """The proof as lines of a page."""
     yield from ("## Proof", "")
     if proof is None:
-        yield "Nothing was played: `--prove played` plays the winner and its rivals on the bench."
+        yield "Nothing was played: `--validate simulated` plays the winner and its rivals on the bench."
     else:
         yield from _table(proof.designs)
         yield from ("", " ".join(_sentences(proof)))
@@ -219,7 +219,7 @@ def _table(designs: Sequence[ValidatedDesign]) -> Iterator[str]:
         yield "| " + " | ".join([*first, *cells]) + " |"
 
 
-_FIGURES = ("rmse_deg", "worst_deg")
+_FIGURES = ("rmse_deg", "p95_deg")
 
 
 def _order(proof: ValidationResult) -> str:

@@ -75,7 +75,7 @@ class SkinEvaluation:
         return {
             "skin": dict(self.skin.build().spec_data),
             "material": self.material,
-            "reach_mm": self.max_depth_mm,
+            "max_depth_mm": self.max_depth_mm,
             "force_n": self.force_n,
             "bistable_from_mm": self.bistable_from_mm,
             "options": [_option_data(option) for option in self.options],
@@ -92,7 +92,7 @@ def _option_data(option: LayoutOption) -> dict[str, Any]:
     figure = option.accuracy
     return {
         "ring_diameters_mm": list(option.markers.ring_diameters or ()),
-        "dot_mm": option.markers.diameter,
+        "marker_diameter_mm": option.markers.diameter,
         "camera": option.camera,
         "distance": option.distance,
         "price": option.price,
@@ -103,7 +103,7 @@ def _option_data(option: LayoutOption) -> dict[str, Any]:
 def _options_from(rows: Iterable[Mapping[str, Any]]) -> Iterable[LayoutOption]:
     for row in rows:
         markers = MarkerSpec.model_validate(
-            {"ring_diameters": list(row["ring_diameters_mm"]), "diameter": row["dot_mm"]}
+            {"ring_diameters": list(row["ring_diameters_mm"]), "diameter": row["marker_diameter_mm"]}
         )
         figure = PredictedAccuracy(**{name: row[f"figure_{name}"] for name in PredictedAccuracy.__dataclass_fields__})
         yield LayoutOption(markers, row["camera"], row["distance"], row["price"], figure)

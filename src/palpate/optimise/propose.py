@@ -48,12 +48,12 @@ _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 
 of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
 _JUDGED_BY = (
     "seed",
-    "known",
-    "least_depth",
+    "calibration_presses",
+    "min_depth",
     "depth",
     "max_tilt_deg",
     "markers",
-    "dot",
+    "min_marker_diameter",
     "max_marker_diameter",
     "cameras",
     "tolerance",
@@ -96,7 +96,9 @@ class SkinEvaluationTask(Task):
     def recipe(self) -> Recipe:
         spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
         if self.grid is not None:
-            spec["grid"] = self.grid.model_dump(mode="json", include={"designs": {"markers"}, "distance": True})
+            spec["baseline_grid"] = self.grid.model_dump(
+                mode="json", include={"designs": {"markers"}, "distance": True}
+            )
         inputs = tuple(task.recipe.key for task in self.dependencies)
         return Recipe(kind="proposal", spec=spec, inputs=inputs, version=stage_version("skin_evaluation"))
 

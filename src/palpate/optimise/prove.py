@@ -85,7 +85,7 @@ class UnitTrialTask(Task):
             "images": len(errors),
             "seen": int(seen.sum()),
             "squares": (errors[seen] ** 2).sum(axis=0).tolist(),
-            "worst_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
+            "p95_deg": float(np.abs(errors[seen, :2]).max(initial=0.0)),
             "failure": played.failure,
         }
 
@@ -333,7 +333,7 @@ def _gather(
         images=images,
         without_pose=images - seen,
         rmse_deg=float(np.sqrt(squares[:2].mean())),
-        p95_deg=float(np.quantile([unit["worst_deg"] for unit in units], 0.95)),
+        p95_deg=float(np.quantile([unit["p95_deg"] for unit in units], 0.95)),
         depth_rmse=float(np.sqrt(squares[2])),
         failures=tuple(failures),
         by_unit=tuple(_by_unit(found.get(task.recipe.key)) for task in tasks),
@@ -345,7 +345,7 @@ def _by_unit(unit: Mapping[str, Any] | None) -> tuple[float, float] | None:
     """RMSE of rx and ry, and greatest error, of a unit; `None` where it could not be played or gave no pose."""
     if unit is None or not unit["seen"]:
         return None
-    return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["worst_deg"])
+    return math.sqrt(sum(unit["squares"][:2]) / 2 / unit["seen"]), float(unit["p95_deg"])
 
 
 def _compare(store: ArtefactStore, tasks: Sequence[Task], dots: FloatArray) -> SolverComparison:

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from palpate.camera import CameraSpec
-from palpate.core import PalpateError
+from palpate.core import PalpateError, rename_columns
 from palpate.design import MarkerSpec, SkinSpec, skin_from_data
 from palpate.optimise.front import DesignCandidate, Front, SkinTrial
 from palpate.optimise.optimise_design import ASKED, JOURNAL
@@ -138,8 +138,18 @@ def read_search(folder: Path) -> SearchFolder:
         if (best := one.finest.best(spec.markers)) is not None
     ]
     finished = ended.get("skins") == len(tried)  # a search that goes on has tried more
-    front: Sequence[Row] = ended["front"] if finished else [describe_entry(entry) for entry in known.pareto]
-    first: Row | None = ended["winner"] if finished else describe_entry(known.winner) if known.winner else None
+    front: Sequence[Row] = (
+        [rename_columns(row) for row in ended["front"]]
+        if finished
+        else [describe_entry(entry) for entry in known.pareto]
+    )
+    first: Row | None = (
+        ended["winner"] and rename_columns(ended["winner"])
+        if finished
+        else describe_entry(known.winner)
+        if known.winner
+        else None
+    )
     winner = next((number for number, row in enumerate(front) if row == first), -1)
     return SearchFolder(folder, spec, (*front, *others), len(front), winner, len(tried), finished)
 
@@ -172,5 +182,5 @@ def _skin(row: Row) -> SkinSpec:
 def _markers(row: Row, spec: RequirementsSpec) -> MarkerSpec:
     rings = [float(word) for word in str(row["ring_diameters_mm"]).split()]
     return MarkerSpec.model_validate(
-        {"ring_diameters": rings, "diameter": float(row.get("dot_mm", spec.min_marker_diameter))}
+        {"ring_diameters": rings, "diameter": float(row.get("marker_diameter_mm", spec.min_marker_diameter))}
     )

@@ -24,7 +24,7 @@ PRESET = "paper_task"
 """Requirements that come with the package."""
 _HINT = f"Give a YAML file, or {PRESET}: the page on requirements in the documentation shows it."
 Objective = Literal["error", "force", "markers", "price", "size"]
-Proof = Literal["none", "played", "trained"]
+Proof = Literal["none", "simulated", "trained"]
 FIELDS = {
     "heights": "height",
     "base_radii": "base_radius",
@@ -196,7 +196,7 @@ class RequirementsSpec(Spec):
         """Refuse what contradicts itself; the numbers are named."""
         if self.min_depth >= self.depth:
             _refuse(
-                f"least_depth is {self.min_depth:g} mm and depth {self.depth:g} mm; read at less than full depth.",
+                f"min_depth is {self.min_depth:g} mm and depth {self.depth:g} mm; read at less than full depth.",
                 "depths-not-rising",
             )
         if self.heights[1] <= self.depth:

@@ -63,7 +63,7 @@ def _plan(twin: TwinTask, tilts_deg: Sequence[float], contact: str | float) -> I
         changed = {
             "tilt_deg": round(tilt_deg, 3),
             "contact": contact,
-            "image_step": _STEP_SHARE * own.obstacle.depth_step,
+            "depth_step": _STEP_SHARE * own.obstacle.depth_step,
         }
         plain = own.solver.model_copy(update={"derivatives": ()})
         yield replace(own, mesh=mesh, obstacle=own.obstacle.model_copy(update=changed), solver=plain)

@@ -30,17 +30,17 @@ _COLUMNS = (
     "camera",
     "distance_mm",
     "markers",
-    "dot_mm",
+    "marker_diameter_mm",
     "ring_diameters_mm",
-    "worst_deg",
+    "p95_deg",
     "rmse_deg",
-    "coarse_worst_deg",
+    "coarse_p95_deg",
     "force_n",
     "size_mm",
-    "reach_mm",
+    "max_depth_mm",
     "price",
     "full_fidelity",
-    "meets",
+    "feasible",
 )
 
 
@@ -111,10 +111,10 @@ def describe_front(front: Front) -> dict[str, Any]:
         "made_with": provenance(),
         "shortfall": front.shortfall,
         "winner": describe_entry(front.winner) if front.winner else None,
-        "rival": asdict(front.baseline) if front.baseline else None,
+        "baseline": asdict(front.baseline) if front.baseline else None,
         "ends": {title: describe_entry(entry) for title, entry in front.extremes},
-        "proof": front.validation.as_dict() if front.validation else None,
-        "control": {name: describe_entry(best) if best else None for name, _, _, best in _least(front)},
+        "validation": front.validation.as_dict() if front.validation else None,
+        "random_skins": {name: describe_entry(best) if best else None for name, _, _, best in _least(front)},
         "front": [describe_entry(entry) for entry in front.pareto],
         "skins": len(front.trials),
         "meeting_the_limits": sum(one.feasible for one in front.trials),
@@ -129,9 +129,9 @@ def report(front: Front, influences: SobolIndices, command: str) -> str:
     if winner is not None:
         lines += [*_winner_lines(winner), "", "![winner](winner.svg)", ""]
     lines += [
-        "Errors are those of rx and ry of built units, foreseen from the twin of each design over the tolerances and "
-        f"all frictions, after {spec.calibration_presses} known presses: `p95_deg` is what 19 of 20 units stay below. "
-        "They are no measurement.",
+        "Errors are those of rx and ry of built units, predicted from the twin of each design over the tolerances "
+        f"and all frictions, after {spec.calibration_presses} calibration presses: `p95_deg` is the 95th percentile "
+        "over units. They are no measurement.",
         "",
         *_dropped_lines(front),
         *_end_lines(front),

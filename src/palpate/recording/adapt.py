@@ -105,7 +105,7 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     if any(name not in start.outputs for name in wanted):
         raise PalpateError(
             f"{start.name} estimates {', '.join(start.outputs)}, not {', '.join(wanted)}.",
-            "Choose by --learn.",
+            "Choose by --targets.",
             code="model-outputs-differ",
         )
     own, other = seen.assigned.layout.rest_px, start.layout.rest_px

@@ -164,7 +164,7 @@ def find_pose_columns(
         If nothing is left to learn, or a column is not what it must be; the sentence names the column.
     """
     table, asked = _rename(table, choice.targets)
-    learn = tuple(_given(table, name, "--learn") for name in asked)
+    learn = tuple(_given(table, name, "--targets") for name in asked)
     poses, left_out, doubts = [], [], []
     for name in table.columns:
         wanted = name in learn
@@ -174,7 +174,7 @@ def find_pose_columns(
         if why and wanted:
             raise PalpateError(
                 f"Column {name} cannot be learnt: {why}.",
-                "Mend it, or leave it out of --learn.",
+                "Mend it, or leave it out of --targets.",
                 code="column-not-trainable",
             )
         if why:
@@ -194,7 +194,7 @@ def find_pose_columns(
     if not chosen:
         raise PalpateError(
             f"{table.name} has no column to learn: " + (" ".join(left_out) or f"it has {_list(table)}."),
-            "Give columns of numbers that vary by --learn.",
+            "Give columns of numbers that vary by --targets.",
             code="columns-none",
         )
     if learn:
@@ -206,12 +206,12 @@ def find_pose_columns(
 def _rename(table: RecordingTable, learn: tuple[str, ...]) -> tuple[RecordingTable, tuple[str, ...]]:
     """The table with columns by the names that a person gives them, ``pose_4=rx_deg``, and these names."""
     pairs = [text.partition("=") for text in learn]
-    new = {_given(table, old.strip(), "--learn"): name.strip() for old, mark, name in pairs if mark}
+    new = {_given(table, old.strip(), "--targets"): name.strip() for old, mark, name in pairs if mark}
     twice = [name for name in new.values() if not name or name in table.columns]
     if twice:
         raise PalpateError(
             f"A column cannot be called '{twice[0]}'.",
-            "Give another name after the = of --learn.",
+            "Give another name after the = of --targets.",
             code="column-name-reserved",
         )
     columns = {new.get(name, name): values for name, values in table.columns.items()}

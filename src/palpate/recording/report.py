@@ -72,9 +72,9 @@ def recording_page(learnt: RecordingResult) -> str:
         "",
         f"**{learnt.best}: {figures}** RMSE on {held} presses that taught nothing.",
         "",
-        f"{about['images']} images of {about['presses']} presses: {about['teach']} images taught, {about['choose']} "
-        f"chose among settings and gave the intervals of {about['spec']['level']:.0%}, {about['judge']} judged. "
-        "No press is in two of these.",
+        f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
+        f"{about['validation']} chose among settings and gave the intervals of {about['spec']['level']:.0%}, "
+        f"{about['test']} judged. No press is in two of these.",
         "",
         *_table(head, rows),
         "",

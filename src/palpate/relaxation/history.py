@@ -23,7 +23,7 @@ class StressHistory:
     --------
     >>> from palpate.relaxation import Moduli, Relaxation, StressHistory
     >>> history = StressHistory(Relaxation((0.2,), (1.0,), Moduli.INSTANTANEOUS))
-    >>> [round(float(history.follow(time, 5.0)), 4) for time in (0.0, 1.0, 30.0)]
+    >>> [round(float(history.update(time, 5.0)), 4) for time in (0.0, 1.0, 30.0)]
     [5.0, 4.3679, 4.0]
     """
 

@@ -49,7 +49,7 @@ class Relaxation:
     --------
     >>> from palpate.relaxation import Moduli, Relaxation
     >>> silicone = Relaxation((0.05, 0.1), (0.3, 20.0), Moduli.INSTANTANEOUS)
-    >>> [round(float(part), 4) for part in silicone.left([0.0, 1.0, 1e6])]
+    >>> [round(float(part), 4) for part in silicone.relaxation_function([0.0, 1.0, 1e6])]
     [1.0, 0.9469, 0.85]
     """
 

@@ -223,7 +223,7 @@ class VirtualUnit:
         cell, robot = self._before(tilt * np.array([np.cos(turn), np.sin(turn)]), 1.0 / friction, rng)
         aligner = Aligner(robot, self._sensor, cell.next_image, self.tool, play.align)
         said = aligner.align()
-        return AlignmentTrial(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.most_force_n)
+        return AlignmentTrial(float(tilt), friction, said, cell.angle_deg(self.tool.drill), cell.max_force_n)
 
 
 def _seating(deviation: Deviation) -> FloatArray:

@@ -89,7 +89,7 @@ class SimulatedCell:
     ----------
     robot
         Who carries it; set once it is there.
-    most_force_n
+    max_force_n
         Greatest force along the wall's normal so far.
     """
 
@@ -106,7 +106,7 @@ class SimulatedCell:
         self._unit, self._wall, self._mounted = unit, wall, flange_from_sensor
         self._unreadable, self._rng = unreadable, rng
         self._first: Placement | None = None
-        self.most_force_n = 0.0
+        self.max_force_n = 0.0
 
     def push(self, base_from_flange: Placement) -> FloatArray:
         """Force (3,) N on the flange at a true placement, base's frame; it is kept where it is the greatest."""
@@ -148,7 +148,7 @@ class SimulatedCell:
 
     def _weigh(self) -> None:
         pressing = -float(self.push(self.robot.true_pose) @ self._wall.normal)
-        self.most_force_n = max(self.most_force_n, pressing)
+        self.max_force_n = max(self.max_force_n, pressing)
 
     def _pose(self, sensor: Placement) -> FloatArray:
         """rx, ry (degrees) and depth (mm) of the wall under a sensor; negative depths do not touch."""

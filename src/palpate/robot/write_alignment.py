@@ -56,7 +56,7 @@ def describe_alignment(alignment: Alignment) -> dict[str, Any]:
     known = math.isfinite(alignment.residual_deg)
     return {
         "square": alignment.square,
-        "ending": alignment.outcome.name.lower(),
+        "outcome": alignment.outcome.name.lower(),
         "reason": str(alignment.outcome),
         "touches": len(alignment.touches),
         "images": alignment.images,
@@ -73,7 +73,7 @@ def describe_wall(wall: AlignmentTrial) -> dict[str, Any]:
         "friction": wall.friction,
         **describe_alignment(said),
         "final_deg": wall.final_deg,
-        "most_force_n": wall.max_force_n,
+        "max_force_n": wall.max_force_n,
         "held": bool(wall.final_deg <= said.residual_deg + said.residual_half_width_deg),
     }
 

@@ -36,16 +36,16 @@ class DepthZero:
     images: int
 
 
-def find_depth_zero(estimated: FloatArray, other: FloatArray, least_depth: float = 2.4) -> DepthZero:
+def find_depth_zero(estimated: FloatArray, other: FloatArray, min_depth: float = 2.4) -> DepthZero:
     """Find the zero from one press.
 
     Parameters
     ----------
     estimated
-        (n,) mm, depths by the sensor; those that are not numbers or below `least_depth` do not count.
+        (n,) mm, depths by the sensor; those that are not numbers or below `min_depth` do not count.
     other
         (n,) mm, depths of the same images by the robot.
-    least_depth
+    min_depth
         Depth from which the model was trained, mm.
 
     Raises
@@ -59,10 +59,10 @@ def find_depth_zero(estimated: FloatArray, other: FloatArray, least_depth: float
     >>> round(find_depth_zero(sensor, robot).offset, 6)
     1.0
     """
-    counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= least_depth)
+    counts = np.isfinite(estimated) & np.isfinite(other) & (np.nan_to_num(estimated) >= min_depth)
     if counts.sum() < LEAST_IMAGES:
         raise PalpateError(
-            f"{counts.sum()} images deeper than {least_depth:g} mm do not give the depth's zero.",
+            f"{counts.sum()} images deeper than {min_depth:g} mm do not give the depth's zero.",
             f"Press deeper and record at least {LEAST_IMAGES} images.",
             code="depth-zero-unknown",
         )

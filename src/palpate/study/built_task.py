@@ -153,7 +153,7 @@ def _plan_presses(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     solver: SolverSpec = study.solver.model_copy(update={"derivatives": TWIN_DERIVATIVES})
     for contact in (study.wall.contact,) if slippery else (study.built or AsBuiltSpec()).contacts:
         for tilt_deg in study.tilts_deg:
-            changed = {"tilt_deg": tilt_deg, "contact": contact, "image_step": _SHARE * study.wall.depth_step}
+            changed = {"tilt_deg": tilt_deg, "contact": contact, "depth_step": _SHARE * study.wall.depth_step}
             yield PressTask(
                 skin=skin,
                 mesh=study.material.mesh(study.mesh),
@@ -191,7 +191,7 @@ def _plan_inverted(study: Study, skin: SkinSpec) -> Iterator[PressTask]:
     """Presses of the inverted state: the same under every contact law."""
     mesh = study.mesh if study.mesh.core else study.mesh.model_copy(update={"core": _ROUND})
     for tilt_deg in study.tilts_deg:
-        changed = {"tilt_deg": tilt_deg, "image_step": _INVERTED_SHARE * study.wall.depth_step}
+        changed = {"tilt_deg": tilt_deg, "depth_step": _INVERTED_SHARE * study.wall.depth_step}
         yield PressTask(
             skin=skin,
             mesh=mesh,

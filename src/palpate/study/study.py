@@ -180,7 +180,7 @@ class Study(Spec):
     material: MaterialSpec = MaterialSpec()
     mesh: MeshSpec = MeshSpec()
     side_wall: Annotated[SerializeAsAny[ObstacleSpec], BeforeValidator(_read_side_wall)] | None = None
-    """The wall that comes to the side of barrels, in place of `wall`: its depth, image_step and contact."""
+    """The wall that comes to the side of barrels, in place of `wall`: its depth, depth_step and contact."""
     tilts_deg: tuple[float, ...] = parameter(
         (0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0), unit="deg", meaning="tilts that are pressed", source=PAPER
     )

@@ -19,7 +19,7 @@ from palpate.twin.twin import FORCES, Twin
 from palpate.twin.twin_file import material_text
 
 THICKNESS = "thickness"
-TWIN_DERIVATIVES = (THICKNESS, "bend", *WallSpec.LATERAL_FIELDS)
+TWIN_DERIVATIVES = (THICKNESS, "curvature", *WallSpec.LATERAL_FIELDS)
 """Derivatives that the presses of a twin have: of the wall of silicone, of the other wall's curvature and drift."""
 _ACROSS = np.array([False, False, False, False, True, True])
 """Whether displacement, thickness, bend, drift along, across and in twist break the mirror symmetry of a press."""

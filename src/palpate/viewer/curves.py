@@ -33,7 +33,7 @@ def error_curves(grid: SpecificationGrid, shown: list[Design]) -> list[ChartCurv
     curves = []
     for design, colour in zip(shown, (FIRST, SECOND), strict=False):
         rows = rows_for_design(grid.by_depth, design.number)
-        errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "limit_deg")
+        errors, limits = _points(rows, "rmse_jitter_deg"), _points(rows, "bound_deg")
         name = "" if len(shown) == 1 else f"{_short(design)} "
         if errors:
             curves.append(ChartCurve(f"{name}network", errors, colour))

@@ -6,7 +6,7 @@ from palpate.optimise import SearchFolder
 from palpate.viewer.charts import FIRST, SECOND, VIRIDIS, Chart, Theme, value_axis
 from palpate.viewer.words import column_label
 
-ERROR = "worst_deg"
+ERROR = "p95_deg"
 """Column of the error that is made least."""
 COLUMNS = {"force": "force_n", "markers": "markers", "price": "price", "size": "size_mm"}
 """Columns of the other objectives."""
@@ -64,5 +64,5 @@ def design_words(search: SearchFolder, number: int) -> str:
     """A design in a few words, e.g. ``"skin 12, 91 markers: winner"``."""
     row = search.rows[number]
     role = "winner" if number == search.winner else "front" if number < search.front else ""
-    role = role or ("tried" if row["meets"] else "tried, breaks a limit")
+    role = role or ("tried" if row["feasible"] else "tried, breaks a limit")
     return f"skin {row['skin']}, {row['markers']} markers: {role}"

@@ -30,8 +30,8 @@ class TrainedPage:
         with ui.element("div").classes("report"):
             heading(f"What the recording {about['recording']} gave")
             ui.label(
-                f"{about['images']} images of {about['presses']} presses: {about['teach']} images taught, "
-                f"{about['choose']} chose, {about['judge']} judged. No press is in two of these."
+                f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
+                f"{about['validation']} chose, {about['test']} judged. No press is in two of these."
             )
             self._build_errors()
             for sentence in [*report.get("notes", []), report.get("enough", "")]:

@@ -24,6 +24,8 @@ from palpate.viewer.server import ServeSpec, bind_server, page_url
 
 _BACKLOG_BYTES = 32_768
 """Some fifty readings, that the system keeps for each client."""
+SCHEMA_VERSION = 2
+"""Version of the keys of a reading, its key `schema`; 1, of 0.2, had none."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
 
     hub = Broadcast()
     loops: list[asyncio.AbstractEventLoop] = []
-    reader = SourceReader(sensor, lambda row: _hand_over(loops, hub, row))
+    reader = SourceReader(sensor, lambda row: _hand_over(loops, hub, _with_schema(row)))
 
     @asynccontextmanager
     async def live(_: Any) -> AsyncIterator[None]:
@@ -83,7 +85,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         except PalpateError as error:
             content = {"error": error.problem, "remedy": error.remedy, "code": error.code}
             return JSONResponse(content, status_code=400)
-        return JSONResponse(await run_in_threadpool(reader.read, image))
+        return JSONResponse(_with_schema(await run_in_threadpool(reader.read, image)))
 
     async def tell(socket: WebSocket) -> None:
         await socket.accept()
@@ -106,6 +108,10 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
         WebSocketRoute("/readings", tell),
     ]
     return Starlette(routes=routes, lifespan=live)
+
+
+def _with_schema(row: dict[str, Any]) -> dict[str, Any]:
+    return {"schema": SCHEMA_VERSION, **row}
 
 
 async def _until_gone(socket: Any) -> None:

@@ -132,14 +132,14 @@ def test_what_known_presses_told_is_held_against_what_the_unit_is(tmp_path):
 
 
 def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):
-    only = {"seating_tilt_deg": 0.3, "touch": 1.0, "pad": 0.3}
+    only = {"seating_tilt_deg": 0.3, "depth_zero": 1.0, "print_shift": 0.3}
     none = {name: 0 for name in ToleranceSpec.model_fields if name not in only}
     tolerance = ToleranceSpec(**none, **only)
     chosen = replace(bench, spec=bench.spec.model_copy(update={"tolerance": tolerance, "azimuths": 1}))
     lines = {line.name: line for line in run_budget(chosen)}
-    assert set(lines) == {"model", "images", "pad", "seating_tilt_deg", "touch", "touch_unknown"}
+    assert set(lines) == {"model", "images", "print_shift", "seating_tilt_deg", "depth_zero", "touch_unknown"}
     assert lines["seating_tilt_deg"].angle_deg == pytest.approx(0.3)
-    assert lines["touch"].depth < 1e-9
+    assert lines["depth_zero"].depth < 1e-9
     assert lines["touch_unknown"].depth == pytest.approx(1.0)
     assert lines["images"].angle_deg < lines["model"].angle_deg
     assert total(list(lines.values())) > 0.3
@@ -148,9 +148,9 @@ def test_the_budget_tells_what_every_imperfection_costs_alone(bench, tmp_path):
 
 
 def test_only_what_costs_much_and_can_be_learned_is_recommended():
-    costs = {"model": 0.05, "seating_tilt_deg": 0.4, "friction": 0.3, "dot": 0.01}
+    costs = {"model": 0.05, "seating_tilt_deg": 0.4, "friction_min": 0.3, "marker_position": 0.01}
     lines = [BudgetLine(name, name, "", cost, cost, 0.0, 1) for name, cost in costs.items()]
-    assert recommend_randomisation(lines, ToleranceSpec()) == {"friction": 0.8}
+    assert recommend_randomisation(lines, ToleranceSpec()) == {"friction_min": 0.8}
     assert total(lines) == pytest.approx(np.sqrt(sum(cost**2 for cost in costs.values())))
 
 

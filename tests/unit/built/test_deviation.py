@@ -26,7 +26,7 @@ def test_every_deviation_is_within_its_tolerance_and_none_is_forgotten():
     assert {item.name for item in IMPERFECTIONS} | {"friction_max"} == set(ToleranceSpec.model_fields)
     for part, item in PARTS.items():
         drawn, limit = np.array([unit[part] for unit in units]), getattr(TOLERANCE, item.name)
-        if item.name == "friction":
+        if item.name == "friction_min":
             assert ((drawn >= limit) & (drawn <= 2 * limit)).all()
         else:
             assert np.abs(drawn).max() <= limit

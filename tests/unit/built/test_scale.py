@@ -27,7 +27,7 @@ from palpate.twin import TWIN_DERIVATIVES, Twin, build_twin
 
 ECOFLEX = get_material("zaid_2024_ecoflex_00_30")
 SIZES = (1.0, 0.5)
-LENGTHS = ("thickness", "pad", "dot", "camera_offset", "camera_distance", "touch")
+LENGTHS = ("thickness", "print_shift", "marker_position", "camera_offset", "camera_distance", "depth_zero")
 POSE = np.array([4.0, -3.0, 2.2])
 
 

@@ -105,8 +105,11 @@ def test_the_best_design_must_be_within_both_printed_figures(rmse, greatest, exp
 
 @pytest.mark.parametrize("claim", ["C9", "C10", "C11", "C12", "C14"])
 def test_built_units_stand_beside_and_do_not_decide(claim):
-    built = {"built_rmse_deg": lambda h, t, m: 1 / error(h, t, m), "known_rmse_deg": lambda h, t, m: error(h, t, m)}
-    worst = {"built_worst_deg": lambda h, t, m: 3.0, "known_worst_deg": lambda h, t, m: 0.1}
+    built = {
+        "built_rmse_deg": lambda h, t, m: 1 / error(h, t, m),
+        "calibrated_rmse_deg": lambda h, t, m: error(h, t, m),
+    }
+    worst = {"built_p95_deg": lambda h, t, m: 3.0, "calibrated_p95_deg": lambda h, t, m: 0.1}
     (found,) = (one.finding for one in assess_claims([grid({**built, **worst})]) if one.claim.name == claim)
     assert found.verdict == HOLDS
     assert "built" in found.figures
@@ -120,12 +123,12 @@ def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
     (tmp_path / "built" / "twins").mkdir(parents=True)
     table = tmp_path / "built" / "twins" / "built.csv"
     rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
-    head = "height_mm,thickness_mm,markers,known,rmse_deg,worst_deg,depth_rmse_mm,noise_deg"
+    head = "height_mm,thickness_mm,markers,known,rmse_deg,p95_deg,depth_rmse_mm,noise_deg"
     table.write_text("\n".join([head, *rows]))
     write_grid(tmp_path / "study", grid().grid)
     grids, _ = read_evidence([tmp_path / "built", tmp_path / "study"])
     assert len(grids) == 1
-    assert grids[0].figures("known_rmse_deg") == {design: pytest.approx(error(*design)) for design in DESIGNS}
+    assert grids[0].figures("calibrated_rmse_deg") == {design: pytest.approx(error(*design)) for design in DESIGNS}
     (found,) = (one.finding for one in assess_claims(grids) if one.claim.name == "C9")
     assert "built" in found.figures
     check_values(found.figures, 12)

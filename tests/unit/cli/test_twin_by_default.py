@@ -54,7 +54,7 @@ def keep(folder: str, twin: Twin, age_s: float = 0.0) -> Path:
 def test_a_sensor_is_read_by_the_twin_of_its_design(command, at, house, capsys) -> None:
     path = keep("study", still_twin(SKIN))
     words = at.replace("images", str(house["images"])).split()
-    assert run(command, *words, *([] if command == "live" else ["--no-zero", "--least-depth", "0"])) in (0, 1)
+    assert run(command, *words, *([] if command == "live" else ["--no-zero", "--min-depth", "0"])) in (0, 1)
     check_values(capsys.readouterr().err, path)
 
 

@@ -24,7 +24,7 @@ COARSE = MeshSpec(cells=10, core=2)
 
 
 def side(tilt_deg: float, **more: Any) -> SideWallSpec:
-    travel = {"depth": 2.0, "image_step": 1.0, "contact": "frictionless"} | more
+    travel = {"depth": 2.0, "depth_step": 1.0, "contact": "frictionless"} | more
     return SideWallSpec(tilt_deg=tilt_deg, **travel)
 
 

@@ -255,9 +255,9 @@ def check_floors(folder: Path, scale: float) -> None:
     ("change", "message"),
     [
         ({"process": small_process(printer_size=100)}, ("part-too-long", "mold_core", "106.1", "100")),
-        ({"dome": SMALL.model_copy(update={"middle_radius": 64.0})}, ("peel-stretch", "3.2", "3")),
-        ({"dome": SMALL.model_copy(update={"thickness": 0.25})}, ("wall-uneven", "60", "0.25")),
-        ({"dome": SMALL.model_copy(update={"base_radius": 12.0})}, ("frame-no-view",)),
+        ({"skin": SMALL.model_copy(update={"middle_radius": 64.0})}, ("peel-stretch", "3.2", "3")),
+        ({"skin": SMALL.model_copy(update={"thickness": 0.25})}, ("wall-uneven", "60", "0.25")),
+        ({"skin": SMALL.model_copy(update={"base_radius": 12.0})}, ("frame-no-view",)),
         ({"process": small_process(dot_depth=0.1)}, ("dimple-too-shallow", "0.081", "0.1")),
         ({"markers": ROWS.model_copy(update={"around": 36, "count": 144})}, ("dimples-too-near",)),
     ],

@@ -24,7 +24,7 @@ STEPS = {
     "height": 0.02,
     "base_radius": 0.02,
     "C10": 1e-4,
-    "bend": 0.2,
+    "curvature": 0.2,
 }
 NAMES = (*STEPS, "across_deg", "shift", "shift_across", "twist_deg")
 
@@ -48,7 +48,7 @@ def stuck() -> Press:
 def beside(name: str, by: float) -> Press:
     """The whole press again, with a parameter that differs."""
     mesh, material, wall = mesh_of(), MATERIAL, WALL
-    if name in ("tilt_deg", "depth", "bend"):
+    if name in ("tilt_deg", "depth", "curvature"):
         wall = wall.model_copy(update={name: getattr(wall, name) + by})
     elif name == "C10":
         data = material.key_data()
@@ -105,7 +105,9 @@ def test_what_sticks_is_dragged_along(stuck: Press) -> None:
         assert np.abs(found.displacement[-1][stuck.mesh.base]).max() == 0
 
 
-@pytest.mark.parametrize(("name", "by"), [("drift", 0.05), ("lateral_rate_across", 0.05), ("twist_rate_deg", 0.5)])
+@pytest.mark.parametrize(
+    ("name", "by"), [("lateral_rate", 0.05), ("lateral_rate_across", 0.05), ("twist_rate_deg", 0.5)]
+)
 def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> None:
     """The derivative of half a model against whole models under walls that do drift, one and the other way."""
     wall = WALL.model_copy(update={"contact": "no-slip", "depth": 3.2})
@@ -119,7 +121,9 @@ def test_a_wall_that_drifts_drags_what_sticks_to_it(name: str, by: float) -> Non
 
 
 def test_a_frictionless_wall_may_drift() -> None:
-    rate = solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("drift",))).derivative("drift")
+    rate = solve_press(mesh_of(), MATERIAL, WALL, SolverSpec(derivatives=("lateral_rate",))).derivative(
+        "lateral_rate"
+    )
     assert np.abs(rate.displacement).max() < 1e-6
 
 

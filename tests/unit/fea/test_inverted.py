@@ -142,7 +142,7 @@ def test_without_adhesion_nothing_pulls_the_skin_to_the_wall(contact: str) -> No
 
 def test_its_derivatives_are_differences_of_two_presses() -> None:
     """By thickness, of domes a hundredth thicker and thinner; nothing changes as the wall slides along itself."""
-    wall, names = WallSpec(tilt_deg=6.0, contact=0.5, depth=DEPTH), ("thickness", "drift")
+    wall, names = WallSpec(tilt_deg=6.0, contact=0.5, depth=DEPTH), ("thickness", "lateral_rate")
     press, thicker, thinner = (
         solve_press(skin(thickness), MATERIAL, wall, SolverSpec(derivatives=asked), Branch.INVERTED)
         for thickness, asked in ((1.0, names), (1.01, ()), (0.99, ()))
@@ -154,4 +154,4 @@ def test_its_derivatives_are_differences_of_two_presses() -> None:
         assert found.force[image, 2] == pytest.approx(
             (thicker.force[image, 2] - thinner.force[image, 2]) / 0.02, rel=0.01
         )
-    assert np.abs(press.derivative("drift").displacement).max() < 1e-5
+    assert np.abs(press.derivative("lateral_rate").displacement).max() < 1e-5

@@ -36,9 +36,9 @@ WRONG = {
     "heights: [20, 10]": ("range-malformed", 20, 10, 2, 60),
     "heights: [10, 90]": ("range-malformed", 90, 2, 60),
     "depth: 12\nheights: [5, 11]": ("heights-below-depth", 11, 12),
-    "least_depth: 8": ("depths-not-rising", "least_depth", 8),
+    "min_depth: 8": ("depths-not-rising", "min_depth", 8),
     "max_marker_diameter: 0.8": ("marker-sizes-not-rising", "max_marker_diameter", 0.8, 1),
-    "dot: 0.2": ("markers-not-printable", "process.min_marker_diameter", 0.2, 0.4),
+    "min_marker_diameter: 0.2": ("markers-not-printable", "process.min_marker_diameter", 0.2, 0.4),
     "materials: [cheese]": ("material-unknown", "cheese"),
     "cameras: []": ("list-empty", "cameras"),
     "objectives: [error, error]": ("list-entry-twice", "objectives", "error"),
@@ -51,9 +51,9 @@ WRONG = {
     "makrers: 37": ("extra_forbidden", "makrers", "markers"),
     "force_n: -1": ("greater_than", "force_n", -1),
     "thicknesses: [2]": ("missing", "thicknesses"),
-    "control: -1": ("greater_than_equal", "control", -1),
-    "grid:\n  designs:\n    heights: [90]": ("less_than_equal", "grid.designs.heights", 90),
-    "grid:\n  designs:\n    markers: [{file: dots.csv}]": ("layout-not-rings", "grid.designs"),
+    "random_skins: -1": ("greater_than_equal", "random_skins", -1),
+    "baseline_grid:\n  designs:\n    heights: [90]": ("less_than_equal", "baseline_grid.designs.heights", 90),
+    "baseline_grid:\n  designs:\n    markers: [{file: dots.csv}]": ("layout-not-rings", "baseline_grid.designs"),
 }
 
 
@@ -213,8 +213,8 @@ def test_the_report_holds_the_search_against_chance_and_a_grid(tmp_path: Path) -
     ):
         (told,) = (line for line in page.splitlines() if line.startswith(f"* {name},"))
         check_values(told, *values_told)
-    control = json.loads((tmp_path / "front.json").read_text())["control"]
-    assert [control[name]["worst_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
+    control = json.loads((tmp_path / "front.json").read_text())["random_skins"]
+    assert [control[name]["p95_deg"] for name in ("search", "chance", "grid")] == [0.15, 0.25, 0.25]
     picture = (tmp_path / "search.svg").read_text()
     check_values(picture, "chance", "H20 T2", 37)
     alone = report(Front(SPEC, TRIED), compute_sobol_indices(TRIED, SkinSpace.of(SPEC), 169), "")

@@ -323,7 +323,7 @@ def test_the_command_learns_and_its_model_is_used_by_live_and_accept(
     rows = ["image,press,rx_deg,ry_deg,depth_mm"]
     rows += [f"image_{n:05d}.png,{n},{','.join(f'{x:.3f}' for x in drawn[1].motions[n, :3])}" for n in range(6)]
     (drawn[0] / "images" / "truth.csv").write_text("\n".join(rows) + "\n")
-    words = ["--rmse", "9", "--max-error", "25", "--depth-rmse", "2", "--no-zero", "--least-depth", "0"]
+    words = ["--rmse", "9", "--max-error", "25", "--depth-rmse", "2", "--no-zero", "--min-depth", "0"]
     with pytest.raises(SystemExit) as left:
         main(["accept", str(drawn[0] / "images" / "truth.csv"), "--model", str(out / "model.h5"), *words])
     assert left.value.code == 0

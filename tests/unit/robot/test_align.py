@@ -47,7 +47,12 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
 def play(twin: Twin, **changes: Any) -> AlignmentScenario:
     layout = place_markers(build_skin(DOME), MARKERS)
     return AlignmentScenario(
-        twin, layout, DOME, MATERIAL, align=SPEC, **{"known": 0, "max_tilt_deg": 4.0, "tolerance": WALLS} | changes
+        twin,
+        layout,
+        DOME,
+        MATERIAL,
+        align=SPEC,
+        **{"calibration_presses": 0, "max_tilt_deg": 4.0, "tolerance": WALLS} | changes,
     )
 
 
@@ -83,17 +88,17 @@ def test_the_force_limit_makes_touches_shallower_or_ends(twin: Twin, unit: Virtu
     cell, robot = unit._before(np.array([2.0, 1.0]), 1.0, np.random.default_rng(3))
 
     def run(**changes: Any) -> tuple[Any, float]:
-        cell.most_force_n = 0.0
+        cell.max_force_n = 0.0
         spec = SPEC.model_copy(update=changes)
         said = Aligner(robot, unit._sensor, cell.next_image, unit.tool, spec).align()
-        return said, cell.most_force_n
+        return said, cell.max_force_n
 
     free, force = run(max_touches=1)
     limited, less = run(force_n=0.6 * force, max_touches=1)
     assert less < 0.6 * force
     assert limited.touches[0].depth < free.touches[0].depth - 0.3
     assert all(touch.force_n <= touch.force_upper_n for touch in free.touches)
-    shallow, least = run(force_n=0.6 * force, least_depth=3.3)
+    shallow, least = run(force_n=0.6 * force, min_depth=3.3)
     assert shallow.outcome is AlignmentOutcome.TOO_SHALLOW
     assert least < 0.6 * force
     with refused("force-limit-passed", "1.25"):
@@ -116,7 +121,7 @@ def go_dark(unit: VirtualUnit, dark: Callable[[int, float], bool]) -> tuple[Any,
 
     said = Aligner(robot, unit._sensor, next_image, unit.tool, SPEC).align()
     assert cell.depth_at(robot.true_pose) < 0, "it leaves the wall"
-    return said, cell.most_force_n, places
+    return said, cell.max_force_n, places
 
 
 def test_without_images_nothing_is_pressed(unit: VirtualUnit) -> None:
@@ -239,8 +244,18 @@ def test_the_command_prints_touches_and_writes_them(
     from palpate.cli import main
 
     write_twin(tmp_path / "twin.h5", twin)
-    words = ["align", "--model", str(tmp_path / "twin.h5"), "--markers", "37", "--walls", "1", "--known", "2"]
-    words += ["--depth", "3.5", "--least-depth", "1.5", "--tolerance", "0.9", "-o", str(tmp_path / "out")]
+    words = [
+        "align",
+        "--model",
+        str(tmp_path / "twin.h5"),
+        "--markers",
+        "37",
+        "--walls",
+        "1",
+        "--calibration-presses",
+        "2",
+    ]
+    words += ["--depth", "3.5", "--min-depth", "1.5", "--tolerance", "0.9", "-o", str(tmp_path / "out")]
     with pytest.raises(SystemExit) as left:
         main(words)
     assert left.value.code in (0, None)

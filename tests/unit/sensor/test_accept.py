@@ -169,7 +169,7 @@ def run(*words):
 
 def test_a_folder_of_images_is_judged_by_command(recording, tmp_path, capsys):
     words = ["accept", recording / "truth.csv", "--model", recording / "m.onnx", "--markers", "37"]
-    words += ["--least-depth", "2", "--depth-rmse", "0.3"]
+    words += ["--min-depth", "2", "--depth-rmse", "0.3"]
     assert run(*words, "--out", tmp_path / "r", "--name", "U1", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     assert shown["passed"]

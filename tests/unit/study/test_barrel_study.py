@@ -18,7 +18,7 @@ BARREL = {
         "base_radius": 32.804,
         "markers": [{"rows": 4, "around": 8, "pitch": 30}],
     },
-    "side_wall": {"depth": 3, "image_step": 0.5, "contact": 0.6},
+    "side_wall": {"depth": 3, "depth_step": 0.5, "contact": 0.6},
     "tilts_deg": [88, 92],
 }
 

@@ -17,7 +17,7 @@ STUDY = Study.model_validate(
         "designs": {"markers": [7, 37]},
         "mesh": {"cells": 8},
         "wall": {"contact": "frictionless", "depth": 3.2},
-        "built": {"known": 3, "tolerance": {"thickness": 0.1}},
+        "built": {"calibration_presses": 3, "tolerance": {"thickness": 0.1}},
     }
 )
 
@@ -40,7 +40,7 @@ def test_they_are_the_first_columns_and_the_first_picture_of_the_grid(folder: Pa
     found = run_twins(STUDY, folder, workers=1)
     grid = evaluate_grid(collect_designs(plan_study(STUDY), ArtefactStore(folder / "store"), {}, seed=0))
     assert [row["built_rmse_deg"] for row in grid.designs] == [design.accuracies[0].rmse_deg for design in found]
-    assert grid.columns.index("known_worst_deg") < grid.columns.index("rmse_deg")
+    assert grid.columns.index("calibrated_p95_deg") < grid.columns.index("rmse_deg")
     assert default_metric(grid) == "built_rmse_deg"
 
 

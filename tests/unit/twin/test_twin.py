@@ -132,7 +132,10 @@ def test_a_wall_that_drifts_and_twists_is_foreseen(twin: Twin) -> None:
     """A whole model under a wall that does so all the way down, in another direction, tilt and friction."""
     skin, azimuth = build_skin(SKIN), np.radians(77.0)
     wall = WallSpec(tilt_deg=6.0, azimuth_deg=77.0, contact=0.9, depth=3.2, depth_step=1.6)
-    mesh, drifting = mesh_skin(skin, MeshSpec(cells=9, whole=True)), {"drift": 0.06, "lateral_rate_across": -0.1}
+    mesh, drifting = (
+        mesh_skin(skin, MeshSpec(cells=9, whole=True)),
+        {"lateral_rate": 0.06, "lateral_rate_across": -0.1},
+    )
     seen = solve_press(mesh, ECOFLEX, wall.model_copy(update={**drifting, "twist_rate_deg": 0.3}))
     dots, pose = twin.with_markers(LAYOUT.positions), at(6.0, 77.0, 3.2)
     up, aside = 3.2 * wall.model_copy(update=drifting).lateral_rate, -3.2 * 0.1

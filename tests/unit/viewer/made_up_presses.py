@@ -89,7 +89,7 @@ def depths():
     """Errors and limits by depth of the two designs that have them."""
     figures = ((0.8, 1.2, 1.0), (1.6, 0.7, 0.5))
     return tuple(
-        {"design": design, "depth_mm": depth, "rmse_jitter_deg": rmse, "limit_deg": limit}
+        {"design": design, "depth_mm": depth, "rmse_jitter_deg": rmse, "bound_deg": limit}
         for design in (0, 1)
         for depth, rmse, limit in figures
     )

@@ -98,7 +98,7 @@ class TestWheel(ObstacleSuite):
 def test_the_guests_obstacle_is_pressed_into_the_guests_skin() -> None:
     mesh = mesh_skin(skin_from_data({"kind": "bell", "height": 14}).build(), MeshSpec(cells=8))
     spec = obstacle_from_data(
-        {"kind": "wheel", "radius": 6, "depth": 1.6, "image_step": 0.2, "contact": "frictionless"}
+        {"kind": "wheel", "radius": 6, "depth": 1.6, "depth_step": 0.2, "contact": "frictionless"}
     )
     press = solve_press(mesh, get_material("neo-hooke:0.0141"), spec)
     assert press.depth[-1] == pytest.approx(1.6)
