@@ -107,7 +107,7 @@ def main(folder: Path, units: int = 4, robot: str = "") -> None:
             errors = read_unit(bench, sample_deviation(spec.tolerance, spec.seed, unit))
             squares.append(np.mean(errors**2))
             print(f"{design.title}, unit {unit}: {np.sqrt(squares[-1]):.4f} deg", flush=True)
-        print(f"{design.title}, {units} units: {np.sqrt(np.mean(squares)):.4f} deg, foreseen {design.foresee(store)}")
+        print(f"{design.title}, {units} units: {np.sqrt(np.mean(squares)):.4f} deg, foreseen {design.predict(store)}")
 
 
 if __name__ == "__main__":

@@ -175,7 +175,7 @@ def run_unit_trial(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
     recipe = unit_recipe(bench, deviation)
     found = bench.store.find(recipe, ".json")
     if found is None:
-        played = _play(bench, deviation)
+        played = _run_unit(bench, deviation)
         found = bench.store.write(recipe, lambda path: write_trial(path, played), ".json")
     return read_trial(found, deviation)
 
@@ -207,7 +207,7 @@ def _press(bench: VirtualBench, deviation: Deviation, tilt: float, branch: Branc
     return read_press(path)
 
 
-def _play(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
+def _run_unit(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
     scene = build_scene(bench.nominal, bench.layout, deviation, bench.camera, bench.spec.render)
     unit = Unit(bench.nominal, bench.layout, nominal=bench.camera, tolerance=bench.spec.tolerance)
     presses = list(solve_unit_presses(bench, deviation))
@@ -218,7 +218,9 @@ def _play(bench: VirtualBench, deviation: Deviation) -> UnitTrial:
         zero, learnt = None, tuple[ParameterEstimate, ...]()
         if bench.spec.calibration_presses:
             known = identify_unit(sensor, _known(bench, scene, sensor, deviation, rng), _robot(bench))
-            learnt = tuple(compare_parameters(known, deviation, _slip(bench, deviation), bench.spec.tolerance))
+            learnt = tuple(
+                compare_parameters(known, deviation, _inverse_friction(bench, deviation), bench.spec.tolerance)
+            )
         elif bench.spec.zero:
             flat = _press(bench, deviation, unit_tilts(bench.spec, deviation.unit)[0])
             first = _read(bench, scene, sensor, _turned(flat, float(rng.uniform(0, 360))), deviation)
@@ -290,7 +292,7 @@ def _read(
 ) -> UnitTrial:
     """Truth and readings of the images of a press that count."""
     rows = []
-    slip = _slip(bench, deviation)
+    slip = _inverse_friction(bench, deviation)
     for depth, force, image in zip(press.depth, _weigh(press), scene.render_press(press), strict=True):
         reading = sensor.read(image)
         if depth >= bench.spec.min_depth - 1e-9:
@@ -305,7 +307,7 @@ def _read(
     return UnitTrial(deviation, np.array(rows).reshape(-1, len(COLUMNS)))
 
 
-def _slip(bench: VirtualBench, deviation: Deviation) -> float:
+def _inverse_friction(bench: VirtualBench, deviation: Deviation) -> float:
     """1/µ of a unit's wall; NaN where it is frictionless."""
     contact = deviation.friction or bench.spec.contact
     if isinstance(contact, str):
@@ -352,7 +354,7 @@ def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Br
         depth=bench.spec.depth,
         depth_step=bench.spec.depth_step,
         contact=deviation.friction or bench.spec.contact,
-        curvature=_bend(bench, deviation, tilt_deg),
+        curvature=_curvature(bench, deviation, tilt_deg),
         **dict(
             zip(
                 WallSpec.LATERAL_FIELDS if branch is Branch.FLAT else (),
@@ -363,7 +365,7 @@ def _wall(bench: VirtualBench, deviation: Deviation, tilt_deg: float, branch: Br
     )
 
 
-def _bend(bench: VirtualBench, deviation: Deviation, tilt_deg: float) -> float:
+def _curvature(bench: VirtualBench, deviation: Deviation, tilt_deg: float) -> float:
     """Curvature of the wall of a press, 1/m, either way."""
     share = generator(bench.spec.seed, "bend", deviation.unit, round(1e3 * tilt_deg)).uniform(-1.0, 1.0)
     return round(deviation.curvature * float(share), 4)

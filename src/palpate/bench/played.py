@@ -116,14 +116,14 @@ class UnitTrial:
         return self.estimates + np.array([0.0, 0.0, self.zero.offset if self.zero else 0.0])
 
 
-def write_trial(path: Path, played: UnitTrial) -> None:
+def write_trial(path: Path, trial: UnitTrial) -> None:
     """Write what a unit gave; what is not a number becomes ``null``."""
     data = {
         "columns": COLUMNS,
-        "images": [[value if math.isfinite(value) else None for value in row] for row in played.images.tolist()],
-        "zero": asdict(played.zero) if played.zero else None,
-        "parameters": [each._asdict() for each in played.parameters],
-        "failure": played.failure,
+        "images": [[value if math.isfinite(value) else None for value in row] for row in trial.images.tolist()],
+        "zero": asdict(trial.zero) if trial.zero else None,
+        "parameters": [each._asdict() for each in trial.parameters],
+        "failure": trial.failure,
     }
     path.write_text(json.dumps(data), encoding="utf-8")
 
@@ -161,9 +161,9 @@ def covered_share(errors: FloatArray, half_widths: FloatArray) -> float:
     return float((np.abs(errors) <= half_widths)[known].mean()) if known.any() else math.nan
 
 
-def collect_estimates(played: Sequence[UnitTrial], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
+def collect_estimates(trials: Sequence[UnitTrial], name: str) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Truth, error and half-width (n,) of what all images of some units tell by one of `MEASURANDS`, where they
     do."""
-    rows = np.concatenate([each.column(name, f"{name}_read", f"{name}_half") for each in played])
+    rows = np.concatenate([each.column(name, f"{name}_read", f"{name}_half") for each in trials])
     rows = rows[np.isfinite(rows[:, 1])]
     return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2]

@@ -68,11 +68,11 @@ def run_bench(bench: VirtualBench) -> Iterator[UnitResult]:
         yield score_unit(number, run_unit_trial(bench, deviation))
 
 
-def score_unit(number: int, played: UnitTrial) -> UnitResult:
+def score_unit(number: int, trial: UnitTrial) -> UnitResult:
     """Score what a unit's images gave."""
-    if not np.isfinite(played.estimates).all(axis=1).any():
-        return UnitResult(number, played, ())
-    return UnitResult(number, played, score_readings(played.truth, played.corrected(), played.press))
+    if not np.isfinite(trial.estimates).all(axis=1).any():
+        return UnitResult(number, trial, ())
+    return UnitResult(number, trial, score_readings(trial.truth, trial.corrected(), trial.press))
 
 
 def pool_units(results: Sequence[UnitResult], *, trusted: bool = False) -> tuple[Score, ...]:
@@ -152,7 +152,7 @@ def bench_page(bench: VirtualBench, results: Sequence[UnitResult]) -> str:
         f"{sum(result.meets_paper for result in sampled)} of {len(sampled)} sampled units have "
         f"RMSE ≤ {WANTED_RMSE_DEG}° and max ≤ {WANTED_MAX_DEG}° in roll and pitch, with a pose from every image.",
         "",
-        *_learnt_lines(sampled),
+        *_parameter_lines(sampled),
         *_single_lines(sampled, known=bool(spec.calibration_presses)),
         "## Every unit",
         "",
@@ -194,7 +194,7 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
         yield ["the paper's sensor", f"{name} {unit}", *(f"{value:.2f}" for value in cells)]
 
 
-def _learnt_lines(sampled: Sequence[UnitResult]) -> list[str]:
+def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str]:
     """What known presses told of the units, against what they are."""
     told: dict[str, list[ParameterEstimate]] = {}
     for learnt in (each for result in sampled for each in result.trial.parameters):

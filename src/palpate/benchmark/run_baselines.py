@@ -42,7 +42,7 @@ class _Desk:
     spec: BaselineSpec
     out: Path
     workers: int | None
-    say: Callable[[str], None]
+    report: Callable[[str], None]
 
     @property
     def store(self) -> ArtefactStore:
@@ -104,7 +104,7 @@ def run_baselines(
         started = time.process_time()
         found = _make(desk, name)
         write_predictions(out / f"{name}.csv", found)
-        scores[name] = _judge(benchmark, found, name)
+        scores[name] = _score(benchmark, found, name)
         report(f"{name}: {scores[name][0].all.parts['angle'].rmse:.3f}°, {time.process_time() - started:.0f} CPU s")
         _write(out, scores)
     return scores
@@ -122,14 +122,14 @@ def _make(desk: _Desk, name: str) -> Predictions:
             if name == "picture":
                 kept = desk.store.path(recipe, ".kept")
                 kept.parent.mkdir(parents=True, exist_ok=True)
-                made = predict_by_images(desk.benchmark, desk.spec, kept, desk.say)
+                made = predict_by_images(desk.benchmark, desk.spec, kept, desk.report)
                 kept.unlink(missing_ok=True)
             elif name in LEARNERS:
                 made = predict_by_markers(name, desk.benchmark, designs[part], desk.spec)
             else:
                 made = _fit(desk, part)
             path = desk.store.write(recipe, partial(_put, made), ".csv")
-            desk.say(f"{name}: {part} done")
+            desk.report(f"{name}: {part} done")
         found.append(read_predictions(path))
     names = found[0].values
     joined = {column: np.concatenate([each.values[column] for each in found]) for column in names}
@@ -150,10 +150,10 @@ def _fit(desk: _Desk, part: str) -> Predictions:
             "Change its presses.",
             code="twin-not-made",
         )
-    return predict_by_fit(desk.benchmark, design, read_twin(find_artefact(desk.store, task)), desk.say)
+    return predict_by_fit(desk.benchmark, design, read_twin(find_artefact(desk.store, task)), desk.report)
 
 
-def _judge(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[BenchmarkScore]:
+def _score(benchmark: BenchmarkSet, found: Predictions, name: str) -> list[BenchmarkScore]:
     scores = [] if name == "picture" else [score_predictions(benchmark, found)]
     if not benchmark.spec.pictures:
         return scores

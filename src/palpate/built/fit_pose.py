@@ -48,7 +48,7 @@ TWIN_ERROR_SD = np.array([0.015, 0.015, 0.004, 0.03])
 """What the twin is off in pose (degrees, mm) and 1/µ, by units of the bench; it is alike in all dots.
 
 This and the other numbers of a touch are of a skin of the size in `palpate.built.scale`."""
-_DRIFTING_SLIP_SD = 0.2
+_LATERAL_FRICTION_SD = 0.2
 """The same of 1/µ where robots drift."""
 _OTHER_WALL = 2.0
 """Change of curvature from image to image, 1/m, beyond which a fit is begun anew."""
@@ -233,12 +233,12 @@ class PoseFitter:
         """Whether a fit that began from the last touch may have gone astray."""
         return found.misfit > _DOUBTED or abs(found.curvature - last[_BEND]) > _OTHER_WALL / self._size
 
-    def _at_limit(self, slip: float) -> bool:
+    def _at_limit(self, inverse_friction: float) -> bool:
         """Whether 1/µ is the least or greatest that was pressed, where a fit may be caught.
 
         The cost has a second minimum there: dots under µ = 1 look more like those without slip than those of µ = 3.
         """
-        return self._slips[0] < self._slips[1] and not self._slips[0] < slip < self._slips[1]
+        return self._slips[0] < self._slips[1] and not self._slips[0] < inverse_friction < self._slips[1]
 
     def _begin(self, seen_px: FloatArray) -> FloatArray:
         """The pose and 1/µ of those looked at beforehand that is most like an image."""
@@ -343,7 +343,7 @@ class PoseFitter:
             by[:3, free:] = self.mounting.jacobian(pose) @ mounting
             pose = self.mounting.to_robot(pose, mounting @ z)
         off = twin_sd(self.model.dots.twin.skin)
-        off[3] = _DRIFTING_SLIP_SD if self._drifts else off[3]
+        off[3] = _LATERAL_FRICTION_SD if self._drifts else off[3]
         return pose, by @ whole @ by.T + np.diag(off**2)
 
     def _inside(self, theta: FloatArray) -> FloatArray:

@@ -212,14 +212,14 @@ def sample_working_range(
     most = min(spec.max_tilt_deg, float(twin.tilts_deg[-1]))
     while len(found) < spec.poses:
         tilt, turn = most * rng.uniform(), 2 * np.pi * rng.uniform()
-        slip = _draw_slip(twin, tolerance, rng)
+        slip = _draw_inverse_friction(twin, tolerance, rng)
         deepest = twin.max_depth(tilt, slip)
         depth = rng.uniform(min(spec.min_depth, 0.5 * deepest), deepest)
         found.append((np.array([tilt * np.cos(turn), tilt * np.sin(turn), depth]), slip))
     return found
 
 
-def _draw_slip(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
+def _draw_inverse_friction(twin: Twin, tolerance: ToleranceSpec, rng: np.random.Generator) -> float:
     """1/µ of a wall."""
     slip = 1.0 / tolerance.friction_at(rng.uniform()) if tolerance.friction_min else float(twin.inverse_frictions[0])
     return float(np.clip(slip, twin.inverse_frictions[0], twin.inverse_frictions[-1]))
@@ -230,7 +230,7 @@ def simulate_calibration_presses(
 ) -> list[tuple[CalibrationPress, float]]:
     """Known presses of the design itself, of two tilts and directions two fifths of a turn apart, and their 1/µ."""
     twin, found = model.dots.twin, []
-    first, slip = 2 * np.pi * rng.uniform(), _draw_slip(twin, tolerance, rng)
+    first, slip = 2 * np.pi * rng.uniform(), _draw_inverse_friction(twin, tolerance, rng)
     for number in range(spec.calibration_presses):
         tilt, turn = (
             CALIBRATION_TILTS[number % len(CALIBRATION_TILTS)] * spec.max_tilt_deg,

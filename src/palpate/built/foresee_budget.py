@@ -18,7 +18,7 @@ from palpate.camera import Camera
 from palpate.design import MarkerLayout
 from palpate.twin import Twin
 
-_KEPT = ("friction_min", "friction_max")
+_UNCHANGED = ("friction_min", "friction_max")
 """Fields that stay as they are: friction is fitted in each image."""
 _UNSEEN = ("modulus", "stiffening", "missing", "depth_zero", "friction_min")
 """Imperfections that cost no angle in the model of a twin's fit."""
@@ -62,7 +62,7 @@ def predict_budget(
         One an imperfection that is not zero, after those named ``all`` and ``noise``.
     """
     spec = replace(spec or AccuracySpec(), calibration_presses=0)
-    none = tolerance.model_copy(update={name: 0.0 for name in ToleranceSpec.model_fields if name not in _KEPT})
+    none = tolerance.model_copy(update={name: 0.0 for name in ToleranceSpec.model_fields if name not in _UNCHANGED})
     every, noise = (predict_accuracy(twin, layout, camera, each, spec).rmse_deg for each in (tolerance, none))
     found = []
     for item in IMPERFECTIONS:

@@ -1,11 +1,9 @@
-"""Identify a built unit: what known presses tell about it, and how it sits on the robot.
+"""Identification of a built unit from calibration presses: its parameters, and how it sits on the robot.
 
-A known press is one whose pose the robot says. The dome sits on the robot a little tilted and turned, and its first
-touch is not where the robot believes (`palpate.built.mounting`).
-
-Unit, mounting, friction of every press, and the robot's own error of every press are fitted together to all dots of
-all images, each with what was known of it beforehand: a Gauss-Newton iteration to the maximum of the posterior, whose
-curvature is the covariance.
+The robot knows the pose of a calibration press. The dome sits on the robot a little tilted and turned, and depth 0 is
+not where the robot assumes it (`palpate.built.mounting`). Unit, mounting, friction of every press, and the robot's
+error of every press are fitted together to all markers of all images, each with its prior: a Gauss-Newton iteration
+to the maximum of the posterior, whose curvature is the covariance.
 """
 
 from __future__ import annotations
@@ -48,7 +46,7 @@ _FAR = 5.0
 """Standard deviations of the prior beyond which a pose, or a number of the unit, is not believed."""
 
 
-class ToldUnit(NamedTuple):
+class UnitEstimate(NamedTuple):
     """Mean (15,) and covariance (15, 15) of the numbers of `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`."""
 
     mean: FloatArray
@@ -73,7 +71,7 @@ class IdentificationResult:
         (p, 3) fitted error of the robot's poses, over its standard deviation.
     scale
         Its stiffness over the design's.
-    told
+    estimate
         The numbers themselves. `posterior` and `mounting` have those with which the twin explains the images best.
     """
 
@@ -84,13 +82,13 @@ class IdentificationResult:
     misfit: float
     robot_error: FloatArray
     scale: StiffnessScale
-    told: ToldUnit
+    estimate: UnitEstimate
 
     def rows(self, tolerance: ToleranceSpec) -> list[dict[str, Any]]:
         """What was learnt: name, mean, sd, and sd before any image, of every number of the unit and of every 1/µ."""
         before = [*unit_prior_sd(tolerance), *mounting_prior_sd(tolerance), prior_stiffness_scale(tolerance).sd]
-        means, names = [*self.told.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
-        spread = [*np.sqrt(np.diag(self.told.covariance)), self.scale.sd]
+        means, names = [*self.estimate.mean, self.scale.mean], (*UNIT_PARAMETERS, *MOUNTING_PARAMETERS, "stiffness")
+        spread = [*np.sqrt(np.diag(self.estimate.covariance)), self.scale.sd]
         found: list[dict[str, Any]] = [
             {"name": name, "mean": float(mean), "sd": float(sd), "before": float(first)}
             for name, mean, sd, first in zip(names, means, spread, before, strict=True)
@@ -244,7 +242,7 @@ class UnitFit:
             misfit=found.misfit,
             robot_error=off,
             scale=prior_stiffness_scale(model.tolerance),
-            told=self._tell(belief, found, information, values - before),
+            estimate=self._estimate(belief, found, information, values - before),
         )
 
     def _begin(self, model: UnitModel, before: FloatArray) -> FloatArray:
@@ -293,9 +291,9 @@ class UnitFit:
         covariance[np.diag_indices(self.size)] += off**2
         return covariance
 
-    def _tell(
-        self, belief: UnitPosterior, found: NormalEquations, information: FloatArray, moved: FloatArray
-    ) -> ToldUnit:
+    def _estimate(
+        self, posterior: UnitPosterior, found: NormalEquations, information: FloatArray, moved: FloatArray
+    ) -> UnitEstimate:
         """The unit's own numbers, by Bayes' rule from those (n,) that the fit found beyond what was known before.
 
         With the curvature N of all dots, the information Λ before the presses and the numbers q, the fit finds
@@ -323,8 +321,10 @@ class UnitFit:
         covariance = np.linalg.inv(information * np.outer(scale, scale) + told @ normal)
         mean = scale * (covariance @ (told @ (scale * (whole @ moved))))
         shared = slice(self.shared)
-        before = np.concatenate([belief.mean, np.zeros(len(MOUNTING_PARAMETERS))])
-        return ToldUnit(before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared])
+        before = np.concatenate([posterior.mean, np.zeros(len(MOUNTING_PARAMETERS))])
+        return UnitEstimate(
+            before + mean[shared], np.asarray(covariance * np.outer(scale, scale), float)[shared, shared]
+        )
 
     def predict(
         self, model: UnitModel, mounting: Mounting, pose: FloatArray, own: FloatArray
@@ -375,7 +375,7 @@ class ContradictionError(PalpateError):
     """Presses that no unit of the design, read by its twin, can have made."""
 
 
-def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
+def _refuse(unit: FloatArray, misfit: float, deviations: FloatArray) -> None:
     """Never a confident wrong unit: its numbers (11,) and the robot's errors (p, 3) are in standard deviations."""
     if misfit > _WRONG:
         raise ContradictionError(
@@ -384,10 +384,10 @@ def _refuse(unit: FloatArray, misfit: float, off: FloatArray) -> None:
             "Check that design, recording and poses belong together, and the order of the poses.",
             code="calibration-press-misfit",
         )
-    worst = np.unravel_index(np.abs(off).argmax(), off.shape)
-    if abs(off[worst]) > _FAR:
+    worst = np.unravel_index(np.abs(deviations).argmax(), deviations.shape)
+    if abs(deviations[worst]) > _FAR:
         raise ContradictionError(
-            f"The robot's pose of press {worst[0] + 1} would be {abs(off[worst]):.0f} standard deviations off.",
+            f"The robot's pose of press {worst[0] + 1} would be {abs(deviations[worst]):.0f} sd off.",
             "Check the poses and their order, or say how well the robot knows them.",
             code="press-pose-far-off",
         )

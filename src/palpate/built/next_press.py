@@ -84,15 +84,20 @@ def _tilted(spec: AccuracySpec, model: UnitModel, shares: Sequence[float], turn_
     ]
 
 
-def _deepening(model: UnitModel, spec: AccuracySpec, tilt: float, turn_deg: float, slip: float) -> FloatArray:
+def _deepening(
+    model: UnitModel, spec: AccuracySpec, tilt: float, turn_deg: float, inverse_friction: float
+) -> FloatArray:
     turn, twin = np.radians(turn_deg), model.dots.twin
-    depths = np.linspace(spec.min_depth, twin.max_depth(tilt, slip), _IMAGES)
+    depths = np.linspace(spec.min_depth, twin.max_depth(tilt, inverse_friction), _IMAGES)
     return np.array([[tilt * np.cos(turn), tilt * np.sin(turn), depth] for depth in depths])
 
 
-def _rmse(model: UnitModel, mounting: Mounting, slip: float, places: Sequence[FloatArray], noise_px: float) -> float:
+def _rmse(
+    model: UnitModel, mounting: Mounting, inverse_friction: float, places: Sequence[FloatArray], noise_px: float
+) -> float:
     spread = np.asarray(np.linalg.cholesky(mounting.covariance + 1e-15 * np.eye(len(mounting.covariance))), float)
     squares = [
-        (pose_gain(model, mounting, spread, pose, slip, noise_px).unit_gain[:2] ** 2).sum(axis=1) for pose in places
+        (pose_gain(model, mounting, spread, pose, inverse_friction, noise_px).unit_gain[:2] ** 2).sum(axis=1)
+        for pose in places
     ]
     return float(np.sqrt(np.mean(squares)))

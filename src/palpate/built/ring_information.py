@@ -70,7 +70,7 @@ class RingInformation:
         (g,) standard deviation of a dot's coordinate in an image.
     model_px
         The same of what a fit takes the twin to be off.
-    twin_off
+    twin_error
         (15,) the same of what known presses take the twin to be off in `UNIT_PARAMETERS` and `MOUNTING_PARAMETERS`.
     """
 
@@ -87,7 +87,7 @@ class RingInformation:
     mounting_sd: FloatArray
     noise_px: FloatArray
     model_px: float
-    twin_off: FloatArray
+    twin_error: FloatArray
 
     def with_markers(
         self, skin: Skin, layout: MarkerLayout, group: IntArray, camera: Camera, noise_px: float
@@ -139,7 +139,7 @@ class RingInformation:
         normal = presses.normal * (own + presses.common_variance[:, None, None]) / own
         presses = presses._replace(normal=normal, common_variance=0.0 * presses.common_variance)
         same = replace(self, presses=presses, reads=self.reads * assumed / own, model_px=0.0)
-        return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_off=0.0 * self.twin_off)
+        return replace(same, common=0.0 * self.common, crossed=0.0 * self.crossed, twin_error=0.0 * self.twin_error)
 
     def variance(self, share: FloatArray) -> float:
         """Expected square of an error of rx or ry (degrees²) where so much (g,) of each group is printed."""
@@ -200,7 +200,7 @@ class RingInformation:
                 (model, normal),
             )
         )
-        off = np.diag(self.twin_off**2)
+        off = np.diag(self.twin_error**2)
         learnt, excess = (inverse + alike)[:_SHARED, :_SHARED], (alike - at_rest + averaged)[:_SHARED, :_SHARED]
         return np.asarray(learnt + off, float), np.asarray(excess + off, float), inverse[:_SHARED]
 
@@ -269,7 +269,7 @@ def compute_ring_information(
         mounting_sd=mounting_prior_sd(tolerance),
         noise_px=noise,
         model_px=model_px(twin.skin, camera.spec),
-        twin_off=twin_error_sd(twin.skin),
+        twin_error=twin_error_sd(twin.skin),
     )
 
 

@@ -235,7 +235,7 @@ class UnitModel:
         above all where the skin bends.
     place_by
         (m, 3, 10) mm: how the dots move on the undeformed surface as the camera changes.
-    waves_beside
+    tangent_waves
         Derivative of the print's waves along two tangents, and the part of `place_by` along each (m, 10).
     shifted
         Cameras beside the one believed in.
@@ -249,7 +249,7 @@ class UnitModel:
     visible: BoolArray
     outlines: MarkerTwin
     place_by: FloatArray
-    waves_beside: tuple[tuple[FloatArray, FloatArray], ...]
+    tangent_waves: tuple[tuple[FloatArray, FloatArray], ...]
     shifted: CameraDerivatives
 
     def with_posterior(self, posterior: UnitPosterior) -> UnitModel:
@@ -301,7 +301,7 @@ class UnitModel:
         """Derivatives (m, 2, 11) px by `UNIT_PARAMETERS`; a camera that changes takes the places of the dots
         along."""
         carried = self.place_by.copy()
-        for waves, along in self.waves_beside:
+        for waves, along in self.tangent_waves:
             carried += (waves @ moved.amplitudes).reshape(-1, 3)[:, :, None] * along[:, None, :]
         return np.dstack([self.shifted.jacobian(moved.positions, shown, carried), by_thickness])
 

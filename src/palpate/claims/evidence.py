@@ -39,7 +39,7 @@ class MissingEvidenceError(Exception):
     def __init__(self, designs: Iterable[Design], reasons: Iterable[str] = ()) -> None:
         self.designs = tuple(dict.fromkeys(designs))
         self.reasons = tuple(dict.fromkeys(reason for reason in reasons if reason))
-        super().__init__(_say_missing(self.designs, self.reasons))
+        super().__init__(_missing_sentence(self.designs, self.reasons))
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def read_built(path: Path) -> dict[Design, Row]:
     return found
 
 
-def _say_missing(designs: Iterable[Design], reasons: Iterable[str]) -> str:
+def _missing_sentence(designs: Iterable[Design], reasons: Iterable[str]) -> str:
     """The missing designs by dome, in as few words as they need."""
     layouts: dict[tuple[float, float], list[int]] = {}
     for height, thickness, markers in designs:

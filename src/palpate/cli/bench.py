@@ -68,7 +68,7 @@ def bench(
     played.check()
     announce_compilation()
     if budget and isinstance(played.opened_model, Twin):
-        _foreseen(played, played.opened_model, out, json)
+        _predicted(played, played.opened_model, out, json)
     else:
         (_budget if budget else _units)(played, out, json)
 
@@ -80,7 +80,7 @@ def _model(flags: BenchFlags) -> Path:
     try:
         return flags.reads.find(flags.design)
     except PalpateError as error:
-        _say(f"{error.problem} It is made first, in some 3 minutes of one core, and kept.")
+        _print_result(f"{error.problem} It is made first, in some 3 minutes of one core, and kept.")
     skin = flags.design.skin_spec()
     study = single_design_study(skin, flags.design.markers, flags.reads.material)
     made = run_twins(study, RESULTS / study.name, observer=Lines())[0]
@@ -94,17 +94,17 @@ def _model(flags: BenchFlags) -> Path:
     return twin_path(RESULTS / study.name, skin.build())
 
 
-def _units(played: VirtualBench, out: Path, json: bool) -> None:
+def _units(trials: VirtualBench, out: Path, json: bool) -> None:
     from palpate.bench import describe_bench, run_bench, write_bench
 
     results = []
-    for result in run_bench(played):
+    for result in run_bench(trials):
         results.append(result)
         angles = " ".join(f"{s.component} {s.errors.rmse:.3f}/{s.errors.max:.2f}°" for s in result.scores[:2])
         name = f"unit {result.number}" if result.number else "nominal unit"
-        _say(f"[{len(results)}/{played.spec.units + 1}] {name}: {result.trial.failure or angles}")
-        write_bench(out, played, results)
-    described = describe_bench(played, results)
+        _print_result(f"[{len(results)}/{trials.spec.units + 1}] {name}: {result.trial.failure or angles}")
+        write_bench(out, trials, results)
+    described = describe_bench(trials, results)
     if json:
         print_json(described)
         return
@@ -112,10 +112,10 @@ def _units(played: VirtualBench, out: Path, json: bool) -> None:
     print(f"\nTables: {out}")
 
 
-def _foreseen(played: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
+def _predicted(trials: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
     """The budget of units that are read by their twin, calculated instead of played."""
-    spec = AccuracySpec(min_depth=played.spec.min_depth, max_tilt_deg=played.spec.max_tilt_deg, seed=played.spec.seed)
-    costs = predict_budget(twin, played.layout, build_camera(played.camera), played.spec.tolerance, spec)
+    spec = AccuracySpec(min_depth=trials.spec.min_depth, max_tilt_deg=trials.spec.max_tilt_deg, seed=trials.spec.seed)
+    costs = predict_budget(twin, trials.layout, build_camera(trials.camera), trials.spec.tolerance, spec)
     rows = [[cost.words, f"{cost.tolerance:g}", f"{cost.alone_deg:.4f}", f"{cost.saved_deg:.4f}"] for cost in costs]
     names = ["imperfection", "tolerance", "alone_deg", "saved_deg"]
     out.mkdir(parents=True, exist_ok=True)
@@ -131,15 +131,15 @@ def _foreseen(played: VirtualBench, twin: Twin, out: Path, json: bool) -> None:
     )
 
 
-def _budget(played: VirtualBench, out: Path, json: bool) -> None:
+def _budget(trials: VirtualBench, out: Path, json: bool) -> None:
     from palpate.bench import describe_budget, run_budget, write_budget
 
     lines = []
-    for line in run_budget(played):
+    for line in run_budget(trials):
         lines.append(line)
-        _say(f"{line.label}: {line.angle_deg:.3f}°")
-        write_budget(out, played, lines)
-    described = describe_budget(played, lines)
+        _print_result(f"{line.label}: {line.angle_deg:.3f}°")
+        write_budget(out, trials, lines)
+    described = describe_budget(trials, lines)
     if json:
         print_json(described)
         return
@@ -168,5 +168,5 @@ def _read_pair(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _say(line: str) -> None:
+def _print_result(line: str) -> None:
     print(line, file=sys.stderr, flush=True)

@@ -112,12 +112,12 @@ def baselines(
     check_folder(out)
     worker_flags.check()
     chosen = read_baseline_spec(spec)
-    scores = run_baselines(read_set(folder), chosen, out, only, worker_flags.workers, _say)
+    scores = run_baselines(read_set(folder), chosen, out, only, worker_flags.workers, _print_line)
     if json:
         print_json({name: [each.as_dict() for each in own] for name, own in scores.items()})
         return
     print((out / "baselines.md").read_text(encoding="utf-8").strip())
 
 
-def _say(text: str) -> None:
+def _print_line(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

@@ -81,55 +81,55 @@ def learn(
     begin = read_pretrained(start) if start is not None else None
     found = read_recording(recording, table.choice(), table.rest, spec.max_images, spec.seed)
     for note in found.notes:
-        _say(note)
+        _print_line(note)
     store, first = ArtefactStore(out / "store"), None
     if spec.estimators == "all":  # networks on pictures take longest: there is a report before they begin
-        first = train_on_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _say, begin)
+        first = train_on_recording(found, spec.model_copy(update={"estimators": "fast"}), store, _print_line, begin)
         _write(out, first)
-    learnt = train_on_recording(found, spec, store, _say, begin, first)
+    learnt = train_on_recording(found, spec, store, _print_line, begin, first)
     _write(out, learnt)
     print_json(recording_report(learnt)) if json else print(recording_page(learnt))
 
 
-def _write(out: Path, learnt: RecordingResult) -> None:
+def _write(out: Path, result: RecordingResult) -> None:
     import json
 
     from palpate.recording import draw_recording_report, recording_page, recording_report, write_model
 
-    write_model(out / "model.h5", learnt.model)
-    draw_recording_report(out, learnt)
+    write_model(out / "model.h5", result.model)
+    draw_recording_report(out, result)
     with wrap_write_errors(out, "Choose another folder."):
-        (out / "report.md").write_text(recording_page(learnt), encoding="utf-8")
-        (out / "report.json").write_text(json.dumps(recording_report(learnt), indent=2) + "\n", encoding="utf-8")
-    _say(f"Model: {out / 'model.h5'}. Report: {out / 'report.md'}.")
+        (out / "report.md").write_text(recording_page(result), encoding="utf-8")
+        (out / "report.json").write_text(json.dumps(recording_report(result), indent=2) + "\n", encoding="utf-8")
+    _print_line(f"Model: {out / 'model.h5'}. Report: {out / 'report.md'}.")
     try:
-        _accept(out, learnt)
+        _accept(out, result)
     except PalpateError as error:
-        _say(f"No acceptance report: {error.problem}")
+        _print_line(f"No acceptance report: {error.problem}")
 
 
-def _accept(out: Path, learnt: RecordingResult) -> None:
+def _accept(out: Path, result: RecordingResult) -> None:
     """Write the acceptance report of the presses that were held out, where rx, ry and depth were learnt."""
     import numpy as np
 
     from palpate.design import TILT_SPACE
     from palpate.sensor import AcceptanceSpec, GroundTruth, accept_unit, write_acceptance
 
-    names = learnt.model.space.names
+    names = result.model.space.names
     if any(name not in names for name in TILT_SPACE.names):
         raise PalpateError(
             f"it judges rx, ry and depth; the model estimates {', '.join(names)}.", code="model-outputs-missing"
         )
     columns = [names.index(name) for name in TILT_SPACE.names]
-    seen = learnt.seen
+    seen = result.seen
     judged = seen.split.test
     press = np.unique(seen.press[judged], return_inverse=True)[1].reshape(-1)
     images = tuple(seen.recording.names[row] for row in seen.rows[judged])
     poses = seen.targets[judged][:, columns]
     truth = GroundTruth((), images, press, poses, np.full(len(poses), np.nan))
-    accepted = accept_unit(truth, learnt.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, min_depth=0))
+    accepted = accept_unit(truth, result.estimates[judged][:, columns], None, AcceptanceSpec(zero=False, min_depth=0))
     write_acceptance(out, accepted, f"{seen.recording.name}, presses held out")
 
 
-def _say(text: str) -> None:
+def _print_line(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

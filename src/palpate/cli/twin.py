@@ -115,7 +115,7 @@ def twin(
             "presses by which each unit was identified; twin_off_mm: root mean square by which the twin differs from "
             f"presses between its own. Twins: {folder / 'twins'}"
         )
-    for name, off in {design.skin.build().name: _off(design.twin) for design in found if design.twin}.items():
+    for name, off in {design.skin.build().name: _error_text(design.twin) for design in found if design.twin}.items():
         if off > _MUCH_MM:
             print(
                 f"The twin of {name} is off by {off:.2f} mm between its presses, more than the figures know: "
@@ -129,7 +129,7 @@ def twin(
 
 
 @cache
-def _off(path: Path) -> float:
+def _error_text(path: Path) -> float:
     """What a twin says of itself, mm; nan where it was not checked."""
     from palpate.twin import read_twin
 
@@ -147,7 +147,7 @@ def _rows(design: DesignAccuracy) -> list[dict[str, Any]]:
             "p95_deg": round(figure.p95_deg, 4),
             "depth_rmse_mm": round(figure.depth_rmse, 4),
             "noise_deg": round(figure.noise_deg, 4),
-            "twin_off_mm": round(_off(design.twin), 4) if design.twin else None,
+            "twin_off_mm": round(_error_text(design.twin), 4) if design.twin else None,
         }
         for figure in design.accuracies
     ]

@@ -116,14 +116,14 @@ def clean_store(root: Path, needed: Collection[str], *, dry_run: bool = False) -
         If something cannot be removed.
     """
     keys = frozenset(needed)
-    found = tuple(removal for _, entry in _entries(root) if (removal := _judge(entry, keys)) is not None)
+    found = tuple(removal for _, entry in _entries(root) if (removal := _classify(entry, keys)) is not None)
     if not dry_run:
         for removal in found:
             _remove(removal.path)
     return found
 
 
-def _judge(entry: os.DirEntry[str], needed: frozenset[str]) -> Removal | None:
+def _classify(entry: os.DirEntry[str], needed: frozenset[str]) -> Removal | None:
     name, path = entry.name, Path(entry.path)
     if entry.is_dir(follow_symlinks=False):
         if name.startswith(DRAFT) and _is_left_behind(path):

@@ -98,7 +98,7 @@ class DatasetSpec(Spec):
     """How the units behind the images differ from the design; nothing, if not given."""
 
     @model_serializer(mode="wrap")
-    def _leave_out_what_is_off(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _leave_out_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Without randomisation a spec is written as before there was any, so that old artefacts keep their keys."""
         content: dict[str, Any] = dump(self)
         if self.randomise is None:

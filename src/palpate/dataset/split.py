@@ -22,8 +22,8 @@ class LeakageError(PalpateError):
         Whether it is a press or a pose.
     """
 
-    def __init__(self, what: str, *, code: str) -> None:
-        super().__init__(what, "Split by press: hold out all images of a press, or none.", code=code)
+    def __init__(self, problem: str, *, code: str) -> None:
+        super().__init__(problem, "Split by press: hold out all images of a press, or none.", code=code)
 
 
 def number_presses(places: FloatArray) -> IntArray:

@@ -109,8 +109,8 @@ class RandomisedField:
             moved += self._aside(rows, [field.positions(rx, ry, depth_index) for field in self.tangent_fields], base)
         return moved
 
-    def _aside(self, rows: NDArray[np.intp], beside: Sequence[FloatArray], base: FloatArray) -> FloatArray:
-        steps = zip(np.moveaxis(self.tangent_offsets[rows], -1, 0), beside, strict=True)
+    def _aside(self, rows: NDArray[np.intp], tangent_fields: Sequence[FloatArray], base: FloatArray) -> FloatArray:
+        steps = zip(np.moveaxis(self.tangent_offsets[rows], -1, 0), tangent_fields, strict=True)
         return np.asarray(sum(off[..., None] * (points - base) / _STEP for off, points in steps))
 
 
@@ -148,7 +148,7 @@ def randomise_field(
     size = (count, len(base.rest), 2) if chosen.dot else (count, 0, 2)
     off = chosen.dot * generator(spec.seed, "dot").uniform(-1.0, 1.0, size)
     return RandomisedField(
-        base, others, _draw_weights(chosen, spec.seed, count), _beside(layout, presses, chosen), off
+        base, others, _draw_weights(chosen, spec.seed, count), _tangent_fields(layout, presses, chosen), off
     )
 
 
@@ -193,7 +193,9 @@ def _refuse_missing(spec: RandomisationSpec, relatives: PerturbedPresses) -> Non
             )
 
 
-def _beside(layout: MarkerLayout, presses: Sequence[Press], spec: RandomisationSpec) -> tuple[MarkerField, ...]:
+def _tangent_fields(
+    layout: MarkerLayout, presses: Sequence[Press], spec: RandomisationSpec
+) -> tuple[MarkerField, ...]:
     """Fields of the dots displaced along the meridian and along the circle."""
     if not spec.dot:
         return ()

@@ -42,7 +42,7 @@ def draw_module_section(module: ContactModule, window: WindowPlate | None = None
     )
     side = module.flange_foot + 5
     draw_dimension(axis, (side, 0.0), (side, skin.height), f"H = {skin.height:.4g}")
-    draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", beside=True)
+    draw_dimension(axis, (0.0, skin.height), (0.0, top), f"T = {skin.thickness:.4g}", offset=True)
     draw_dimension(axis, (-side, foot), (-side, 0.0), f"{module.flange_thickness:.4g}")
     if skin.plan.is_round:
         axis.text(
@@ -137,13 +137,13 @@ def _fill(axis: Axes, right: FloatArray, colour: str) -> None:
 
 
 def draw_dimension(
-    axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, beside: bool = False
+    axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, offset: bool = False
 ) -> None:
     """Draw an arrow between two points with a text in mm."""
     axis.annotate("", end, start, arrowprops={"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "linewidth": 0.8})
     x, y = (np.array(start) + end) / 2
     upright = abs(start[0] - end[0]) < 1e-9
-    if beside or upright:
+    if offset or upright:
         axis.text(x + 1.0, y, text, va="center", fontsize=9)
     else:
         axis.text(x, y + 0.6, text, ha="center", va="bottom", fontsize=9)

@@ -35,7 +35,7 @@ def draw_barrel_section(module: ContactModule) -> Figure:
     low, high = module.foot - 22, module.top + 8
     draw_dimension(axis, (low, -module.flange_foot), (low, module.flange_foot), f"{2 * module.flange_foot:.4g}")
     draw_dimension(
-        axis, (skin.height, side + 4), (module.top, side + 4), f"{module.flange_thickness:.4g}", beside=True
+        axis, (skin.height, side + 4), (module.top, side + 4), f"{module.flange_thickness:.4g}", offset=True
     )
     axis.set_xlim(low - 6, high + 10)
     axis.set_ylim(-side - 12, side + 10)

@@ -87,14 +87,14 @@ class Screw:
 
     Attributes
     ----------
-    core, clear, head, beside
+    core, clear, head, clearance
         Diameters of the self-cut thread in plastic, of the hole that is passed and of its head; plastic beside it.
     """
 
     core: float
     clear: float
     head: float
-    beside: float
+    clearance: float
 
 
 M3, M2 = Screw(M3_CORE, M3_CLEAR, 6.2, WALL), Screw(1.6, 2.4, 4.4, 1.8)
@@ -175,7 +175,9 @@ def build_enclosure(
         )
     far = module.farthest
     bore = max(far * module.opening_foot + LED_WIDTH, float(np.hypot(*body.across)) / 2 + spec.clearance)
-    outer = max(bore + WALL, far * module.flange_foot + _screw(module).clear + 2 * _screw(module).beside, ISO_RADIUS)
+    outer = max(
+        bore + WALL, far * module.flange_foot + _screw(module).clear + 2 * _screw(module).clearance, ISO_RADIUS
+    )
     low = shelf - body.depth - WALL
     ring = ((_ring_top(module), RING_TOP), (outer, RING_EDGE))
     housing = _housing(module, body, (bore, outer, shelf, low), window)

@@ -43,7 +43,7 @@ WALL_NAMES = (*_POSE, *WallSpec.LATERAL_FIELDS, "curvature", "friction")
 """What a press by a flat wall may be differentiated by, beside the numbers of its skin and its material."""
 _STEP = 1e-7
 """Half the difference of a parameter, mm, degrees or 1; of a constant of the material, its share."""
-_BEND_STEP = 3e-6
+_CURVATURE_STEP = 3e-6
 """The same of a curvature, 1/m: some 1e-7 mm at the edge of a patch."""
 
 
@@ -113,7 +113,7 @@ def _vary(made: PathInputs, name: str) -> Variation:
     if name in WallSpec.LATERAL_FIELDS:
         return _vary_drift(made, name)
     if name == "curvature":
-        return _vary_bend(made)
+        return _vary_curvature(made)
     half = not made.mesh.spec.whole
     if name == "twist_deg":
         high, low = (
@@ -155,21 +155,21 @@ def _vary_drift(made: PathInputs, name: str) -> Variation:
     return Variation(name, _STEP, high, low, antisymmetric=half and name != "lateral_rate", sideways=True)
 
 
-def _vary_bend(made: PathInputs) -> Variation:
+def _vary_curvature(made: PathInputs) -> Variation:
     """The wall more, or less, curved."""
     touched = made.loading.obstacle(0.0)
     assert isinstance(touched, Plane)
     high, low = (
         replace(made.loading, obstacle=partial(_bent, made.loading.obstacle, 1e-3 * by))
-        for by in (_BEND_STEP, -_BEND_STEP)
+        for by in (_CURVATURE_STEP, -_CURVATURE_STEP)
     )
-    return Variation("curvature", _BEND_STEP, high, low)
+    return Variation("curvature", _CURVATURE_STEP, high, low)
 
 
 def _bent(obstacle: Callable[[float], Obstacle], by: float, depth: float) -> Obstacle:
     plane = obstacle(depth)
     assert isinstance(plane, Plane)
-    return replace(plane, bend=plane.bend + by)
+    return replace(plane, curvature=plane.curvature + by)
 
 
 def _vary_wall(made: PathInputs, name: str) -> Variation:
@@ -182,7 +182,7 @@ def _vary_wall(made: PathInputs, name: str) -> Variation:
     sides = []
     for by in (_STEP, -_STEP):
         normal = wall_normal(*(along + np.radians(by) * unit))
-        touched = Plane(normal, made.mesh.skin.support_point(normal), bend=1e-3 * made.obstacle.curvature)
+        touched = Plane(normal, made.mesh.skin.support_point(normal), curvature=1e-3 * made.obstacle.curvature)
         sides.append(
             replace(
                 made.loading, obstacle=partial(translate_obstacle, touched, made.obstacle.approach_axis(made.mesh))

@@ -79,7 +79,7 @@ class WallSpec(ObstacleSpec):
     def at_first_contact(self, mesh: Mesh) -> tuple[Obstacle, FloatArray]:
         normal = self.normal(mesh)
         touched = mesh.skin.support_point(normal)
-        return Plane(normal, touched, bend=1e-3 * self.curvature), touched
+        return Plane(normal, touched, curvature=1e-3 * self.curvature), touched
 
     def path(self, mesh: Mesh) -> Callable[[float], Obstacle]:
         touched, _ = self.at_first_contact(mesh)
@@ -127,14 +127,14 @@ class Plane(Obstacle):
         (3,) mm, a point that moves with the plane.
     axes
         (3, 3) its own axes as columns, once it has turned about its normal.
-    bend
+    curvature
         1/mm, its curvature; negative: hollow.
     """
 
     normal: FloatArray
     point: FloatArray
     axes: FloatArray | None = None
-    bend: float = 0.0
+    curvature: float = 0.0
 
     def moved(self, by: FloatArray) -> Self:
         return replace(self, point=self.point + by)
@@ -145,13 +145,13 @@ class Plane(Obstacle):
         return replace(self, axes=Rotation.from_rotvec(angle * self.normal).as_matrix() @ axes)
 
     def gap(self, points: FloatArray) -> Gap:
-        if self.bend:
-            return _bent_gap(points - self.point, self.normal, self.bend)
+        if self.curvature:
+            return _bent_gap(points - self.point, self.normal, self.curvature)
         return Gap(_height(points, self.point, self.normal), np.tile(self.normal, (len(points), 1)), None)
 
     def patch(self, at: FloatArray, half: float) -> tuple[FloatArray, IntArray]:
         along, across = tangents(self.normal)
-        if self.bend:
+        if self.curvature:
             raise PalpateError(
                 "A bent wall has no flat facets.",
                 "Press with a ball of its radius instead.",
@@ -161,13 +161,13 @@ class Plane(Obstacle):
         return np.array([at + half * (a * along + b * across) for a, b in sides]), np.array([[0, 1, 2, 3]])
 
     def penetration(self, points: FloatArray) -> FloatArray:
-        if self.bend:
+        if self.curvature:
             return super().penetration(points)
         reach: FloatArray = (points - self.point) @ self.normal
         return reach
 
     def closest_points(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        if self.bend:
+        if self.curvature:
             return super().closest_points(points)
         reach = self.penetration(points)
         place = points - self.point - reach[:, None] * self.normal
@@ -199,16 +199,16 @@ def drifting(obstacle: Callable[[float], Obstacle], way: FloatArray, twist: floa
     return plane.moved(depth * way).twisted(depth * twist)
 
 
-def _bent_gap(arm: FloatArray, normal: FloatArray, bend: float) -> Gap:
+def _bent_gap(arm: FloatArray, normal: FloatArray, curvature: float) -> Gap:
     """Gap of a ball of radius ``1/bend`` mm from the vectors (n, 3) mm to points from where a plane touches it.
 
-    Written so that it becomes the plane's as `bend` goes to 0.
+    Written so that it becomes the plane's as `curvature` goes to 0.
     """
     height, square = arm @ normal, (arm**2).sum(axis=1)
-    far = np.sqrt(1.0 - 2.0 * bend * height + bend**2 * square)  # distance from the centre over the radius
-    way = (normal - bend * arm) / far[:, None]
-    hessian = (way[:, :, None] * way[:, None, :] - np.eye(3)) * (bend / far)[:, None, None]
-    return Gap((2.0 * height - bend * square) / (1.0 + far), way, hessian)
+    far = np.sqrt(1.0 - 2.0 * curvature * height + curvature**2 * square)  # distance from the centre over the radius
+    way = (normal - curvature * arm) / far[:, None]
+    hessian = (way[:, :, None] * way[:, None, :] - np.eye(3)) * (curvature / far)[:, None, None]
+    return Gap((2.0 * height - curvature * square) / (1.0 + far), way, hessian)
 
 
 @kernel

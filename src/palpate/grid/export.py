@@ -79,7 +79,7 @@ def export_grid(path: Path, grid: SpecificationGrid) -> tuple[Path, ...]:
     return tuple(path.parent / name for name in names)
 
 
-def write_csv(path: Path, grid: SpecificationGrid, beside: str = "{stem}_{table}") -> None:
+def write_csv(path: Path, grid: SpecificationGrid, other: str = "{stem}_{table}") -> None:
     """Write the four tables as CSV; a cell without a figure is empty.
 
     Parameters
@@ -88,7 +88,7 @@ def write_csv(path: Path, grid: SpecificationGrid, beside: str = "{stem}_{table}
         File of the designs: their names and the columns of `CSV_COLUMNS` that they have.
     grid
         The grid.
-    beside
+    other
         How the files of the other tables are named, from ``stem`` of the file and ``table``.
     """
     names = [design_label(row) for row in grid.designs]
@@ -97,7 +97,7 @@ def write_csv(path: Path, grid: SpecificationGrid, beside: str = "{stem}_{table}
     _write_rows(path, [{"name": name, **{column: row[column] for column in columns}} for name, row in rows])
     for table in TABLES:
         numbered: Sequence[Row] = getattr(grid, table)
-        file = path.with_name(beside.format(stem=path.stem, table=table) + path.suffix)
+        file = path.with_name(other.format(stem=path.stem, table=table) + path.suffix)
         _write_rows(file, [{"name": names[int(str(row["design"]))], **row} for row in numbered])
 
 

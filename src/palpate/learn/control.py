@@ -78,6 +78,6 @@ def shuffle_labels(dataset: Dataset, seed: int = 0) -> Dataset:
     return replace(dataset, poses=poses)
 
 
-def _errors(kept: Dataset, held: Dataset, spec: TrainingSpec, seed: int) -> Metrics:
-    estimates = train_on(kept, held, spec, seed).predict(held.images_px)
+def _errors(model: Dataset, held: Dataset, spec: TrainingSpec, seed: int) -> Metrics:
+    estimates = train_on(model, held, spec, seed).predict(held.images_px)
     return measure_errors(estimates, held.poses, held.space)

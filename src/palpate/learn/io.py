@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from onnx import ModelProto, NodeProto
 
 
-FORMAT, FORMAT_VERSION = "palpate estimator", "1"
+FORMAT, FORMAT_VERSION = "palpate estimator", "2"
 INPUT = "markers_px"
 """Name of the graph's input."""
 OPSET, IR_VERSION = 17, 8

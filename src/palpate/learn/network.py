@@ -144,7 +144,7 @@ class _Training:
         """Train every repeat until it stops or the epochs are spent."""
         for epoch in range(self.spec.epochs):
             self._train_epoch()
-            self._judge(epoch)
+            self._validate(epoch)
             if not self.active:
                 break
         for row, repeat in enumerate(self.active):
@@ -220,7 +220,7 @@ class _Training:
             parameter.sub_(rates * mean / size)
 
     @torch.no_grad()
-    def _judge(self, epoch: int) -> None:
+    def _validate(self, epoch: int) -> None:
         """Measure the validation error of each repeat; on a plateau drop rates and stop."""
         inputs, targets = self.held
         outputs = self._forward(inputs.expand(len(self.active), *inputs.shape))

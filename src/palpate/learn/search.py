@@ -65,11 +65,11 @@ def _best_setting(dataset: Dataset, space: HyperparameterSpace, spec: LearningSp
     while (done := len(_ended(study))) < trials:
         # the sampler's stream depends on the number of trials done, so that a resumed search repeats the same ones
         study.sampler = _sampler(child_seed(spec.seed, "trial", done) % 2**32)
-        study.optimize(lambda trial: _judge(dataset, space, trial, spec), n_trials=1)
+        study.optimize(lambda trial: _validate(dataset, space, trial, spec), n_trials=1)
     return study.best_trial.params
 
 
-def _judge(dataset: Dataset, space: HyperparameterSpace, trial: optuna.Trial, spec: LearningSpec) -> float:
+def _validate(dataset: Dataset, space: HyperparameterSpace, trial: optuna.Trial, spec: LearningSpec) -> float:
     """Score of one setting; of trainings longer from rung to rung, unless one of them is hopeless."""
     import optuna
 

@@ -52,13 +52,13 @@ def train(
     return train_on(dataset.subset(validation=False), dataset.subset(validation=True), spec, seed, device)
 
 
-def train_on(kept: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, device: str = "cpu") -> Estimator:
-    """Train on the images of `kept` and judge epochs and repeats by those of `held`; for the rest see `train`.
+def train_on(checkpoint: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, device: str = "cpu") -> Estimator:
+    """Train on the images of `checkpoint` and judge epochs and repeats by those of `held`; for the rest see `train`.
 
     Nothing says here that the two share no press: `train` takes them from one dataset, which does.
     """
-    estimator, trained = train_targets(kept, held, (kept.poses, held.poses), spec, seed, device)
-    estimator = replace(estimator, repeat_rmse_deg=_judge_members(estimator, held))
+    estimator, trained = train_targets(checkpoint, held, (checkpoint.poses, held.poses), spec, seed, device)
+    estimator = replace(estimator, repeat_rmse_deg=_validate_members(estimator, held))
     if spec.members == "all":
         return estimator
     kept_errors = [errors[epoch] for errors, epoch in zip(trained.history, trained.best_epoch, strict=True)]
@@ -66,23 +66,31 @@ def train_on(kept: Dataset, held: Dataset, spec: TrainingSpec, seed: int = 0, de
 
 
 def train_targets(
-    kept: Dataset, held: Dataset, targets: tuple[FloatArray, FloatArray], spec: TrainingSpec, seed: int, device: str
+    checkpoint: Dataset,
+    held: Dataset,
+    targets: tuple[FloatArray, FloatArray],
+    spec: TrainingSpec,
+    seed: int,
+    device: str,
 ) -> tuple[Estimator, TrainedNetwork]:
-    """Train on any targets (n, 3) of the images of `kept`; those of `held` choose epochs. All repeats are kept."""
+    """Train on any targets (n, 3) of the images of `checkpoint`; those of `held` choose epochs. All repeats are
+    kept."""
     from palpate.learn.network import TrainingData, train_network
 
-    inputs = _normalised(kept, kept.images_px)
-    jitter = np.tile(kept.spec.jitter_px / np.array(kept.normalisation.scale_px), kept.images_px.shape[1])
+    inputs = _normalised(checkpoint, checkpoint.images_px)
+    jitter = np.tile(
+        checkpoint.spec.jitter_px / np.array(checkpoint.normalisation.scale_px), checkpoint.images_px.shape[1]
+    )
     components = find_components(inputs, jitter, spec.components)
     mean, sd = _standard(targets[0])
-    noisy = draw_jitter(held.images_px, kept.spec.jitter_px, generator(seed, "judge"))
+    noisy = draw_jitter(held.images_px, checkpoint.spec.jitter_px, generator(seed, "judge"))
     data = TrainingData(
         inputs=inputs,
         targets=(targets[0] - mean) / sd,
         jitter=jitter,
         mean=components.mean,
         projection=components.projection,
-        held_inputs=_normalised(kept, noisy),
+        held_inputs=_normalised(checkpoint, noisy),
         held_targets=(targets[1] - mean) / sd,
         device=device,
     )
@@ -90,19 +98,19 @@ def train_targets(
     first, first_bias = components.fold(trained.weights[0], trained.biases[0])
     return (
         Estimator(
-            normalisation=kept.normalisation,
+            normalisation=checkpoint.normalisation,
             weights=(first, *trained.weights[1:]),
             biases=(first_bias, *trained.biases[1:]),
             activation=spec.activation,
             output_mean=mean,
             output_sd=sd,
-            rest_px=kept.rest_px,
+            rest_px=checkpoint.rest_px,
             seed=seed,
             made_by={"method": "perceptron", "device": device, **spec.model_dump(mode="json")},
-            training_images=len(kept.poses),
+            training_images=len(checkpoint.poses),
             validation_images=len(held.poses),
             history=trained.history,
-            space=kept.space,
+            space=checkpoint.space,
         ),
         trained,
     )
@@ -180,7 +188,7 @@ def evaluate(estimator: Estimator, dataset: Dataset, jitter_seed: int | None = N
     return measure_errors(estimator.predict(images), held.poses, held.space)
 
 
-def _judge_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
+def _validate_members(estimator: Estimator, held: Dataset) -> tuple[float, ...]:
     """RMSE of the angle of every member by itself (degrees) on clean images."""
     return tuple(
         measure_errors(poses, held.poses, held.space).pooled.rmse

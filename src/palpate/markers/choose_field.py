@@ -82,7 +82,7 @@ def choose_field(grey: Image, spec: DetectSpec) -> FieldCandidate | None:
         for size in ((spec.diameter_px,) if spec.diameter_px else _SIZES_PX)
         if size < min(grey.shape) / 3
     ]
-    fields = [_judge(grey, dark, size, spec) for dark, size in tries]
+    fields = [_evaluate(grey, dark, size, spec) for dark, size in tries]
     best = max(fields, key=lambda field: field.score, default=None)
     if best is not None and best.dots >= _MANY and best.clean >= _CLEAN:
         return best
@@ -116,7 +116,7 @@ def _cut(grey: Image, dark: bool, size: float, spec: DetectSpec) -> tuple[Segmen
     return segment(height, size / step, spec.threshold * measure_noise(grey) * factor, spec.evenness), step
 
 
-def _judge(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
+def _evaluate(grey: Image, dark: bool, size: float, spec: DetectSpec) -> FieldCandidate:
     """How clean the field of a size is."""
     segments, step = _cut(grey, dark, size, spec)
     chosen = choose_dots(segments, size / step, spec)

@@ -113,6 +113,6 @@ def _scatter(ring: RingFit, expected_px: float) -> float:
     Of few dots more than unknowns, what is told beforehand counts besides.
     """
     unknowns = len(ring.weights)
-    left = float(np.nansum(ring.off_px**2)) / 2.0 + _DOT_BELIEF * expected_px**2
+    left = float(np.nansum(ring.error_px**2)) / 2.0 + _DOT_BELIEF * expected_px**2
     square = left / (max(ring.count - unknowns, 0) + _DOT_BELIEF)
     return float(np.sqrt(square * (1.0 + unknowns / max(ring.count, 1))))

@@ -20,7 +20,7 @@ _GAINS = np.linspace(0.5, 1.5, 15)
 _REACH = 0.45
 """Distance to the nearest dot that may be the marker's, over the spacing of the markers at rest."""
 _ROUNDS = 3
-_KEPT = 0.8
+_CANDIDATES = 0.8
 """Share of the markers by which motions are compared at first: the others may be lost or merged."""
 _STRAY, _STRAY_PX = 4.0, 0.5
 """A dot this many times the median from where the best numbering expects it, and this far, is another's."""
@@ -103,7 +103,7 @@ def disambiguate_by_press(
         misfit = np.sqrt(((seen[have] - laid) ** 2).sum(axis=(1, 2)) / max(have.sum(), 1))
         best = int(np.argmin(misfit))
         gain = float(gains[best])
-    if misfit[best] > _EXPLAINED * moved or have.mean() < _KEPT / 2.0:
+    if misfit[best] > _EXPLAINED * moved or have.mean() < _CANDIDATES / 2.0:
         raise PalpateError(
             f"No numbering explains the press: {have.sum()} of {len(have)} markers found their dot, "
             f"{misfit[best]:.1f} px off.",
@@ -126,7 +126,7 @@ def _begin(rest: FloatArray, motions: FloatArray, pressed: FloatArray, reach: fl
     """The numbering and the factor on its motion whose markers lie nearest to dots."""
     if not len(pressed):
         return 0, 1.0
-    tree, kept = cKDTree(pressed), max(int(_KEPT * len(rest)), 1)
+    tree, kept = cKDTree(pressed), max(int(_CANDIDATES * len(rest)), 1)
     best = (np.inf, 0, 1.0)
     for number, motion in enumerate(motions):
         for gain in _GAINS:

@@ -47,7 +47,7 @@ _WHOLE = 0.85
 """Share of the dots from which on half of the next is enough."""
 _SURE = -80.0
 """Power of ten of the number of prints by chance below which a print is believed before others are looked at."""
-_BESIDE = 0.3
+_NEIGHBOURS = 0.3
 """Steps of a shifted ring, over the distance to the ring inside."""
 _LAW_REACH = 0.16
 """How far dots may lie from a ring that is known by the law of others only, over the distance of neighbours."""
@@ -185,7 +185,7 @@ class RingFinder:
                 shrunk[0] = weights[0]
                 none = np.full(len(self.angles[number]), -1)
                 rings.append(RingFit(shrunk, none, none * np.nan))
-            fits.append(self._finish([*rings, replace(outer, weights=weights, blob=blob, off_px=left)]))
+            fits.append(self._finish([*rings, replace(outer, weights=weights, blob=blob, error_px=left)]))
         return fits
 
     def _assign(self, rings: list[RingFit]) -> list[RingFit]:
@@ -207,7 +207,7 @@ class RingFinder:
                     weights = self.settler.fitted(
                         ring_harmonics(self.angles[number + 1], 7)[good], self.blobs[blob[good]], weights, NEXT
                     )
-                rings[number] = replace(ring, weights=weights, blob=blob, off_px=np.where(good, distance, np.nan))
+                rings[number] = replace(ring, weights=weights, blob=blob, error_px=np.where(good, distance, np.nan))
         return rings
 
     def _look_again(self, rings: list[RingFit]) -> list[RingFit]:
@@ -222,7 +222,7 @@ class RingFinder:
                               rings[number].radius_px)  # fmt: skip
             whole = [ring for ring in rings[:number] if ring.even and ring.share > _FULL_RING]
             taken = self._taken([*whole, *rings[number + 1 :]])
-            gap = _BESIDE * (high - low) / 2.0
+            gap = _NEIGHBOURS * (high - low) / 2.0
             grid = gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
             new = self.settler.scan(by, self.angles[number + 1], np.sort(radii) / by.radius_px, grid, taken, INSIDE)
             if new.power < rings[number].power + (0.0 if number else DROP):
@@ -340,7 +340,9 @@ class RingFinder:
         radii = np.arange(radius + _GAPS[0] * gap, radius + _GAPS[1] * gap + step, step)
         best = self.settler.scan(last, phi, radii / radius, np.zeros((1, 2)), taken)
         if best.share < _FULL_RING:
-            grid = _BESIDE * gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
+            grid = (
+                _NEIGHBOURS * gap * np.stack(np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]), axis=-1).reshape(-1, 2)
+            )
             other = self.settler.scan(last, phi, radii / radius, grid, taken)
             best = min(best, other, key=lambda ring: ring.power)
         return best

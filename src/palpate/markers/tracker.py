@@ -103,12 +103,12 @@ class Tracker:
         before = positions if jumped else state.last_px  # after a jump there is no motion to go on with
         return TrackedMarkers(positions, found, blob, jumped), TrackState(before, positions)
 
-    def reassign(self, blobs_px: FloatArray, foreseen_px: FloatArray) -> tuple[TrackedMarkers, TrackState]:
+    def reassign(self, blobs_px: FloatArray, predicted_px: FloatArray) -> tuple[TrackedMarkers, TrackState]:
         """Find every marker among the dots (n, 2) of an image about places (m, 2); its sighting, and the next state.
 
         What foresees them answers for the roughness of the motion.
         """
-        positions, blob, offset = self._try(foreseen_px, np.ascontiguousarray(blobs_px))
+        positions, blob, offset = self._try(predicted_px, np.ascontiguousarray(blobs_px))
         found = blob >= 0
         jumped = bool(offset > _JUMP or found.mean() < 0.5)
         return TrackedMarkers(positions, found, blob, jumped), TrackState(positions, positions)

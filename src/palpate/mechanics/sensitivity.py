@@ -186,7 +186,7 @@ class Sensitivity:
             if asked:
                 high, low = (self._assemble(each, step, side, history, u)[1] for side in _SIDES)
                 force = (high - low) / (2 * each.step)
-            kept = self._kept(each, step, u, history) if each.lasting and memory else old.history
+            kept = self._stored(each, step, u, history) if each.lasting and memory else old.history
             rates[each.name] = StateDerivative(u, force, kept)
         if memory:
             self._pace = self._solve(self._path, step, self._still)
@@ -297,7 +297,7 @@ class Sensitivity:
             found.append(each.loading(side).law.friction_limit(each.loading(side).penetration(step.end, state)))
         return np.where(step.history.limit > 0, (found[0] - found[1]) / (2 * each.step), 0.0)
 
-    def _kept(
+    def _stored(
         self, each: Variation, step: IncrementTransition, u: FloatArray, rate: ContactHistory
     ) -> ContactHistory:
         """Derivative of the history that the increment leaves."""

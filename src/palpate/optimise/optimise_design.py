@@ -73,7 +73,7 @@ def optimise_design(
         If optuna, torch or OpenCV is not installed.
     """
     load_opencv()  # layouts are offered where images are read: not to be missed as skins that cannot be made
-    space, judge = SkinSpace.of(spec), _Judge(spec, out, workers, observer, cluster)
+    space, judge = SkinSpace.of(spec), _Evaluator(spec, out, workers, observer, cluster)
     _keep(spec, sampler, out)
     searched = [name for name in spec.objectives if name in _SEARCHED] or ["error"]
     plan = SearchPlan(
@@ -84,7 +84,7 @@ def optimise_design(
         n_objectives=len(searched),
         max_hours=spec.max_hours,
     )
-    tried = judge.search(space, plan, out / JOURNAL, judge.say_best)
+    tried = judge.search(space, plan, out / JOURNAL, judge.report_best)
     rival = predict_baseline(spec, out, judge.run) if len(spec.objectives) > 1 else None
     control = SearchBaselines(tuple(judge.draw(space, plan)), tuple(judge.grid()))
     front = Front(spec, tuple(map(judge.skin, tried)), baseline=rival, search_baselines=control)
@@ -101,7 +101,7 @@ def validate_front(
     if front.spec.validation == "none" or front.winner is None:
         return front
     return replace(
-        front, validation=validate_designs(front, out, _Judge(front.spec, out, workers, observer, cluster).run)
+        front, validation=validate_designs(front, out, _Evaluator(front.spec, out, workers, observer, cluster).run)
     )
 
 
@@ -128,7 +128,7 @@ def constraint_violations(spec: RequirementsSpec, proposal: SkinEvaluation) -> d
 
 
 @dataclass(frozen=True)
-class _Judge:
+class _Evaluator:
     """Judges skins by tasks in the search's folder."""
 
     spec: RequirementsSpec
@@ -146,30 +146,30 @@ class _Judge:
     ) -> tuple[SearchTrial, ...]:
         """Skins that are tried. A search that goes on does so by what is said now of those tried before."""
         before = read_trials(journal, plan.n_objectives)
-        now = self.judge_again(before)
+        now = self.reevaluate(before)
         if now != before:
             rewrite_journal(journal, space, plan, now)
-        return search_skins(space, self.judge, plan, journal, watch)
+        return search_skins(space, self.evaluate, plan, journal, watch)
 
-    def judge(self, places: Sequence[Place]) -> list[Evaluation]:
+    def evaluate(self, places: Sequence[Place]) -> list[Evaluation]:
         """Values, violations and proposals at places."""
         space = SkinSpace.of(self.spec)
         tasks = [plan_skin_evaluation(self.spec, space.skin(place), space.material(place)) for place in places]
-        return [self._judged(proposal) for proposal in self._do(tasks)]
+        return [self._evaluation(proposal) for proposal in self._do(tasks)]
 
-    def judge_again(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
+    def reevaluate(self, tried: Sequence[SearchTrial]) -> tuple[SearchTrial, ...]:
         """The same skins as this version judges them; presses are kept."""
         old = [one for one in tried if one.evaluation.record.get("version") != stage_version("skin_evaluation")]
-        anew = dict(zip((one.number for one in old), self.judge([one.place for one in old]), strict=True))
+        anew = dict(zip((one.number for one in old), self.evaluate([one.place for one in old]), strict=True))
         return tuple(
-            replace(one, evaluation=anew.get(one.number) or self._judged(self.skin(one).coarse)) for one in tried
+            replace(one, evaluation=anew.get(one.number) or self._evaluation(self.skin(one).coarse)) for one in tried
         )
 
-    def _judged(self, proposal: SkinEvaluation) -> Evaluation:
+    def _evaluation(self, proposal: SkinEvaluation) -> Evaluation:
         note = {"proposal": proposal.to_data(), "version": stage_version("skin_evaluation")}
         return Evaluation(objective_values(self.spec, proposal), constraint_violations(self.spec, proposal), note)
 
-    def say_best(self, tried: Sequence[SearchTrial]) -> None:
+    def report_best(self, tried: Sequence[SearchTrial]) -> None:
         """Say how many skins were tried, and the least error of those that meet the constraints."""
         if self.observer is None:
             return

@@ -55,15 +55,15 @@ class SimulatedAccuracy:
         return np.quantile(_draw_figures([self])[0], [0.05, 0.95], axis=0).T
 
 
-def _draw_figures(played: Sequence[SimulatedAccuracy]) -> FloatArray:
+def _draw_figures(simulated: Sequence[SimulatedAccuracy]) -> FloatArray:
     """RMSE and error of 19 of 20 (d, draws, 2), degrees, of d designs by units drawn, alike for all of them.
 
     Drawn with replacement (the bootstrap) from the units that gave a pose with every design; nan without any.
     """
-    together = zip(*(figure.by_unit for figure in played), strict=True)
+    together = zip(*(figure.by_unit for figure in simulated), strict=True)
     units = np.array([unit for unit in together if None not in unit])
     if not len(units):
-        return np.full((len(played), _DRAWS, 2), np.nan)
+        return np.full((len(simulated), _DRAWS, 2), np.nan)
     drawn = units[generator(0, "units drawn again").integers(0, len(units), (_DRAWS, len(units)))]
     rmse, worst = np.sqrt(np.mean(drawn[..., 0] ** 2, axis=1)), np.quantile(drawn[..., 1], 0.95, axis=1)
     return np.stack([rmse, worst], axis=-1).swapaxes(0, 1)

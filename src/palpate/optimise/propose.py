@@ -46,7 +46,7 @@ from palpate.twin import Twin, read_twin
 _COARSE_TILTS, _COARSE_CONTACTS, _COARSE_CELLS = 4, ("no-slip", 1.2, 0.5, 0.2), 10
 """Tilts, contact laws and cells along a meridian of the presses by which skins are searched: a seventh of the cost
 of a twin at full fidelity, whose figures they meet within some per cent (docs/decisions/0074)."""
-_JUDGED_BY = (
+_EVALUATED_BY = (
     "seed",
     "calibration_presses",
     "min_depth",
@@ -94,7 +94,7 @@ class SkinEvaluationTask(Task):
 
     @cached_property
     def recipe(self) -> Recipe:
-        spec = self.spec.model_dump(mode="json", include=set(_JUDGED_BY)) | {"material": self.material}
+        spec = self.spec.model_dump(mode="json", include=set(_EVALUATED_BY)) | {"material": self.material}
         if self.grid is not None:
             spec["baseline_grid"] = self.grid.model_dump(
                 mode="json", include={"designs": {"markers"}, "distance": True}
@@ -210,7 +210,7 @@ def _choose(
             )
             for camera, markers in _offers(settings, markers_in_rings(rings)):
                 refusal = _refuse(twin, markers, material, camera, spec, _LOOKED_AT_FULLY if checks else _LOOKED_AT)
-                figure = refusal or _foresee(twin, markers, camera, spec, checks)
+                figure = refusal or _predict(twin, markers, camera, spec, checks)
                 if isinstance(figure, PredictedAccuracy):
                     found = True
                     yield LayoutOption(markers, choice.name, camera.spec.distance, choice.price, figure)
@@ -282,7 +282,7 @@ def accuracy_spec(spec: RequirementsSpec) -> AccuracySpec:
     )
 
 
-def _foresee(
+def _predict(
     twin: Twin, markers: MarkerSpec, camera: Camera, spec: RequirementsSpec, checks: Sequence[ValidationPresses]
 ) -> PredictedAccuracy | PalpateError:
     """What is foreseen of a layout, or why known presses tell nothing of its units: they contradict its twin."""

@@ -146,11 +146,11 @@ def validate_designs(front: Front, out: Path, do: Callable[[Sequence[Task]], Map
     designs += [_Candidate.rival(spec)] if spec.baseline else []
     winner = designs[0]
     second, problem = winner.second_solver()
-    tasks = [task for one in designs for task in (*one.foreseen_by, *one.units, *one.trained_units)]
+    tasks = [task for one in designs for task in (*one.predicted_by, *one.units, *one.trained_units)]
     reasons = do([*tasks, *second])
     problem = problem or next((reasons[task.recipe.key] for task in second if task.recipe.key in reasons), "")
     return ValidationResult(
-        designs=tuple(design.judge(store, reasons) for design in designs),
+        designs=tuple(design.evaluate(store, reasons) for design in designs),
         known=winner.bench.calibration_presses,
         second=None if problem else _compare(store, second, place_markers(winner.built, winner.markers).positions),
         second_problem=problem,
@@ -167,7 +167,7 @@ def predict_baseline(
     if spec.baseline is None:
         return None
     rival, store = _Candidate.rival(spec), ArtefactStore(out / "store")
-    return None if do(rival.foreseen_by) else rival.foresee(store)
+    return None if do(rival.predicted_by) else rival.predict(store)
 
 
 @dataclass(frozen=True)
@@ -221,13 +221,13 @@ class _Candidate:
         return self._proposal.twin
 
     @property
-    def foreseen_by(self) -> tuple[Task, ...]:
+    def predicted_by(self) -> tuple[Task, ...]:
         """The twin, and the presses that tell what it is off."""
         return (self.twin, *(press for checks in self._proposal.checks for press in checks.presses))
 
     @cached_property
     def units(self) -> tuple[UnitTrialTask, ...]:
-        return self._play(self.twin, self.bench)
+        return self._simulate(self.twin, self.bench)
 
     @cached_property
     def trained_units(self) -> tuple[UnitTrialTask, ...]:
@@ -235,9 +235,9 @@ class _Candidate:
             return ()
         study = design_study(self.spec, self.spec.name, self.skin, self.material, self.markers, self.camera)
         estimator = plan_study(resolve_device(study)).designs[0].estimator
-        return self._play(estimator, self.bench.model_copy(update={"calibration_presses": 0}))
+        return self._simulate(estimator, self.bench.model_copy(update={"calibration_presses": 0}))
 
-    def _play(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTrialTask, ...]:
+    def _simulate(self, reader: Task, bench: VirtualBenchSpec) -> tuple[UnitTrialTask, ...]:
         design = (self.skin, self.material, self.markers, self.camera)
         return tuple(UnitTrialTask(reader, *design, bench, unit) for unit in range(1, UNITS + 1))
 
@@ -253,7 +253,7 @@ class _Candidate:
             return (), str(error.problem)
         return (own, CalculixTask(own)), ""
 
-    def foresee(self, store: ArtefactStore) -> PredictedAccuracy | None:
+    def predict(self, store: ArtefactStore) -> PredictedAccuracy | None:
         """What is foreseen of it, from its twin and the presses beside it; `None` where those contradict the twin."""
         twin, spec = (
             read_twin(find_artefact(store, self.twin)),
@@ -266,12 +266,12 @@ class _Candidate:
         except ContradictionError:
             return None
 
-    def judge(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
+    def evaluate(self, store: ArtefactStore, reasons: Mapping[str, str]) -> ValidatedDesign:
         """What was foreseen and what was played."""
         empty = ValidatedDesign(
             self.title, self.built.name, self.markers.count, self.camera.distance, 0.0, predicted=None, simulated=None
         )
-        lacks = next((task for task in self.foreseen_by if store.find(task.recipe) is None), None)
+        lacks = next((task for task in self.predicted_by if store.find(task.recipe) is None), None)
         if lacks is not None:
             return replace(empty, problem=reasons.get(lacks.recipe.key, f"There is no {lacks.name}."))
         presses = (read_press(find_artefact(store, press)) for press in self.twin.presses)
@@ -280,7 +280,7 @@ class _Candidate:
             empty,
             problem="" if played else failures[0],
             force_n=max(float(np.linalg.norm(press.force, axis=1).max()) for press in presses),
-            predicted=self.foresee(store),
+            predicted=self.predict(store),
             simulated=played,
             trained=_gather(store, self.trained_units, reasons)[0],
         )

@@ -120,7 +120,7 @@ def search_skins(
             break
         asked = [trial for number in numbers if (trial := _ask(study, space, number, plan)) is not None]
         for trial, found in zip(asked, evaluate([trial.params for trial in asked]), strict=True):
-            _tell(study, trial, found)
+            _report(study, trial, found)
         if on_batch is not None:
             on_batch(_tried(study))
     return _tried(study)
@@ -140,14 +140,14 @@ def rewrite_journal(journal: Path, space: SkinSpace, plan: SearchPlan, tried: Se
         study.enqueue_trial(dict(one.place))
         trial = _ask(study, space, one.number, told)
         assert trial is not None
-        _tell(study, trial, one.evaluation)
+        _report(study, trial, one.evaluation)
     new.replace(journal)
 
 
 def _tried(study: optuna.Study) -> tuple[SearchTrial, ...]:
     """Every place that was judged, in the order in which they were proposed."""
     done = [trial for trial in study.get_trials(deepcopy=False) if trial.state.name == "COMPLETE"]
-    return tuple(SearchTrial(trial.number, trial.params, _judged(trial)) for trial in done)
+    return tuple(SearchTrial(trial.number, trial.params, _evaluation(trial)) for trial in done)
 
 
 def _open(journal: Path, objectives: int) -> optuna.Study:
@@ -197,7 +197,7 @@ def _sampler(kind: Sampler, seed: int) -> optuna.samplers.BaseSampler:
     return optuna.samplers.GPSampler(seed=seed, n_startup_trials=_STARTUP)
 
 
-def _tell(study: optuna.Study, trial: optuna.Trial, found: Evaluation) -> None:
+def _report(study: optuna.Study, trial: optuna.Trial, found: Evaluation) -> None:
     """Leave what was found in the journal."""
     for name, value in found.violations.items():
         trial.set_constraint(name, value)
@@ -206,6 +206,6 @@ def _tell(study: optuna.Study, trial: optuna.Trial, found: Evaluation) -> None:
     study.tell(trial, list(found.values))
 
 
-def _judged(trial: optuna.trial.FrozenTrial) -> Evaluation:
+def _evaluation(trial: optuna.trial.FrozenTrial) -> Evaluation:
     values, attributes = tuple(trial.values or ()), trial.user_attrs
     return Evaluation(values, attributes["violations"], attributes["note"])

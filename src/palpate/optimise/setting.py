@@ -47,7 +47,7 @@ class CameraSetting:
 
 
 def measure_settings(
-    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, foreseen: AccuracySpec
+    twin: Twin, spec: RequirementsSpec, choice: CameraChoice, predicted: AccuracySpec
 ) -> Iterator[CameraSetting]:
     """Measure all rings that might be printed, at every distance of a camera, with dots of every diameter.
 
@@ -67,10 +67,10 @@ def measure_settings(
     least, most = choice.distances
     for distance in np.linspace(least, most, _DISTANCES if most > least else 1):
         camera = build_camera(choice.camera.model_copy(update={"distance": round(float(distance), 2)}))
-        places = measure_ring_candidates(twin, camera, spec.tolerance, replace(foreseen, poses=_POSES), limits)
+        places = measure_ring_candidates(twin, camera, spec.tolerance, replace(predicted, poses=_POSES), limits)
         yield CameraSetting(camera, places)
         for dot in larger:
-            yield CameraSetting(camera, resize_dots(places, twin.skin, camera, dot, foreseen.noise_px))
+            yield CameraSetting(camera, resize_dots(places, twin.skin, camera, dot, predicted.noise_px))
 
 
 def dot_diameters(spec: RequirementsSpec) -> tuple[float, ...]:

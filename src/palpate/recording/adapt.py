@@ -24,7 +24,7 @@ from palpate.recording.layout import ObservedLayout
 from palpate.recording.lesson import TrainingSet
 from palpate.recording.model import read_model
 from palpate.recording.part import MarkerNetwork
-from palpate.recording.see_recording import PreparedRecording, Say
+from palpate.recording.see_recording import PreparedRecording, Report
 from palpate.recording.train_part import fine_tune_marker_network
 
 ADAPTED, CORRECTED = "adapted-dots-network", "corrected-dots-network"
@@ -142,7 +142,7 @@ def transfer_network(start: PretrainedModel, seen: PreparedRecording) -> MarkerN
     return MarkerNetwork("carried", arrays)
 
 
-def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, report: Say) -> dict[str, MarkerNetwork]:
+def fine_tune_members(start: PretrainedModel, seen: PreparedRecording, report: Report) -> dict[str, MarkerNetwork]:
     """The other network, corrected and adapted to this recording, by name.
 
     Raises

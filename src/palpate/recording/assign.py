@@ -14,7 +14,7 @@ from palpate.recording.layout import LEAST_DOTS, ObservedLayout, number_markers
 from palpate.recording.motions import fit_motion_prior
 from palpate.recording.sight import Detections
 
-_SAID = 500
+_REPORTED = 500
 _PILOT, _TEACH, _LEAST_TAUGHT, _ALIKE = 300, (0.3, 0.5, 0.6), 15, 3
 """Images from which the sensor's motions are learnt, shares of them that teach in each round, least number, and how
 many that look alike lead to another."""
@@ -124,7 +124,7 @@ def assign_images(
     for number, dots in enumerate(sight.dots):
         found.append(correspondent.find(dots))
         correspondent.remember(dots, found[-1])
-        if (number + 1) % _SAID == 0:
+        if (number + 1) % _REPORTED == 0:
             report(
                 f"correspondence: {number + 1} of {total} images, "
                 f"{sum(not one.accepted for one in found)} not believed"
@@ -141,7 +141,7 @@ def assign_images(
     )
 
 
-def _learn_motions(sight: Detections, correspondent: MarkerMatcher, say: Callable[[str], None]) -> None:
+def _learn_motions(sight: Detections, correspondent: MarkerMatcher, report: Callable[[str], None]) -> None:
     """Learn how this sensor's dots move, in rounds: the best of some images teach, all are assigned again."""
     some = np.unique(np.linspace(0, len(sight.dots) - 1, min(_PILOT, len(sight.dots))).astype(int))
     some = some[[len(sight.dots[number]) >= LEAST_DOTS for number in some]]
@@ -171,4 +171,4 @@ def _learn_motions(sight: Detections, correspondent: MarkerMatcher, say: Callabl
             min(correspondent.usual[0], float(np.quantile([one.agreement for one in best], 0.3))),
             max(correspondent.usual[1], float(np.quantile([one.rough for one in best], 0.7))),
         )
-    say(f"motions of the sensor: learnt from {len(taught)} images")
+    report(f"motions of the sensor: learnt from {len(taught)} images")

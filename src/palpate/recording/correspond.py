@@ -37,7 +37,7 @@ _CALM, _ROUGH = 0.035, 0.06
 """Root mean square distance from the smooth field, over the spacing: up to which one is sure, and at most."""
 _STEP, _TORN = 0.45, 0.16
 """Greatest distance of a dot from where its neighbours say, over theirs, to be grown to, and to count as whole."""
-_OFF = 0.2
+_MAX_RESIDUAL = 0.2
 """Distance from where its neighbours say, over theirs, from which a dot is none of the layout's."""
 _LESS = 0.08
 """How much less than in images that are sure may agree in one that is believed."""
@@ -176,7 +176,7 @@ class MarkerMatcher:
             return self._choose(tried)
         for match in self._grown(dots_px):
             smooth, _ = self._field(dots_px, match)
-            tried.append(self._judge(dots_px, *self._mend(dots_px, match, smooth)))
+            tried.append(self._evaluate(dots_px, *self._mend(dots_px, match, smooth)))
             tried.append(self.refine(dots_px, smooth))
             if max(tried[-2:], key=lambda one: one.score).confident:
                 break
@@ -251,8 +251,8 @@ class MarkerMatcher:
         else:
             match = _mutual(layout.rest_px + smooth, dots_px, tree, _NEAR)
         if self.motions is not None:
-            return self._judge(dots_px, match, smooth)
-        return self._judge(dots_px, *self._mend(dots_px, match, smooth))
+            return self._evaluate(dots_px, match, smooth)
+        return self._evaluate(dots_px, *self._mend(dots_px, match, smooth))
 
     def _mend(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> tuple[IntArray, FloatArray]:
         """The assignment without dots about which it is torn, grown again from what is whole."""
@@ -272,16 +272,16 @@ class MarkerMatcher:
             smooth, _ = self._field(dots_px, match)
         return match, smooth
 
-    def _judge(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> Correspondence:
+    def _evaluate(self, dots_px: FloatArray, match: IntArray, smooth: FloatArray) -> Correspondence:
         layout, there = self.layout, match >= 0
         moved = smooth.copy()
         moved[there] = dots_px[match[there]] - layout.rest_px[there]
         # two dots that are seen as one are neither of them
         if self.motions is None:
-            there &= assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) < _OFF
+            there &= assignment_residuals(layout.rest_px, layout.neighbours, dots_px, match) < _MAX_RESIDUAL
         off = np.linalg.norm(moved - smooth, axis=1) / layout.spacing_px
         if self.motions is not None:  # it knows better than the neighbours where a dot must be
-            there &= off < _OFF
+            there &= off < _MAX_RESIDUAL
         moved[~there] = smooth[~there]
         rough = float(np.sqrt(np.mean(off[there] ** 2))) if there.any() else np.inf
         agreement = float(2 * there.sum() / (len(layout) + len(dots_px)))

@@ -110,7 +110,7 @@ class Trainer:
                 self._go_on(checkpoint)
             while self.epoch < self.spec.epochs:
                 self._train()
-                error = self._judge()
+                error = self._validate()
                 self.epoch += 1
                 if error < self.best or not self.state:
                     self.best = error
@@ -175,7 +175,7 @@ class Trainer:
             loss.backward()
             self.optimiser.step()
 
-    def _judge(self) -> float:
+    def _validate(self) -> float:
         self.net.eval()
         with self.torch.no_grad():
             squares = [

@@ -20,7 +20,7 @@ from palpate.recording.make_parts import ROTATED, TrainingJob, train_members
 from palpate.recording.model import RecordedModel
 from palpate.recording.part import EnsembleMember
 from palpate.recording.read_recording import Recording
-from palpate.recording.see_recording import PreparedRecording, Say, prepare_recording
+from palpate.recording.see_recording import PreparedRecording, Report, prepare_recording
 from palpate.recording.spec import RecordingSpec
 from palpate.recording.split import find_row_offset
 from palpate.recording.turns import MOST_DOTS, find_rotation_sense, pattern_order
@@ -68,7 +68,7 @@ def train_on_recording(
     recording: Recording,
     spec: RecordingSpec,
     store: ArtefactStore,
-    report: Say,
+    report: Report,
     start: PretrainedModel | None = None,
     first: RecordingResult | None = None,
 ) -> RecordingResult:
@@ -103,7 +103,7 @@ def train_on_recording(
         name, parts[part.name] = part.name, part
         seconds[name] = max(seconds.get(name, 0.0), spent)
         if first is None or name not in {score.name for score in first.scores}:
-            _say_errors(name, parts[name], seen, report)
+            _report_errors(name, parts[name], seen, report)
         if first is None and "picture-network" not in name:
             early = time.monotonic() - begin
     parts = {name: parts[name] for name in names}
@@ -169,11 +169,13 @@ def make_training_set(name: str, seen: PreparedRecording, spec: RecordingSpec) -
     return TrainingSet(seen.pictures, targets, seen.split.train, seen.split.validation, spec.seed, turning)
 
 
-def _say_errors(name: str, part: EnsembleMember, seen: PreparedRecording, say: Say) -> None:
+def _report_errors(name: str, part: EnsembleMember, seen: PreparedRecording, report: Report) -> None:
     use = seen.split.test & (seen.accepted if part.reads_markers else True)
     off = part.predict((seen.moved if part.reads_markers else seen.pictures)[use]) - seen.targets[use]
     errors = np.sqrt(np.mean(off**2, axis=0))
-    say(f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True)))
+    report(
+        f"{name}: " + ", ".join(_figure(error, one) for error, one in zip(errors, seen.recording.poses, strict=True))
+    )
 
 
 def _figure(error: float, one: PoseColumn) -> str:

@@ -25,7 +25,7 @@ from palpate.recording.arrays import read_arrays, write_arrays
 from palpate.recording.course import TrainerSpec, load_torch
 from palpate.recording.lesson import TrainingSet, fit_ridge_part
 from palpate.recording.part import PARTS, EnsembleMember
-from palpate.recording.see_recording import Say
+from palpate.recording.see_recording import Report
 from palpate.recording.train_part import train_image_network, train_marker_network, train_rotated_network
 
 ROTATED = "-turned"
@@ -102,7 +102,7 @@ class TrainingJob:
         ]
         return Recipe("part", own, version=stage_version("recorded_estimator"))
 
-    def train(self, threads: int, checkpoint: Path, report: Say) -> Mapping[str, NDArray[Any]]:
+    def train(self, threads: int, checkpoint: Path, report: Report) -> Mapping[str, NDArray[Any]]:
         """Arrays of the part; what is known meanwhile lies in the file `checkpoint`."""
         if not self.is_network:
             return fit_ridge_part(self.name, self.training_set, self.name.startswith("picture")).arrays
@@ -123,7 +123,7 @@ class TrainedMember(NamedTuple):
 
 
 def train_members(
-    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, report: Say
+    jobs: Sequence[TrainingJob], threads: int, store: ArtefactStore, report: Report
 ) -> Iterator[TrainedMember]:
     """Make parts, and give each as soon as it is there.
 
@@ -154,7 +154,7 @@ def train_members(
             path = _keep(store, job, job.train(threads, _draft(store, job), report))
         yield TrainedMember(_read(job, path), time.monotonic() - begin)
     if workers > 1:
-        for job, arrays, seconds in _train_beside(missing, workers, threads // workers, store, report):
+        for job, arrays, seconds in _train_in_processes(missing, workers, threads // workers, store, report):
             yield TrainedMember(_read(job, _keep(store, job, arrays)), seconds)
 
 
@@ -179,8 +179,8 @@ def _read(job: TrainingJob, path: Path) -> EnsembleMember:
     return PARTS[kind](job.name, read_arrays(path))
 
 
-def _train_beside(
-    jobs: Sequence[TrainingJob], workers: int, threads: int, store: ArtefactStore, say: Say
+def _train_in_processes(
+    jobs: Sequence[TrainingJob], workers: int, threads: int, store: ArtefactStore, report: Report
 ) -> Iterator[tuple[TrainingJob, Mapping[str, NDArray[Any]], float]]:
     """Train networks in processes: those on dots first, which take minutes, then the longest."""
     load_torch()  # what is missing is told here
@@ -201,7 +201,7 @@ def _train_beside(
                 job, process, begin = busy[pipe]
                 told = _hear(pipe, job, process)
                 if isinstance(told, str):
-                    say(told)
+                    report(told)
                     continue
                 del busy[pipe]
                 process.join()
@@ -228,10 +228,10 @@ def _hear(pipe: Any, job: TrainingJob, process: Any) -> str | Mapping[str, NDArr
     return told
 
 
-def _work(job: TrainingJob, threads: int, kept: Path, pipe: Any, parent: int) -> None:
+def _work(job: TrainingJob, threads: int, checkpoint: Path, pipe: Any, parent: int) -> None:
     """What a process does; what the user can mend is handed on."""
     worker_process.attach_to_parent(parent)
     try:
-        pipe.send(dict(job.train(threads, kept, pipe.send)))
+        pipe.send(dict(job.train(threads, checkpoint, pipe.send)))
     except PalpateError as error:
         pipe.send(PalpateError(error.problem, error.remedy, code=error.code))

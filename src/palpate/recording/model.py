@@ -26,9 +26,9 @@ from palpate.recording.layout import ObservedLayout
 from palpate.recording.part import PARTS, EnsembleMember
 from palpate.recording.sight import Preprocessor
 
-FORMAT, FORMAT_VERSION = "palpate-recorded-model", 2
+FORMAT, FORMAT_VERSION = "palpate-recorded-model", 3
 _BANK = 200
-_KEPT = ("fields", "seen", "motion", "usual")
+_STORED = ("fields", "seen", "motion", "usual")
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +240,7 @@ def read_model(path: Path) -> RecordedModel:
                 for name, kind in facts["parts"]
             }
             layout = ObservedLayout(np.asarray(file["rest_px"])) if "rest_px" in file else None
-            kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _KEPT]
+            kept = [np.asarray(file[name]) if layout else np.zeros(0) for name in _STORED]
         found = facts["detector"]
         detector = (
             None if found is None else Detector(DetectSpec(mask="none"), bool(found[0]), found[1], None, found[2])

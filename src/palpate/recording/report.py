@@ -22,15 +22,15 @@ _DIM = 0.6
 """Brightness of images under the ways of their dots."""
 
 
-def recording_report(learnt: RecordingResult) -> dict[str, Any]:
+def recording_report(result: RecordingResult) -> dict[str, Any]:
     """Plain data of what a recording gave."""
-    seen, outputs = learnt.seen, learnt.model.outputs
+    seen, outputs = result.seen, result.model.outputs
     assigned = seen.assigned
     return {
-        **learnt.model.about,
+        **result.model.about,
         "outputs": [{"axis": axis, "unit": unit, "column": column} for axis, unit, column in outputs],
         "notes": list(seen.notes),
-        "best": learnt.best,
+        "best": result.best,
         "dots": None if assigned is None else len(assigned.layout),
         "correspondence": None if assigned is None else {key or "believed": n for key, n in assigned.counts.items()},
         "estimators": [
@@ -44,17 +44,17 @@ def recording_report(learnt: RecordingResult) -> dict[str, Any]:
                     for (axis, _, _), error, inside in zip(outputs, score.errors, score.coverage, strict=True)
                 },
             }
-            for score in learnt.scores
+            for score in result.scores
         ],
-        "curve": [vars(point) for point in learnt.curve],
-        "enough": extrapolate_learning_curve(learnt.curve),
-        "seconds": {"first_errors": learnt.seconds[0], "all": learnt.seconds[1]},
+        "curve": [vars(point) for point in result.curve],
+        "enough": extrapolate_learning_curve(result.curve),
+        "seconds": {"first_errors": result.seconds[0], "all": result.seconds[1]},
     }
 
 
-def recording_page(learnt: RecordingResult) -> str:
+def recording_page(result: RecordingResult) -> str:
     """The report as Markdown."""
-    seen, outputs, about = learnt.seen, learnt.model.outputs, learnt.model.about
+    seen, outputs, about = result.seen, result.model.outputs, result.model.about
     names = [f"{axis} {'' if unit == '1' else unit}".strip() for axis, unit, _ in outputs]
     head = (
         "estimator",
@@ -63,14 +63,14 @@ def recording_page(learnt: RecordingResult) -> str:
         *(f"{name} max" for name in names),
         "in interval",
     )
-    best = next(score for score in learnt.scores if score.name == learnt.best)
+    best = next(score for score in result.scores if score.name == result.best)
     held = len(np.unique(seen.press[seen.split.test]))
-    rows = [_row(score, score.name == learnt.best) for score in learnt.scores]
+    rows = [_row(score, score.name == result.best) for score in result.scores]
     figures = ", ".join(f"{name} {error.rmse:.3g}" for name, error in zip(names, best.errors, strict=True))
     lines = [
         f"# What the recording {seen.recording.name} gave",
         "",
-        f"**{learnt.best}: {figures}** RMSE on {held} presses that taught nothing.",
+        f"**{result.best}: {figures}** RMSE on {held} presses that taught nothing.",
         "",
         f"{about['images']} images of {about['presses']} presses: {about['train']} images taught, "
         f"{about['validation']} chose among settings and gave the intervals of {about['spec']['level']:.0%}, "
@@ -88,17 +88,17 @@ def recording_page(learnt: RecordingResult) -> str:
         "",
         *_table(
             ("presses", "estimator", *(f"{name} RMSE" for name in names)),
-            [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in learnt.curve],
+            [(str(p.presses), p.estimator, *(f"{x:.3g}" for x in p.rmse)) for p in result.curve],
         ),
         "",
-        extrapolate_learning_curve(learnt.curve),
+        extrapolate_learning_curve(result.curve),
         "",
         "## Pictures",
         "",
         *([] if seen.assigned is None else ["![dots by number](correspondence.png)", ""]),
         "![errors](errors.png)",
         "",
-        f"First errors after {learnt.seconds[0]:.0f} s, all after {learnt.seconds[1]:.0f} s. Made by "
+        f"First errors after {result.seconds[0]:.0f} s, all after {result.seconds[1]:.0f} s. Made by "
         + ", ".join(f"{name} {version}" for name, version in about["made_by"].items())
         + f"; seed {about['spec']['seed']}.",
         "",
@@ -106,7 +106,7 @@ def recording_page(learnt: RecordingResult) -> str:
     return "\n".join(lines)
 
 
-def draw_recording_report(folder: Path, learnt: RecordingResult) -> None:
+def draw_recording_report(folder: Path, result: RecordingResult) -> None:
     """Draw ``correspondence.png`` and ``errors.png`` into a folder.
 
     Raises
@@ -115,17 +115,17 @@ def draw_recording_report(folder: Path, learnt: RecordingResult) -> None:
         If they cannot be written.
     """
     with wrap_write_errors(folder, "Choose another folder."):
-        _draw_errors(learnt).savefig(folder / "errors.png", dpi=_DPI)
-        if learnt.seen.assigned is not None:
-            _draw_correspondences(learnt, learnt.seen.recording).savefig(folder / "correspondence.png", dpi=_DPI)
+        _draw_errors(result).savefig(folder / "errors.png", dpi=_DPI)
+        if result.seen.assigned is not None:
+            _draw_correspondences(result, result.seen.recording).savefig(folder / "correspondence.png", dpi=_DPI)
 
 
-def _draw_errors(learnt: RecordingResult) -> Figure:
-    seen, outputs = learnt.seen, learnt.model.outputs
+def _draw_errors(result: RecordingResult) -> Figure:
+    seen, outputs = result.seen, result.model.outputs
     count = len(outputs)
     figure = Figure(figsize=(3.3 * count + 3.3, 3.2), layout="constrained")
     axes = figure.subplots(1, count + 1, squeeze=False)[0]
-    off = learnt.estimates - seen.targets
+    off = result.estimates - seen.targets
     for column, (axis, (name, unit, _)) in enumerate(zip(axes, outputs, strict=False)):
         for rows, colour, what in ((seen.accepted, "C0", "by dots"), (~seen.accepted, "C1", "by picture")):
             shown = rows & seen.split.test
@@ -140,9 +140,9 @@ def _draw_errors(learnt: RecordingResult) -> Figure:
         _bare(axis)
     axes[0].legend(fontsize=7, frameon=False)
     for column, (name, unit, _) in enumerate(outputs):
-        values = [point.rmse[column] for point in learnt.curve]
+        values = [point.rmse[column] for point in result.curve]
         axes[-1].loglog(
-            [point.presses for point in learnt.curve], values, "o-", label=f"{name} ({unit})", markersize=4
+            [point.presses for point in result.curve], values, "o-", label=f"{name} ({unit})", markersize=4
         )
     axes[-1].set_xlabel("presses that taught")
     axes[-1].set_ylabel("RMSE on held-out presses")
@@ -151,9 +151,9 @@ def _draw_errors(learnt: RecordingResult) -> Figure:
     return figure
 
 
-def _draw_correspondences(learnt: RecordingResult, recording: Recording) -> Figure:
+def _draw_correspondences(result: RecordingResult, recording: Recording) -> Figure:
     """Images from the calmest to the most moved, and some that failed, with the way of each dot from rest."""
-    seen = learnt.seen
+    seen = result.seen
     assert seen.assigned is not None
     far = np.linalg.norm(seen.moved, axis=-1).mean(axis=1)
     good = np.flatnonzero(seen.accepted)

@@ -24,7 +24,7 @@ _LEAST_GOOD = 0.25
 _FIELD = 6
 """Dots of an image from which it has a field of them."""
 
-Say = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class PreparedRecording:
 
 
 def prepare_recording(
-    recording: Recording, spec: RecordingSpec, store: ArtefactStore, report: Say
+    recording: Recording, spec: RecordingSpec, store: ArtefactStore, report: Report
 ) -> PreparedRecording:
     """Look at a recording: dots and pictures, correspondence, split.
 
@@ -125,7 +125,12 @@ def prepare_recording(
 
 
 def _assign(
-    recording: Recording, eye: Preprocessor, sight: Detections, spec: RecordingSpec, store: ArtefactStore, say: Say
+    recording: Recording,
+    eye: Preprocessor,
+    sight: Detections,
+    spec: RecordingSpec,
+    store: ArtefactStore,
+    report: Report,
 ) -> tuple[AssignedMarkers | None, list[str]]:
     """Dots of all images by number, `None` where there are too few, and what must be said about them."""
     notes: list[str] = []
@@ -150,7 +155,7 @@ def _assign(
     )
     path = store.find(recipe)
     if path is None:
-        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", say)
+        found = assign_images(sight, reference, eye.shape, spec.correspondence == "grown", report)
         own = {key: value for key, value in vars(found).items() if key not in ("layout", "reference")}
         path = store.write(recipe, lambda file: write_arrays(file, {"rest_px": found.layout.rest_px, **own}))
     arrays = read_arrays(path)

@@ -57,26 +57,26 @@ def find_duplicate_images(digests: np.ndarray, poses: FloatArray) -> tuple[BoolA
     return double, np.abs(poses - poses[first])
 
 
-def find_row_offset(features: FloatArray, targets: FloatArray, teach: BoolArray) -> int:
+def find_row_offset(features: FloatArray, targets: FloatArray, train: BoolArray) -> int:
     """By how many rows poses must be moved to fit the images far better than they do; 0 where none does.
 
     Parameters
     ----------
     features, targets
         (n, p) what images show and (n, k) poses, in the order of the table.
-    teach
+    train
         (n,) images by which linear fits are made; the others judge them.
     """
     centred = features - features.mean(axis=0)
-    _, _, right = np.linalg.svd(centred[teach][:2000], full_matrices=False)
+    _, _, right = np.linalg.svd(centred[train][:2000], full_matrices=False)
     components = centred @ right[: min(_FEATURES, len(right))].T
     components = np.column_stack([components / (components.std(axis=0) + 1e-9), np.ones(len(components))])
 
     def error(shift: int) -> float:
         moved = np.roll(targets, shift, axis=0)
-        hold = 1e-2 * teach.sum() * np.eye(components.shape[1])
-        weight = np.linalg.solve(components[teach].T @ components[teach] + hold, components[teach].T @ moved[teach])
-        off = (components @ weight - moved)[~teach] / (targets.std(axis=0) + 1e-12)
+        hold = 1e-2 * train.sum() * np.eye(components.shape[1])
+        weight = np.linalg.solve(components[train].T @ components[train] + hold, components[train].T @ moved[train])
+        off = (components @ weight - moved)[~train] / (targets.std(axis=0) + 1e-12)
         return float(np.sqrt(np.mean(off**2)))
 
     as_given = error(0)

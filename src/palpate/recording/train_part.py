@@ -62,10 +62,10 @@ def train_marker_network(
     )
 
 
-def _components(centre: FloatArray, covariance: FloatArray, taught: int) -> dict[str, NDArray[Any]]:
+def _components(centre: FloatArray, covariance: FloatArray, fitted: int) -> dict[str, NDArray[Any]]:
     """Projection (p, c) on principal components, each scaled, and where the centre (p,) lies there."""
     values, vectors = np.linalg.eigh(covariance + 1e-9 * np.eye(len(centre)))
-    count = min(COMPONENTS, len(values), max(4, taught // 4))
+    count = min(COMPONENTS, len(values), max(4, fitted // 4))
     values, vectors = np.maximum(values[::-1][:count], 1e-9), vectors[:, ::-1][:, :count]
     projection = vectors / (values / values[0]) ** _POWER / math.sqrt(values[0])
     return {"projection": projection, "offset": centre @ projection}

@@ -169,7 +169,7 @@ class Aligner:
         zero = read.travel - read.fit.state[2]
         self.robot.move(start.moved((zero - self.spec.clear) * way))
         self._gap = self.spec.clear
-        return self._told(read, self._images - before)
+        return self._estimated(read, self._images - before)
 
     def _search(self, start: Placement, way: FloatArray) -> tuple[float, Reading]:
         """Travel (mm) at the first image that shows a touch, and its reading."""
@@ -222,7 +222,7 @@ class Aligner:
                 return reading
         return None
 
-    def _told(self, read: _Read, images: int) -> Touch:
+    def _estimated(self, read: _Read, images: int) -> Touch:
         fit, force = read.fit, read.fit.force.normal_force
         return Touch(
             read.base_from_flange,

@@ -114,7 +114,7 @@ class VirtualUnit:
 
     Parameters
     ----------
-    play
+    scenario
         What is played.
     number
         Of the unit, from 1.
@@ -136,15 +136,15 @@ class VirtualUnit:
         If the sensor cannot be opened or identified, or the offset not be told.
     """
 
-    def __init__(self, play: AlignmentScenario, number: int) -> None:
-        self.play, self.number = play, number
-        self.deviation = sample_deviation(play.tolerance, play.seed, number)
-        skin = build_skin(play.skin)
-        self._scene = build_scene(skin, play.layout, self.deviation, play.camera, LIGHT)
+    def __init__(self, scenario: AlignmentScenario, number: int) -> None:
+        self.play, self.number = scenario, number
+        self.deviation = sample_deviation(scenario.tolerance, scenario.seed, number)
+        skin = build_skin(scenario.skin)
+        self._scene = build_scene(skin, scenario.layout, self.deviation, scenario.camera, LIGHT)
         self._unit = SimulatedUnit(skin, self.deviation.thickness, self._scene, self._pressed(self._scene))
-        unit = Unit(skin, play.layout, nominal=play.camera, tolerance=play.tolerance)
-        self._sensor = open_sensor([self._scene.render_rest()], unit, play.twin, SensorSpec())
-        if play.calibration_presses:
+        unit = Unit(skin, scenario.layout, nominal=scenario.camera, tolerance=scenario.tolerance)
+        self._sensor = open_sensor([self._scene.render_rest()], unit, scenario.twin, SensorSpec())
+        if scenario.calibration_presses:
             self._identify()
         self._mount()
 
@@ -201,13 +201,13 @@ class VirtualUnit:
         self.offset_error_deg = _angle(true, self.tool.drill_in_sensor)
 
     def _before(
-        self, tilt_deg: FloatArray, slip: float, rng: np.random.Generator
+        self, tilt_deg: FloatArray, inverse_friction: float, rng: np.random.Generator
     ) -> tuple[SimulatedCell, SimulatedRobot]:
         """A cell whose wall is tilted against the drill, and a robot in front of it."""
         spec = self.play.robot
         start = Placement(rotation_from_vector(rng.uniform(-180.0, 180.0) * np.array([0.0, 0.0, 1.0])))
         normal = start.rotation @ wall_normal(*np.radians(tilt_deg))
-        wall = FlatWall(np.zeros(3), normal, slip)
+        wall = FlatWall(np.zeros(3), normal, inverse_friction)
         cell = self._cell(wall, self._mounted, spec.dropout, rng)
         gap = _STANDOFF_MM + float(rng.uniform(-spec.approach_mm, spec.approach_mm))
         way = (start @ self._mounted).rotation[:, 2]

@@ -111,11 +111,11 @@ class SolverBackend(ContactBackend):
         pressing = (1.0 - share) * size[before] + share * size[before + 1]
         return pressing * wall_normal(*np.radians(pose[:2]))
 
-    def _press(self, pose: FloatArray, slip: float) -> tuple[Press, float]:
+    def _press(self, pose: FloatArray, inverse_friction: float) -> tuple[Press, float]:
         tilt, azimuth_deg = float(np.hypot(*pose[:2])), float(np.degrees(np.arctan2(pose[1], pose[0])))
-        key = round(tilt, 3), round(slip, 6)
+        key = round(tilt, 3), round(inverse_friction, 6)
         if key not in self._solved:
-            contact = 1.0 / slip if slip > 0 else "no-slip"
+            contact = 1.0 / inverse_friction if inverse_friction > 0 else "no-slip"
             wall = WallSpec(tilt_deg=key[0], depth=self.depth, depth_step=_STEP_MM, contact=contact)
             spec = MeshSpec(cells=self.cells, filled=self.material.has_gel)
             mesh = mesh_skin(build_skin(self.deviation.dome(self.dome)), spec)

@@ -31,7 +31,7 @@ _CHANGE_PX_S = 2e-6 / FRAME_S**1.5
 """The same of its change within a second, px rms/s^1.5: 2e-6 px an image from one to the next of `FRAME_S`."""
 _UNTOLD_PX = 0.05
 """Noise of a way, px rms, above which it is not followed: images do not tell it from something else."""
-_TOLD = np.array([1.0, 0.0, 1.0])
+_MEASURED = np.array([1.0, 0.0, 1.0])
 
 
 class CameraDrift(NamedTuple):
@@ -84,16 +84,16 @@ class DriftFilter:
         squares of all ways over their variances is so many of its standard deviations beyond its mean.
         """
         mean, covariance = _ahead(creep, step_s)
-        off = self._to_ways @ measured - mean @ _TOLD
-        square = np.sum(off**2 / (covariance @ _TOLD @ _TOLD + self._variance))
+        off = self._to_ways @ measured - mean @ _MEASURED
+        square = np.sum(off**2 / (covariance @ _MEASURED @ _MEASURED + self._variance))
         return bool(np.sum(off**2) > least_px**2 and square > len(off) + sure * np.sqrt(2.0 * len(off)))
 
     def update(self, creep: CameraDrift, measured: FloatArray, step_s: float = FRAME_S) -> CameraDrift:
         """What is known after another image, a time in s after the last one followed, which tells a motion (k,)."""
         mean, covariance = _ahead(creep, step_s)
-        shared = covariance @ _TOLD
-        gain = shared / (shared @ _TOLD + self._variance)[:, None]
-        off = self._to_ways @ measured - mean @ _TOLD
+        shared = covariance @ _MEASURED
+        gain = shared / (shared @ _MEASURED + self._variance)[:, None]
+        off = self._to_ways @ measured - mean @ _MEASURED
         return CameraDrift(mean + gain * off[:, None], covariance - gain[:, :, None] * shared[:, None, :])
 
 

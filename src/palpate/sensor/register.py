@@ -135,7 +135,7 @@ def register_dome(
     spacing = float(np.median(cKDTree(seen).query(seen, 2)[0][:, 1]))
     law = None
     if fit.rms_px > _LEAST_BENT_PX:
-        bent, law = _bend(fit, naming, (layout, skin), nominal, start)
+        bent, law = _distort(fit, naming, (layout, skin), nominal, start)
         if law and (fit.rms_px > _EVEN * spacing or law.rms_px < _BETTER * fit.rms_px):
             fit = held = bent
         else:
@@ -173,7 +173,7 @@ def _check_size(seen: FloatArray, expected: FloatArray, rms_px: float) -> None:
         )
 
 
-def _bend(
+def _distort(
     fit: _Fit, naming: MarkerAssignment, design: tuple[MarkerLayout, Skin], nominal: CameraSpec, start: FloatArray
 ) -> tuple[_Fit, PrintDistortion | None]:
     """The pose of a print that is bent as a whole, and its law; what a layout without rings keeps."""

@@ -111,19 +111,19 @@ class BatchTwin:
         moments = self._torch.stack([((x + nx) * cross).sum(-1), ((y + ny) * cross).sum(-1)], dim=-1)
         return moments / (3.0 * cross.sum(-1, keepdim=True))
 
-    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, slips: Any) -> Tensor:
-        poses, slips = self._tensor(poses), self._tensor(slips)
-        pieces = zip(poses.split(_PIECE), slips.split(_PIECE), strict=True)
+    def _in_pieces(self, does: Callable[..., Tensor], poses: Any, inverse_frictions: Any) -> Tensor:
+        poses, inverse_frictions = self._tensor(poses), self._tensor(inverse_frictions)
+        pieces = zip(poses.split(_PIECE), inverse_frictions.split(_PIECE), strict=True)
         return self._torch.cat([does(*piece) for piece in pieces])
 
     def _tensor(self, values: Any) -> Tensor:
         return self._torch.as_tensor(values, **self._kind)
 
-    def _amplitudes(self, poses: Tensor, slips: Tensor) -> tuple[Tensor, Tensor]:
+    def _amplitudes(self, poses: Tensor, inverse_frictions: Tensor) -> tuple[Tensor, Tensor]:
         """Amplitudes (n, r + 3) of modes and force, and azimuths (n,) of the tilts."""
         torch = self._torch
         tilt = torch.hypot(poses[:, 0], poses[:, 1]).clamp(min=STRAIGHT_DEG)
-        first, weight = self._basis(0, slips)
+        first, weight = self._basis(0, inverse_frictions)
         for axis, at in ((1, tilt), (2, poses[:, 2])):
             number, share = self._basis(axis, at)
             first = (first[:, :, None] * self._shape[axis] + number[:, None, :]).flatten(1)
@@ -150,14 +150,14 @@ class BatchTwin:
         steps = torch.arange(DEGREE + 1, device=span.device)
         return span[:, None] - DEGREE + steps, torch.stack(values, dim=1)
 
-    def _move(self, poses: Tensor, slips: Tensor) -> Tensor:
-        found, azimuth = self._amplitudes(poses, slips)
+    def _move(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, inverse_frictions)
         modes, angle = found[:, : len(self._order)], azimuth[:, None] * self._order
         rows = self._torch.cat([modes * angle.cos(), modes * angle.sin()], dim=1)
         return self._places + (rows @ self._waves).reshape(len(poses), -1, 3)
 
-    def _force(self, poses: Tensor, slips: Tensor) -> Tensor:
-        found, azimuth = self._amplitudes(poses, slips)
+    def _force(self, poses: Tensor, inverse_frictions: Tensor) -> Tensor:
+        found, azimuth = self._amplitudes(poses, inverse_frictions)
         slope, axial, axis = found[:, len(self._order) :].T
         c, s = azimuth.cos(), azimuth.sin()
         return self._torch.stack([axis * c - slope * s, slope * c + axis * s, axial], dim=1)

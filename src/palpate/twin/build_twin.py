@@ -156,7 +156,7 @@ def _refuse_others(presses: Sequence[Press]) -> None:
 
 def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]]:
     """Slips (s,), tilts (t,), and presses by rising slip, then tilt."""
-    by_place = {(_slip(press), press.obstacle.radial): press for press in presses}
+    by_place = {(_inverse_friction(press), press.obstacle.radial): press for press in presses}
     slips = np.array(sorted({slip for slip, _ in by_place}))
     tilts = np.array(sorted({tilt for _, tilt in by_place}))
     missing = [(slip, tilt) for slip in slips for tilt in tilts if (slip, tilt) not in by_place]
@@ -178,7 +178,7 @@ def _sort(presses: Sequence[Press]) -> tuple[FloatArray, FloatArray, list[Press]
     return slips, tilts, [by_place[slip, tilt] for slip in slips for tilt in tilts]
 
 
-def _slip(press: Press) -> float:
+def _inverse_friction(press: Press) -> float:
     return 1.0 / press.obstacle.friction if press.obstacle.friction > 0 else float("inf")
 
 
@@ -202,7 +202,7 @@ def _depths(presses: Sequence[Press], first: float) -> FloatArray:
     return np.asarray(step * np.arange(begin, count + 1))
 
 
-def _kept(press: Press) -> int:
+def _stored(press: Press) -> int:
     """Number of the images of a press on its way down before it leaves its first branch or jumps."""
     down = int(np.argmax(press.depth)) + 1
     lost = np.flatnonzero((press.branch[:down] != press.branch[0]) | (press.depth[:down] >= press.jump_depth))
@@ -210,7 +210,7 @@ def _kept(press: Press) -> int:
 
 
 def _reach(press: Press) -> float:
-    return float(press.depth[_kept(press) - 1])
+    return float(press.depth[_stored(press) - 1])
 
 
 def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
@@ -224,33 +224,35 @@ def _over_travel(parts: FloatArray, press: Press) -> FloatArray:
     return found
 
 
-def _refuse_holes(values: FloatArray, slips: FloatArray, tilts: FloatArray) -> None:
+def _refuse_holes(values: FloatArray, inverse_frictions: FloatArray, tilts: FloatArray) -> None:
     """Refuse presses that jumped: beyond, they have no derivatives."""
-    holes = np.argwhere(~np.isfinite(values.reshape(len(slips), len(tilts), -1)).all(axis=-1))
+    holes = np.argwhere(~np.isfinite(values.reshape(len(inverse_frictions), len(tilts), -1)).all(axis=-1))
     if len(holes):
-        slip, tilt = slips[holes[0, 0]], tilts[holes[0, 1]]
+        slip, tilt = inverse_frictions[holes[0, 0]], tilts[holes[0, 1]]
         law = f"µ = {1 / slip:.3g}" if slip > 0 else "no slip"
         raise PalpateError(
-            f"{len(holes)} of {len(slips) * len(tilts)} presses jump to another state, the first at {tilt:g}° under "
-            f"{law}; there is no twin across a jump.",
+            f"{len(holes)} of {len(inverse_frictions) * len(tilts)} presses jump to another state, the first "
+            f"at {tilt:g}° under {law}; there is no twin across a jump.",
             "Take a thicker or lower skin, or less depth.",
             code="twin-across-jump",
         )
 
 
-def _bridge(values: FloatArray, reach: FloatArray, slips: FloatArray, depths: FloatArray) -> None:
+def _bridge(values: FloatArray, reach: FloatArray, inverse_frictions: FloatArray, depths: FloatArray) -> None:
     """Carry presses that end before those of the next frictions on both sides on as between these.
 
     In values (slip, tilt, 6, depth, …) of presses that reach (slip, tilt) mm. So does a thin skin that goes over into
     its other state under some friction: carried on straight, it would spoil what is read under the others.
     """
     count = (depths <= reach[..., None] + SAME_DEPTH_MM).sum(axis=-1)
-    for k, tilt in np.ndindex(max(len(slips) - 2, 0), reach.shape[1]):
+    for k, tilt in np.ndindex(max(len(inverse_frictions) - 2, 0), reach.shape[1]):
         row, known = k + 1, count[k + 1, tilt]
         last = min(count[row - 1, tilt], count[row + 1, tilt])
         if last <= known:
             continue
-        share = (slips[row] - slips[row - 1]) / (slips[row + 1] - slips[row - 1])
+        share = (inverse_frictions[row] - inverse_frictions[row - 1]) / (
+            inverse_frictions[row + 1] - inverse_frictions[row - 1]
+        )
         between = (1 - share) * values[row - 1, tilt] + share * values[row + 1, tilt]
         apart = values[row, tilt, :, known - 1 : known] - between[:, known - 1 : known]
         values[row, tilt, :, known:] = between[:, known:] + apart

@@ -50,7 +50,7 @@ DARK = Theme("#e4e9ee", "#9aa8b5", "#3a4550", "#1b2229")
 class Selection:
     """Which rows stand out: those that answer the question, the design shown and the one beside it (or -1)."""
 
-    kept: Collection[int]
+    selected: Collection[int]
     design: int
     other: int = -1
 
@@ -115,7 +115,7 @@ def _heat_cell(
 ) -> Chart:
     (x, y), metric, bright = drawn
     value = _figure(row[metric])
-    kept = number in chosen.kept and value is not None
+    kept = number in chosen.selected and value is not None
     border = {chosen.design: FIRST, chosen.other: SECOND}.get(number, ink.ground)
     marked = number in (chosen.design, chosen.other)
     name = design_label(row)
@@ -192,7 +192,7 @@ def scatter_chart(grid: SpecificationGrid, axes: tuple[str, str], chosen: Select
         for i, row in enumerate(grid.designs)
         if (x := _figure(row[axes[0]])) is not None and (y := _figure(row[axes[1]])) is not None
     ]
-    kept = [point for point in points if point[0] in chosen.kept]
+    kept = [point for point in points if point[0] in chosen.selected]
     places = {number: (x, y) for number, x, y in points}
     front = pareto_front(kept)
     dots = [_scatter_dot(point, grid.designs[point[0]], axes, (chosen, front, ink)) for point in points]
@@ -227,7 +227,7 @@ def _scatter_dot(
     number, x, y = point
     chosen, front, ink = how
     marked = {chosen.design: FIRST, chosen.other: SECOND}.get(number)
-    kept = number in chosen.kept
+    kept = number in chosen.selected
     name = design_label(row)
     return {
         "name": name,

@@ -16,7 +16,7 @@ from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.design_panel import DesignPanel
 from palpate.viewer.elements import CameraView, DomeView, PoseBar
 from palpate.viewer.library import DesignLibrary
-from palpate.viewer.link import ColourQuantity, first_view, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.link import ColourQuantity, first_view, numeric_columns, read_link, selected_rows, write_link
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 from palpate.viewer.pressed_skin import SurfaceMotion
 from palpate.viewer.results import Design
@@ -126,7 +126,7 @@ class ExplorePage:
                 )
                 .props("dense outlined options-dense")
                 .classes("beside")
-                .on_value_change(lambda event: self._set_beside(event.value))
+                .on_value_change(lambda event: self._set_second(event.value))
             )
         self._fault = error_label()
         with ui.element("div").classes("domes") as self._domes:
@@ -175,7 +175,7 @@ class ExplorePage:
     def _draw_grid(self) -> None:
         chosen, message = self._chosen()
         total = len(self._grid.designs)
-        self._kept.text = message or f"{len(chosen.kept)} of {total} designs kept"
+        self._kept.text = message or f"{len(chosen.selected)} of {total} designs kept"
         self._kept.classes(add="complaint" if message else "faint", remove="faint" if message else "complaint")
         set_chart(self._heat, heat_chart(self._grid, self._view.metric, chosen, self._head.ink))
 
@@ -186,9 +186,9 @@ class ExplorePage:
     def _chosen(self) -> tuple[Selection, str]:
         """Rows that stand out, and what is wrong with the question."""
         try:
-            kept, message = kept_rows(self._grid, self._view.where), ""
+            kept, message = selected_rows(self._grid, self._view.where), ""
         except PalpateError as error:
-            kept, message = kept_rows(self._grid, ""), str(error)
+            kept, message = selected_rows(self._grid, ""), str(error)
         return Selection(kept, self._view.design, self._view.other), message
 
     def _draw_design(self) -> None:
@@ -219,7 +219,7 @@ class ExplorePage:
         set_chart(self._force, line_chart(curves, ("depth (mm)", "force (N)"), ink, [*marks, here]))
         errors = error_curves(self._grid, designs)
         set_chart(self._error, line_chart(errors, ("depth (mm)", "RMSE (°)"), ink, [here] if errors else []))
-        self._force_note.text = " ".join(_say_end(design, motion) for design, motion in shown)
+        self._force_note.text = " ".join(_end_sentence(design, motion) for design, motion in shown)
 
     def _numbers(self) -> list[int]:
         return [number for number in (self._view.design, self._view.other) if number >= 0]
@@ -236,7 +236,7 @@ class ExplorePage:
         self._select.value = number
         self._redraw()
 
-    def _set_beside(self, number: int | None) -> None:
+    def _set_second(self, number: int | None) -> None:
         if number is not None and number != self._view.other:
             self._change(other=number)
             self._redraw()
@@ -314,7 +314,7 @@ def _row_of(event: events.EChartPointClickEventArguments, place: int) -> int | N
     return int(value[place]) if isinstance(value, list) and len(value) > place else None
 
 
-def _say_end(design: Design, motion: SurfaceMotion) -> str:
+def _end_sentence(design: Design, motion: SurfaceMotion) -> str:
     start = design.row.get("bistable_from_mm")
     second = f" From {start:.2g} mm there is a second, inverted state." if isinstance(start, int | float) else ""
     return f"At {motion.tilt_deg:.3g}° to {motion.depths_mm[-1]:.1f} mm: {motion.ended}.{second}"

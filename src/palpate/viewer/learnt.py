@@ -66,13 +66,13 @@ def read_trained_sensor(folder: Path) -> TrainedSensor:
     return TrainedSensor(folder, model, report)
 
 
-def error_columns(learnt: TrainedSensor) -> list[str]:
+def error_columns(sensor: TrainedSensor) -> list[str]:
     """Heads of the table of errors."""
-    names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in learnt.model.outputs]
+    names = [axis if unit == "1" else f"{axis}, {unit}" for axis, unit, _ in sensor.model.outputs]
     return ["estimator", "images read", *(f"{name}: RMSE" for name in names), *(f"{name}: most" for name in names)]
 
 
-def error_rows(learnt: TrainedSensor) -> list[list[str]]:
+def error_rows(sensor: TrainedSensor) -> list[list[str]]:
     """The table of errors on held-out presses, an estimator a row; the one that is kept first.
 
     Raises
@@ -80,9 +80,9 @@ def error_rows(learnt: TrainedSensor) -> list[list[str]]:
     PalpateError
         If the report lacks what a row needs.
     """
-    axes = [axis for axis, _, _ in learnt.model.outputs]
+    axes = [axis for axis, _, _ in sensor.model.outputs]
     try:
-        found = sorted(learnt.report["estimators"], key=lambda one: one["name"] != learnt.report["best"])
+        found = sorted(sensor.report["estimators"], key=lambda one: one["name"] != sensor.report["best"])
         return [
             [
                 one["name"],
@@ -94,5 +94,5 @@ def error_rows(learnt: TrainedSensor) -> list[list[str]]:
         ]
     except (KeyError, TypeError, ValueError) as error:
         raise PalpateError(
-            f"The report in {learnt.folder} lacks {error}.", _AGAIN, code="report-incomplete"
+            f"The report in {sensor.folder} lacks {error}.", _AGAIN, code="report-incomplete"
         ) from error

@@ -14,15 +14,15 @@ class TrainedPage:
 
     Parameters
     ----------
-    learnt
+    sensor
         The folder of `palpate learn`.
     request
         Of the page.
     """
 
-    def __init__(self, learnt: TrainedSensor, request: Request) -> None:
-        self._learnt = learnt
-        PageHeader(request, "/", learnt.folder.resolve().name)
+    def __init__(self, sensor: TrainedSensor, request: Request) -> None:
+        self._learnt = sensor
+        PageHeader(request, "/", sensor.folder.resolve().name)
 
     def build(self) -> None:
         """Place the report."""

@@ -112,7 +112,7 @@ def numeric_columns(grid: SpecificationGrid) -> list[str]:
     return found
 
 
-def kept_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
+def selected_rows(grid: SpecificationGrid, where: str) -> frozenset[int]:
     """Numbers of the rows for which a question is true; all for an empty one.
 
     Raises
@@ -158,6 +158,6 @@ def _check(name: str, value: Any, grid: SpecificationGrid) -> None:
     if name in ("metric", "across", "up") and value not in numeric_columns(grid):
         raise ValueError(f"the grid has no column of numbers '{str(value)[:40]}'.")
     if name == "where":
-        kept_rows(grid, value)
+        selected_rows(grid, value)
     if name in ("depth", "tilt") and not 0 <= value <= 100:
         raise ValueError(f"{value:g} is out of reach.")

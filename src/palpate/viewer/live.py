@@ -182,7 +182,7 @@ def _first_of(images: Iterator[NDArray[Any] | PalpateError], remedy: str) -> NDA
     return first
 
 
-def judge(reading: Reading, tolerance_deg: float) -> LiveVerdict:
+def rate_reading(reading: Reading, tolerance_deg: float) -> LiveVerdict:
     """Hold the tilt of a reading, with its interval, against a tolerance in degrees.
 
     The interval of the tilt is that of its components, |rx ± a| and |ry ± b|, at their nearest and farthest.

@@ -118,15 +118,15 @@ class TrainedOpening(LiveOpening):
 
     Parameters
     ----------
-    learnt
+    sensor
         The folder of `palpate learn`.
     """
 
-    def __init__(self, learnt: TrainedSensor) -> None:
-        super().__init__(learnt.folder)
-        self._model = learnt.model
-        low, high = learnt.model.about["range"]
-        if learnt.model.space.is_tilt:
+    def __init__(self, sensor: TrainedSensor) -> None:
+        super().__init__(sensor.folder)
+        self._model = sensor.model
+        low, high = sensor.model.about["range"]
+        if sensor.model.space.is_tilt:
             self.reach_deg = math.ceil(max(math.hypot(*low[:2]), math.hypot(*high[:2])))
 
     def build(self) -> None:

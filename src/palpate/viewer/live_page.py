@@ -16,7 +16,7 @@ from palpate.sensor import Reading
 from palpate.viewer.dial import COLOURS, draw_dial
 from palpate.viewer.elements import LiveView
 from palpate.viewer.export import write_table
-from palpate.viewer.live import Live, LiveImage, LiveVerdict, judge, tilt_interval
+from palpate.viewer.live import Live, LiveImage, LiveVerdict, rate_reading, tilt_interval
 from palpate.viewer.live_opening import LiveOpening
 from palpate.viewer.page_head import PageHeader, error_label, heading, show_error
 
@@ -155,7 +155,7 @@ class LivePage:
 
     def _show_pose(self, step: LiveImage | None) -> None:
         reading = step.reading if step else None
-        verdict = judge(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
+        verdict = rate_reading(reading, self._tolerance) if reading else LiveVerdict.NO_TOUCH
         self._verdict.text = verdict.upper()
         self._verdict.style(f"background: {COLOURS[verdict]}")
         known = step.truth if step else None

@@ -59,7 +59,7 @@ def describe_motion(specimen: RenderedSkin, motion: SurfaceMotion, *, stress: bo
     arrays = {"displacement": motion.displacement[:, nodes]}
     if stress:
         arrays["stress"] = specimen.pressed.stress(motion)[:, nodes]
-    return write_message(_say_motion(motion), arrays)
+    return write_message(_motion_sentence(motion), arrays)
 
 
 def describe_markers(seen: VisibleMarkers) -> bytes:
@@ -82,7 +82,7 @@ def _clamps(skin: Skin) -> FloatArray:
     return np.stack([skin.point(size * circle, 1.0) for size in ([1.0, skin.hole] if skin.hole else [1.0])])
 
 
-def _say_motion(motion: SurfaceMotion) -> dict[str, Any]:
+def _motion_sentence(motion: SurfaceMotion) -> dict[str, Any]:
     return {
         "tilt_deg": motion.tilt_deg,
         "depths_mm": motion.depths_mm.tolist(),

@@ -10,7 +10,7 @@ from palpate.core import PalpateError
 from palpate.viewer.library import DesignLibrary, RenderedSkin
 from palpate.viewer.results import Design
 
-KEPT = 24
+CACHE_SIZE = 24
 """Designs made on the page that are kept; a dome at rest takes about 1 MB."""
 
 
@@ -35,7 +35,7 @@ class DesignCache:
             self._count += 1
             name = f"made-{self._count}"
             self._made[name] = (design, specimen)
-            while len(self._made) > KEPT:
+            while len(self._made) > CACHE_SIZE:
                 self._made.popitem(last=False)
             return name
 

@@ -80,7 +80,7 @@ class Workbench:
             )
             self._make = ui.button("Make", icon="precision_manufacturing", on_click=self._start_pack)
             self._make.props("no-caps outline dense")
-            self._cancel = ui.button("Cancel", on_click=self._call_off).props("no-caps flat dense")
+            self._cancel = ui.button("Cancel", on_click=self._cancel_job).props("no-caps flat dense")
             self._progress = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress"').classes("grow")
             self._status = ui.label("").classes("faint status").props('role="status"')
         self._fault = error_label()
@@ -94,7 +94,7 @@ class Workbench:
         self._build_look(self._bar)
         self._busy(False)
         self._timer = ui.timer(_LOOK_S, self._look, active=False)
-        ui.context.client.on_disconnect(self._call_off)
+        ui.context.client.on_disconnect(self._cancel_job)
 
     def _build_look(self, bar: PoseBar) -> None:
         colours = ["displacement", "stress", "contact"]
@@ -126,7 +126,7 @@ class Workbench:
             self._sketch = DesignDraft.model_validate(chosen)
             self._drawn = build_preview(self._sketch)
         except (PalpateError, ValidationError) as error:
-            self.complain(_say(error))
+            self.complain(_describe(error))
             return
         self.complain("")
         self._show_findings(self._drawn.findings)
@@ -194,7 +194,7 @@ class Workbench:
         else:
             self._finish(errand.result)
 
-    def _call_off(self) -> None:
+    def _cancel_job(self) -> None:
         if self._errand is not None:
             self._errand.cancel()
 
@@ -208,14 +208,14 @@ class Workbench:
         self._status.text = f"Pressed in {press.cpu_s:.1f} s."
         self._draw_force()
         self._bar.show(self._shelf.put(drawn.design, specimen))
-        self._bar.play(sketch.obstacle.tilt_deg, sketch.obstacle.azimuth_deg % 360)
+        self._bar.animate(sketch.obstacle.tilt_deg, sketch.obstacle.azimuth_deg % 360)
 
     def _hand_out_pack(self, pack: bytes) -> None:
         self._status.text = f"The pack has {len(pack) / 1e6:.1f} MB."
         ui.download.content(pack, "pack.zip")
 
 
-def _say(error: PalpateError | ValidationError) -> str:
+def _describe(error: PalpateError | ValidationError) -> str:
     if isinstance(error, PalpateError):
         return str(error)
     return " ".join(f"{'.'.join(map(str, item['loc']))}: {item['msg']}." for item in error.errors())

@@ -9,7 +9,7 @@ from palpate.claims import write_claims as write_page
 from palpate.claims.claim import CLAIMS
 from palpate.claims.evidence import DESIGNS, Evidence
 from palpate.claims.judge_claims import ASSESSMENTS
-from palpate.claims.judge_material import judge_law, judge_mesh
+from palpate.claims.judge_material import assess_law, assess_mesh
 from palpate.grid import SpecificationGrid, evaluate_grid, write_grid
 from results import FIRST, PAPER
 
@@ -195,7 +195,7 @@ def test_without_a_grid_only_the_law_is_decided():
 
 
 def test_the_law_of_table_2_gives_the_stresses_that_its_closed_form_gives():
-    finding = judge_law()
+    finding = assess_law()
     c10, c20, c30 = 0.0141156, 0.0001106, 0.0000048
 
     def nominal(stretch):
@@ -219,13 +219,13 @@ def test_the_law_of_table_2_gives_the_stresses_that_its_closed_form_gives():
 def test_a_mesh_is_fine_enough_only_where_all_finer_ones_agree(tmp_path, errors, expected):
     lines = ["elements,stress_error", *(f"{elements},{share}" for elements, share in errors.items())]
     (tmp_path / "convergence.csv").write_text("\n".join(lines))
-    assert judge_mesh(tmp_path / "convergence.csv").verdict == expected
+    assert assess_mesh(tmp_path / "convergence.csv").verdict == expected
 
 
 def test_a_broken_mesh_study_is_refused(tmp_path):
     (tmp_path / "convergence.csv").write_text("elements,stress_error\n100,much\n")
     with refused("convergence-table-unreadable"):
-        judge_mesh(tmp_path / "convergence.csv")
+        assess_mesh(tmp_path / "convergence.csv")
 
 
 def test_each_contact_law_of_a_mesh_study_is_answered(tmp_path):

@@ -51,7 +51,7 @@ def test_an_interrupted_search_repeats_no_trial_and_ends_alike(tabulated, tmp_pa
     module = sys.modules["palpate.learn.search"]
     spec = LearningSpec(preset="paper", trials=12)
     search_estimator(None, spec, tmp_path / "whole")
-    error = module._judge
+    error = module._validate
     calls = []
 
     def interrupted(dataset, space, trial, spec):

@@ -236,10 +236,10 @@ def test_only_presses_that_contradict_a_twin_leave_its_design_without_a_figure(
     monkeypatch.setattr("palpate.optimise.prove.foresee", refuse)
     design = MagicMock(bench=MagicMock(known=0), _proposal=MagicMock(checks=()))
     if error is ContradictionError:
-        assert _Candidate.foresee(design, MagicMock()) is None
+        assert _Candidate.predict(design, MagicMock()) is None
     else:
         with pytest.raises(PalpateError):
-            _Candidate.foresee(design, MagicMock())
+            _Candidate.predict(design, MagicMock())
 
 
 def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(

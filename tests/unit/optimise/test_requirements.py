@@ -25,7 +25,7 @@ from palpate.optimise import (
     read_requirements,
 )
 from palpate.optimise.front import SearchBaselines
-from palpate.optimise.optimise_design import _Judge, constraint_violations, objective_values
+from palpate.optimise.optimise_design import _Evaluator, constraint_violations, objective_values
 from palpate.optimise.propose import SkinEvaluationTask
 from palpate.optimise.prove import _finalists
 from palpate.optimise.space import SkinSpace
@@ -180,15 +180,15 @@ def test_a_finalist_that_breaks_a_limit_when_pressed_finely_is_followed_by_the_n
     tried = tuple(skin(number, 20.0 - number, 0.5, 0.5, 0.3, 0.1 + 0.01 * number) for number in range(4))
     short, asked = {20.0, 19.0}, list[float]()
 
-    def press_finely(self: _Judge, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
+    def press_finely(self: _Evaluator, tasks: Sequence[SkinEvaluationTask]) -> list[SkinEvaluation]:
         asked.extend(task.skin.height for task in tasks)
         coarse = [next(one.coarse for one in tried if one.coarse.skin == task.skin) for task in tasks]
         return [replace(one, max_depth_mm=7.9) if one.skin.height in short else one for one in coarse]
 
-    monkeypatch.setattr(_Judge, "_do", press_finely)
+    monkeypatch.setattr(_Evaluator, "_do", press_finely)
     spec = SPEC.model_copy(update={"finalists": 2})
     front = Front(spec, tried)
-    finished = replace(front, trials=_Judge(spec, tmp_path, None, None, "").finish(front))
+    finished = replace(front, trials=_Evaluator(spec, tmp_path, None, None, "").finish(front))
     assert asked == [20.0, 19.0, 18.0, 17.0]
     assert finished.winner is not None
     assert finished.winner.trial.number == 2

@@ -11,7 +11,7 @@ from errors import refused
 from palpate.core import stage_version
 from palpate.design import DomeSpec
 from palpate.optimise import Evaluation, SearchPlan, SkinEvaluation, SkinSpace, is_search, read_search, search_skins
-from palpate.optimise.optimise_design import ASKED, JOURNAL, _Judge, constraint_violations, objective_values
+from palpate.optimise.optimise_design import ASKED, JOURNAL, _Evaluator, constraint_violations, objective_values
 from palpate.optimise.space import Place
 from small_search import MATERIAL, SPEC, propose, write_search
 
@@ -48,7 +48,7 @@ def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Pa
         ]
 
     before = search_skins(space, judge, plan, journal)
-    again = _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal)
+    again = _Evaluator(SPEC, tmp_path, None, None, "").search(space, plan, journal)
     assert [one.place for one in again] == [one.place for one in before] == drawn
     assert again[2].evaluation.values == (math.inf, math.inf)
     assert all(
@@ -58,7 +58,7 @@ def test_a_search_goes_on_by_what_is_said_now_of_skins_tried_before(tmp_path: Pa
     (tmp_path / ASKED).write_text(SPEC.model_dump_json())
     assert read_search(tmp_path).skins == 8
     told = journal.read_bytes()
-    assert _Judge(SPEC, tmp_path, None, None, "").search(space, plan, journal) == again
+    assert _Evaluator(SPEC, tmp_path, None, None, "").search(space, plan, journal) == again
     assert journal.read_bytes().startswith(told), "a journal that says what is said now is not written anew"
     assert not list(tmp_path.glob("*.new*"))
 

@@ -228,7 +228,7 @@ def test_networks_go_on_where_they_were_stopped(drawn: tuple[Path, DrawnTruth], 
     stopped = course()
     for _ in range(3):
         stopped._train()
-        stopped.best = min(stopped.best, stopped._judge())
+        stopped.best = min(stopped.best, stopped._validate())
         stopped.state = {key: value.clone() for key, value in stopped.net.state_dict().items()}
         stopped.epoch += 1
     stopped._keep(tmp_path / "kept.epochs")

@@ -15,7 +15,7 @@ from palpate.fea import WallSpec
 from palpate.viewer.job import Job
 from palpate.viewer.scene import describe_motion
 from palpate.viewer.sketch import DesignDraft, bounds_of, build_preview
-from palpate.viewer.specimen_cache import KEPT, DesignCache
+from palpate.viewer.specimen_cache import CACHE_SIZE, DesignCache
 
 
 def work_in_steps(count, report):
@@ -132,7 +132,7 @@ def test_bounds_are_those_of_the_spec():
 def test_the_shelf_keeps_the_last_designs():
     shelf = DesignCache()
     drawn = build_preview(DesignDraft())
-    names = [shelf.put(drawn.design, drawn.specimen) for _ in range(KEPT + 1)]
+    names = [shelf.put(drawn.design, drawn.specimen) for _ in range(CACHE_SIZE + 1)]
     assert shelf.find(names[-1])[0] is drawn.design
     with refused("design-expired"):
         shelf.find(names[0])

@@ -22,7 +22,7 @@ from palpate.learn import Prediction
 from palpate.sensor import Reading, Unit
 from palpate.viewer.dial import draw_dial
 from palpate.viewer.export import write_table
-from palpate.viewer.live import LiveVerdict, judge, open_live, tilt_interval, to_grey
+from palpate.viewer.live import LiveVerdict, open_live, rate_reading, tilt_interval, to_grey
 from palpate.viewer.recordings import find_recordings, inside
 from palpate.viewer.results import Design
 
@@ -80,7 +80,7 @@ def reading(rx=0.0, ry=0.0, half=0.2, touching=True):
     ],
 )
 def test_a_verdict_counts_the_interval(given, verdict):
-    assert judge(given, 2.0) is verdict
+    assert rate_reading(given, 2.0) is verdict
     assert draw_dial(given, 2.0, verdict).startswith("<svg")
 
 

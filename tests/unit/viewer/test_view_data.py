@@ -13,7 +13,15 @@ from palpate.grid import SpecificationGrid
 from palpate.viewer.charts import LIGHT, Selection, heat_chart, line_chart, pareto_front, scatter_chart
 from palpate.viewer.curves import error_curves, force_curves
 from palpate.viewer.gather_presses import build_pressed_skin
-from palpate.viewer.link import ColourQuantity, View, first_view, kept_rows, numeric_columns, read_link, write_link
+from palpate.viewer.link import (
+    ColourQuantity,
+    View,
+    first_view,
+    numeric_columns,
+    read_link,
+    selected_rows,
+    write_link,
+)
 from palpate.viewer.results import Design
 from palpate.viewer.words import column_label, format_cell, jitter_words
 
@@ -76,8 +84,8 @@ def test_columns_of_text_are_no_metric():
 
 
 def test_an_empty_question_keeps_every_design():
-    assert kept_rows(GRID, "  ") == {0, 1, 2}
-    assert kept_rows(GRID, "rmse_deg < 0.3") == {1}
+    assert selected_rows(GRID, "  ") == {0, 1, 2}
+    assert selected_rows(GRID, "rmse_deg < 0.3") == {1}
 
 
 def test_every_design_has_a_cell_that_names_its_row():
