@@ -196,13 +196,13 @@ def _summary(results: Sequence[UnitResult]) -> Iterator[list[str]]:
 
 def _parameter_lines(sampled: Sequence[UnitResult]) -> list[str]:
     """What known presses told of the units, against what they are."""
-    told: dict[str, list[ParameterEstimate]] = {}
+    estimates: dict[str, list[ParameterEstimate]] = {}
     for learnt in (each for result in sampled for each in result.trial.parameters):
-        told.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
-    if not told:
+        estimates.setdefault(learnt.name.split(" of press")[0], []).append(learnt)
+    if not estimates:
         return []
     rows = []
-    for name, each in told.items():
+    for name, each in estimates.items():
         table = np.array([one[1:] for one in each])
         error, sd = table[:, 1] - table[:, 0], table[:, 2]
         figures = (np.sqrt((error**2).mean()), np.abs(error).max(), sd.mean(), table[:, 3].mean())

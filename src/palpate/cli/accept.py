@@ -57,7 +57,7 @@ class ReportFlags:
 def accept(
     truth: Annotated[Path, Parameter(help=_TRUTH)],
     *,
-    judged: EstimatorFlags = EstimatorFlags(),
+    estimator: EstimatorFlags = EstimatorFlags(),
     built: UnitFlags = UnitFlags(),
     wanted: Annotated[AcceptanceSpec, flags_of(AcceptanceSpec, group="Tolerances")] = AcceptanceSpec(),
     report: ReportFlags = ReportFlags(),
@@ -65,7 +65,7 @@ def accept(
     """Tell whether a unit's readings of presses with known angles are within their tolerances."""
     from palpate.sensor import accept_unit, open_model, read_ground_truth, read_readings, write_acceptance
 
-    if judged.reads.model is not None and judged.readings is not None:
+    if estimator.reads.model is not None and estimator.readings is not None:
         raise PalpateError(
             "A unit is judged by a model or by readings.",
             "Give --model or --readings, or neither.",
@@ -73,10 +73,10 @@ def accept(
         )
     check_folder(report.out)
     known = read_ground_truth(truth)
-    if judged.readings is not None:
-        estimates, flagged = read_readings(judged.readings, known)
+    if estimator.readings is not None:
+        estimates, flagged = read_readings(estimator.readings, known)
     else:
-        model = judged.reads.find(built)
+        model = estimator.reads.find(built)
         if is_recorded_model(model):
             estimates, flagged = _read_recorded(truth.parent, known, read_model(model))
         else:

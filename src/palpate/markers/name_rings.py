@@ -107,15 +107,15 @@ class RingFinder:
             found += self._from_outside() if len(self.rings) > 1 else []
         found.sort(key=lambda fit: fit.power)
         self.other = next((fit for fit in found[1:] if _of_others(fit, found[0])), None)
-        kept: list[RingsFit] = []
+        chosen: list[RingsFit] = []
         for fit in found:
-            middles = [other.rings[1].weights[0] for other in kept]
+            middles = [other.rings[1].weights[0] for other in chosen]
             near = 0.5 * fit.rings[1].radius_px
             if all(np.linalg.norm(fit.rings[1].weights[0] - middle) > near for middle in middles):
-                kept.append(fit)
-        if kept and len(self.rings) > 1 and len(kept[0].rings) == len(self.rings) + 1:
-            kept[0] = self._finish(list(kept[0].rings[1:]))
-        return kept
+                chosen.append(fit)
+        if chosen and len(self.rings) > 1 and len(chosen[0].rings) == len(self.rings) + 1:
+            chosen[0] = self._finish(list(chosen[0].rings[1:]))
+        return chosen
 
     def _ask(self, seeds: list[FloatArray], found: list[RingsFit]) -> bool:
         """Grow seeds one after the other, until a whole print is sure: then others of its middle only."""

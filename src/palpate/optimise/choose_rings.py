@@ -269,13 +269,13 @@ def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]
     """Move single rings, and pairs of neighbours together, as long as that helps."""
     now, known = start.copy(), dict[tuple[int, ...], float]()
 
-    def judge(chosen: IntArray) -> float:
+    def evaluate(chosen: IntArray) -> float:
         key = tuple(int(place) for place in chosen)
         if key not in known:
             known[key] = places.information.variance(places.share(chosen)) if places.is_compatible(chosen) else np.inf
         return known[key]
 
-    least = judge(now)
+    least = evaluate(now)
     for _ in range(_SWEEPS):
         before = least
         for moved in _moves(len(now), len(places.radii)):
@@ -284,8 +284,8 @@ def _exchange(places: RingCandidates, start: IntArray) -> tuple[IntArray, float]
                 other[moved] = shift if len(moved) == 1 else other[moved] + shift - len(places.radii) // 2
                 if (other < 0).any() or (other >= len(places.radii)).any():
                     continue
-                if judge(other) < least * (1 - 1e-9):
-                    now, least = other, judge(other)
+                if evaluate(other) < least * (1 - 1e-9):
+                    now, least = other, evaluate(other)
         if least >= before * (1 - 1e-6):
             break
     return now, least

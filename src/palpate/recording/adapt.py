@@ -201,8 +201,8 @@ def compute_fine_tuning_curve(start: PretrainedModel, seen: PreparedRecording) -
     judge = seen.split.test & seen.accepted
 
     def rmse(part: MarkerNetwork) -> tuple[float, ...]:
-        off: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
-        return tuple(float(x) for x in np.sqrt(np.mean(off**2, axis=0)))
+        errors: FloatArray = part.predict(seen.moved[judge]) - seen.targets[judge]
+        return tuple(float(x) for x in np.sqrt(np.mean(errors**2, axis=0)))
 
     points = [CurvePoint(0, f"{start.name} as it is", rmse(carried))]
     for count in (*(number for number in PRESSES if number < len(taught)), len(taught)):

@@ -199,13 +199,13 @@ def _train_in_processes(
                 busy[here] = job, process, time.monotonic()
             for pipe in wait(list(busy)):
                 job, process, begin = busy[pipe]
-                told = _hear(pipe, job, process)
-                if isinstance(told, str):
-                    report(told)
+                answer = _hear(pipe, job, process)
+                if isinstance(answer, str):
+                    report(answer)
                     continue
                 del busy[pipe]
                 process.join()
-                yield job, told, time.monotonic() - begin
+                yield job, answer, time.monotonic() - begin
     finally:
         for _, process, _ in busy.values():
             process.kill()
@@ -214,7 +214,7 @@ def _train_in_processes(
 def _hear(pipe: Any, job: TrainingJob, process: Any) -> str | Mapping[str, NDArray[Any]]:
     """How far a process is, or at its end the arrays of its part."""
     try:
-        told: str | PalpateError | Mapping[str, NDArray[Any]] = pipe.recv()
+        answer: str | PalpateError | Mapping[str, NDArray[Any]] = pipe.recv()
     except (EOFError, OSError) as error:
         process.join()
         raise PalpateError(
@@ -223,9 +223,9 @@ def _hear(pipe: Any, job: TrainingJob, process: Any) -> str | Mapping[str, NDArr
             'your own, call it under `if __name__ == "__main__":`.',
             code="training-process-died",
         ) from error
-    if isinstance(told, PalpateError):
-        raise told
-    return told
+    if isinstance(answer, PalpateError):
+        raise answer
+    return answer
 
 
 def _work(job: TrainingJob, threads: int, checkpoint: Path, pipe: Any, parent: int) -> None:

@@ -55,7 +55,7 @@ class SkinSuite:
         frame = np.stack(skin.tangents(points), axis=1)
         assert frame @ frame.transpose(0, 2, 1) == pytest.approx(np.broadcast_to(np.eye(3), frame.shape), abs=1e-9)
 
-    def test_points_off_the_surface_are_put_back_along_its_normal(self, skin: Skin, disc: FloatArray) -> None:
+    def test_points_near_the_surface_are_put_back_along_its_normal(self, skin: Skin, disc: FloatArray) -> None:
         points = skin.marked(0.9 * disc)
         normals = skin.normal(points)
         for offset in (-0.05 * skin.radius, 0.3 * skin.thickness):

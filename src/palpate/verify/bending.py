@@ -68,7 +68,7 @@ def make_block(across: int, along: int) -> Grid:
     return join(map_block((even(across), even(along), even(1)), lambda q: q * size))
 
 
-def bend(grid: Grid, material: Material, angle: float, inner: float) -> tuple[float, float]:
+def solve_bending(grid: Grid, material: Material, angle: float, inner: float) -> tuple[float, float]:
     """Bend half a block.
 
     Parameters
@@ -106,7 +106,7 @@ def block_bending() -> list[Row]:
     for name, material in MATERIALS.items():
         data = read_reference("block_bending_h4_L20").where(material=name)
         moment = [
-            bend(grid, material, angle, inner)[0]
+            solve_bending(grid, material, angle, inner)[0]
             for angle, inner in zip(data["angle_rad"], data["r_inner_mm"], strict=True)
         ]
         at = [f"{value:g} rad" for value in data["angle_rad"]]

@@ -75,7 +75,7 @@ def answer_errors(app: FastAPI) -> None:
     """Let every error that a person can mend become an answer with its sentence and remedy."""
 
     @app.exception_handler(PalpateError)
-    def _say(_: Request, error: PalpateError) -> JSONResponse:
+    def _respond(_: Request, error: PalpateError) -> JSONResponse:
         return JSONResponse({"what": error.problem, "remedy": error.remedy, "code": error.code}, status_code=422)
 
 

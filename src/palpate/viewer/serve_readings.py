@@ -87,7 +87,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
             return JSONResponse(content, status_code=400)
         return JSONResponse(_with_schema(await run_in_threadpool(reader.read, image)))
 
-    async def tell(socket: WebSocket) -> None:
+    async def stream(socket: WebSocket) -> None:
         await socket.accept()
         with hub.listen() as listener, suppress(WebSocketDisconnect, RuntimeError):
             gone = asyncio.ensure_future(_until_gone(socket))
@@ -105,7 +105,7 @@ def build_readings_app(sensor: Sensor, feed: Feed) -> Any:
     routes = [
         Route("/reading", newest),
         Route("/image", take_image, methods=["POST"]),
-        WebSocketRoute("/readings", tell),
+        WebSocketRoute("/readings", stream),
     ]
     return Starlette(routes=routes, lifespan=live)
 
