@@ -44,13 +44,13 @@ class ExactDots:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
-    def look(self, edges: FloatArray) -> FloatArray:
+    def predict(self, edges: FloatArray) -> FloatArray:
         """Centres of area of the traces of dots; the last is the orientation mark."""
         found = np.full((len(self.scene.printed), 2), np.nan)
         found[self.scene.printed] = project_markers(self.scene.camera, edges).centres[:-1]
         return found
 
-    def through(self, press: Press) -> Iterator[FloatArray]:
+    def render_press(self, press: Press) -> Iterator[FloatArray]:
         """Dots in every image of a press."""
         for points in press.positions(self.scene.edges.reshape(-1, 3)):
             yield self.look(points.reshape(self.scene.edges.shape))

@@ -53,7 +53,7 @@ class KinematicPress:
         skin = SimpleNamespace(symmetry=Symmetry.REVOLVED, require_revolution=lambda why, remedy: None)
         self.mesh = SimpleNamespace(skin=skin)
         self.ended_depth = self.reached
-        self.wall = SimpleNamespace(
+        self.obstacle = SimpleNamespace(
             radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=8.0, pose_space=TILT_SPACE
         )
 
@@ -67,7 +67,7 @@ class KinematicPress:
             ]
         )
 
-    def moved(self, points, by=""):
+    def displacement_at(self, points, by=""):
         assert not by, "a made-up press has no derivatives"
         return self.positions(points) - points
 

@@ -157,7 +157,7 @@ def read_built(path: Path) -> dict[Design, Row]:
         with path.open(encoding="utf-8", newline="") as lines:
             for row in map(rename_columns, csv.DictReader(lines)):
                 key = (float(row["height_mm"]), float(row["thickness_mm"]), int(row["markers"]))
-                when = "known" if int(row["calibration_presses"]) else "built"
+                when = "calibrated" if int(row["calibration_presses"]) else "built"
                 figures = {f"{when}_{name}": float(row[name]) for name in ("rmse_deg", "p95_deg")}
                 found[key] = {**found.get(key, {}), **figures}
     except (OSError, KeyError, TypeError, ValueError) as error:

@@ -123,7 +123,7 @@ def test_what_twins_foresaw_stands_beside_the_first_grid(tmp_path):
     (tmp_path / "built" / "twins").mkdir(parents=True)
     table = tmp_path / "built" / "twins" / "built.csv"
     rows = [f"{h},{t},{m},{known},{error(h, t, m)},1,0,0" for h, t, m in DESIGNS for known in (0, 5)]
-    head = "height_mm,thickness_mm,markers,known,rmse_deg,p95_deg,depth_rmse_mm,noise_deg"
+    head = "height_mm,thickness_mm,markers,calibration_presses,rmse_deg,p95_deg,depth_rmse_mm,noise_deg"
     table.write_text("\n".join([head, *rows]))
     write_grid(tmp_path / "study", grid().grid)
     grids, _ = read_evidence([tmp_path / "built", tmp_path / "study"])

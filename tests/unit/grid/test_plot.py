@@ -11,11 +11,11 @@ GRID = evaluate_grid(PAPER)
 @pytest.mark.parametrize(
     ("kind", "metric", "name"),
     [
-        ("heat", "rmse_over_bound", "heat_map_rmse_over_limit"),
+        ("heat", "rmse_over_bound", "heat_map_rmse_over_bound"),
         ("heat", "rmse_deg", "heat_map_rmse"),
         ("travel", "travel_mm", "marker_travel"),
         ("travel", "rmse_deg", "rmse_by_thickness"),
-        ("depth", "bound_deg", "limit_by_depth"),
+        ("depth", "bound_deg", "bound_by_depth"),
         ("tilt", "rmse_jitter_deg", "rmse_jitter_by_tilt"),
         ("markers", "max_error_deg", "max_error_by_markers"),
     ],

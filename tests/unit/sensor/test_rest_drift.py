@@ -86,7 +86,7 @@ class Following:
         return self.state.rest.motion
 
     def read(self, sighting: TrackedMarkers) -> PoseEstimate:
-        estimate, self.state = self.reader.estimate(sighting, self.state)
+        estimate, self.state = self.estimator.estimate(sighting, self.state)
         return estimate
 
 

@@ -58,11 +58,11 @@ class PadPress:
         self.ended_depth, self.derivatives = self.reached, {}
         skin = PAD if self.symmetry is Symmetry.MIRRORED else SimpleNamespace(name="odd", symmetry=self.symmetry)
         self.mesh = SimpleNamespace(skin=skin)
-        self.wall = SimpleNamespace(
+        self.obstacle = SimpleNamespace(
             radial=self.tilt_deg, turn_deg=self.azimuth_deg, depth_step=STEP, depth=DEPTH, pose_space=TILT_SPACE
         )
 
-    def moved(self, points: np.ndarray, by: str = "") -> np.ndarray:
+    def displacement_at(self, points: np.ndarray, by: str = "") -> np.ndarray:
         return np.stack([moved_by(points, self.tilt_deg, self.azimuth_deg, depth) for depth in self.depth])
 
 
