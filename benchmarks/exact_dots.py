@@ -53,7 +53,7 @@ class ExactDots:
     def render_press(self, press: Press) -> Iterator[FloatArray]:
         """Dots in every image of a press."""
         for points in press.positions(self.scene.edges.reshape(-1, 3)):
-            yield self.look(points.reshape(self.scene.edges.shape))
+            yield self.predict(points.reshape(self.scene.edges.shape))
 
 
 def read_unit(bench: virtual.VirtualBench, deviation: Deviation) -> FloatArray:

@@ -113,8 +113,8 @@ def test_the_model_of_the_best_design_is_taken_out(finished: Path, tmp_path: Pat
 def test_the_grid_is_drawn_exported_and_compared(finished: Path, tmp_path: Path) -> None:
     done = finish(["grid", "plot", finished, "--kind", "depth", "--metric", "bound_deg", "-o", tmp_path, "--json"])
     assert [Path(name).name for name in json.loads(done.stdout)["files"]] == [
-        "limit_by_depth.png",
-        "limit_by_depth.svg",
+        "bound_by_depth.png",
+        "bound_by_depth.svg",
     ]
     assert (
         finish(["grid", "export", finished, "--to", tmp_path / "grid.md", "--where", "markers < 10"]).returncode == 0

@@ -79,7 +79,7 @@ class Following:
     """A reader with its state after the last image."""
 
     def __init__(self, reader: TwinEstimator) -> None:
-        self.reader, self.state = reader, reader.begin()
+        self.estimator, self.state = reader, reader.begin()
 
     @property
     def rest(self) -> RestDrift:

@@ -188,6 +188,6 @@ def test_the_shell_of_a_whole_filled_pad_is_its_wall_alone_and_closed():
 
 
 def test_presses_by_a_ball_are_not_drawn_as_those_of_a_wall() -> None:
-    press = SimpleNamespace(mesh=MESH, wall=BallSpec())
+    press = SimpleNamespace(mesh=MESH, obstacle=BallSpec())
     with refused("obstacle-not-drawn", "ball", "5", "0"):
         build_pressed_skin([press])
