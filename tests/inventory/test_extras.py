@@ -28,7 +28,7 @@ from palpate.material import get_material
 from palpate.mesh import MeshSpec, mesh_skin
 skin = build_skin(DomeSpec())
 mesh, material = mesh_skin(skin, MeshSpec(cells=4)), get_material("neo-hooke:0.02")
-presses = [solve_press(mesh, material, WallSpec(tilt_deg=t, depth=3, image_step=1)) for t in (0.0, 4.0, 8.0)]
+presses = [solve_press(mesh, material, WallSpec(tilt_deg=t, depth=3, depth_step=1)) for t in (0.0, 4.0, 8.0)]
 dataset = generate_dataset(presses, place_markers(skin, MarkerSpec(count=7)), build_camera(),
                            DatasetSpec(n_presses=30, max_tilt_deg=8))
 """

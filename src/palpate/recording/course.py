@@ -142,7 +142,7 @@ class Trainer:
         if not most or grey is None:
             return inputs
         height, width = inputs.shape[-2:]
-        padded = self.torch.nn.functional.print_shift(inputs, (most,) * 4, value=-grey[0] / grey[1])
+        padded = self.torch.nn.functional.pad(inputs, (most,) * 4, value=-grey[0] / grey[1])
         down, right = self.torch.randint(0, 2 * most + 1, (2,), generator=self.random).tolist()
         return padded[..., down : down + height, right : right + width]
 

@@ -37,9 +37,9 @@ def tabulated(monkeypatch):
         setting = {name: trial.suggest_categorical(name, values) for name, values in space.choices.items()}
         return abs(setting["layers"] - 4) + abs(np.log2(setting["width"]) - 8) + 4 * setting["dropout"] + 0.1
 
-    monkeypatch.setattr(module, "_judge", error)
+    monkeypatch.setattr(module, "_validate", error)
     monkeypatch.setattr(module, "train", lambda dataset, setting, seed, device: setting)
-    monkeypatch.setattr(module, "calibrate", lambda setting, dataset, seed: setting)
+    monkeypatch.setattr(module, "calibrate_interval", lambda setting, dataset, seed: setting)
 
 
 def test_search_finds_the_best_setting_of_the_table(tabulated, tmp_path):
@@ -60,7 +60,7 @@ def test_an_interrupted_search_repeats_no_trial_and_ends_alike(tabulated, tmp_pa
             raise KeyboardInterrupt
         return error(dataset, space, trial, spec)
 
-    monkeypatch.setattr(module, "_judge", interrupted)
+    monkeypatch.setattr(module, "_validate", interrupted)
     with pytest.raises(KeyboardInterrupt):
         search_estimator(None, spec, tmp_path / "broken")
     search_estimator(None, spec, tmp_path / "broken")
@@ -135,7 +135,7 @@ def scored(monkeypatch):
     monkeypatch.setattr(module, "_score", score)
     monkeypatch.setattr(module, "_split_again", lambda dataset, seed: dataset)
     monkeypatch.setattr(module, "train", lambda dataset, setting, seed, device: setting)
-    monkeypatch.setattr(module, "calibrate", lambda setting, dataset, seed: setting)
+    monkeypatch.setattr(module, "calibrate_interval", lambda setting, dataset, seed: setting)
     return asked
 
 
@@ -202,10 +202,10 @@ def test_the_same_seed_gives_the_same_numbers_in_a_fresh_process(tmp_path):
     program = (
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
         "import hashlib; from pathlib import Path; from synthetic import make_dataset\n"
-        "from palpate.learn import LearningSpec, search, write_estimator\n"
+        "from palpate.learn import LearningSpec, search_estimator, write_estimator\n"
         "model, seed = Path(sys.argv[1]), int(sys.argv[2])\n"
         "dataset = make_dataset(presses=60, markers=3)\n"
-        "write_estimator(model, search(dataset, LearningSpec(seed=seed), model.with_suffix('.journal')))\n"
+        "write_estimator(model, search_estimator(dataset, LearningSpec(seed=seed), model.with_suffix('.journal')))\n"
         "print(hashlib.sha256(model.read_bytes()).hexdigest())\n"
     )
 

@@ -1,4 +1,4 @@
-"""Rings chosen by exchange, held against every choice there is, against `foresee`, and against their bound."""
+"""Rings chosen by exchange, held against every choice there is, against `predict_accuracy`, and against their bound."""
 
 from collections.abc import Sequence
 from itertools import combinations, pairwise
@@ -215,10 +215,10 @@ def test_a_layout_whose_known_presses_contradict_the_twin_is_left_out_and_no_oth
         return predict_accuracy(twin, layout, *others)
 
     assert [option.markers.count for option in evaluate_skin(twin, known, spec).options] == [7, 19]
-    monkeypatch.setattr("palpate.optimise.propose.foresee", contradicted)
+    monkeypatch.setattr("palpate.optimise.propose.predict_accuracy", contradicted)
     left = evaluate_skin(twin, known, spec)
     assert ([option.markers.count for option in left.options], left.problem) == ([19], "")
-    monkeypatch.setattr("palpate.optimise.propose.foresee", broken)
+    monkeypatch.setattr("palpate.optimise.propose.predict_accuracy", broken)
     ends = evaluate_skin(twin, known, spec)
     assert ends.options == ()
     assert ends.problem
@@ -233,8 +233,8 @@ def test_only_presses_that_contradict_a_twin_leave_its_design_without_a_figure(
 
     for name in ("read_twin", "find_artefact", "place_markers", "build_camera", "accuracy_spec"):
         monkeypatch.setattr(f"palpate.optimise.prove.{name}", lambda *_: AccuracySpec())
-    monkeypatch.setattr("palpate.optimise.prove.foresee", refuse)
-    design = MagicMock(bench=MagicMock(known=0), _proposal=MagicMock(checks=()))
+    monkeypatch.setattr("palpate.optimise.prove.predict_accuracy", refuse)
+    design = MagicMock(bench=MagicMock(calibration_presses=0), _proposal=MagicMock(checks=()))
     if error is ContradictionError:
         assert _Candidate.predict(design, MagicMock()) is None
     else:
@@ -258,7 +258,7 @@ def test_at_full_fidelity_twenty_units_are_read_before_a_layout_is_offered(
             raise PalpateError("Ring 1 was not found.", "", code="ring-missing")
 
     monkeypatch.setattr("palpate.optimise.propose.open_sensor", open_most)
-    monkeypatch.setattr("palpate.optimise.propose.foresee", lambda *_: PredictedAccuracy(0, 0.05, 0.2, 0.01, 0.02))
+    monkeypatch.setattr("palpate.optimise.propose.predict_accuracy", lambda *_: PredictedAccuracy(0, 0.05, 0.2, 0.01, 0.02))
     assert [option.markers.count for option in evaluate_skin(twin, known, spec).options] == [7, 19]
     assert (opened.count(7), opened.count(19)) == (3, 3)
     fully = evaluate_skin(twin, known, spec, checks=(None,))  # type: ignore[arg-type]  # nothing is foreseen by them here

@@ -38,7 +38,7 @@ WRONG = {
     "depth: 12\nheights: [5, 11]": ("heights-below-depth", 11, 12),
     "min_depth: 8": ("depths-not-rising", "min_depth", 8),
     "max_marker_diameter: 0.8": ("marker-sizes-not-rising", "max_marker_diameter", 0.8, 1),
-    "min_marker_diameter: 0.2": ("markers-not-printable", "process.min_marker_diameter", 0.2, 0.4),
+    "min_marker_diameter: 0.2": ("markers-not-printable", "min_marker_diameter", 0.2, 0.4),
     "materials: [cheese]": ("material-unknown", "cheese"),
     "cameras: []": ("list-empty", "cameras"),
     "objectives: [error, error]": ("list-entry-twice", "objectives", "error"),

@@ -62,12 +62,12 @@ def test_one_angle_and_a_depth_are_a_pose(tmp_path: Path) -> None:
 
 
 def test_columns_to_learn_are_chosen_and_come_in_that_order(tmp_path: Path) -> None:
-    found = read(tmp_path, "a_mm,b_mm,c_deg", waves(4, 4, 9), learn=("c_deg", "A_mm"))
+    found = read(tmp_path, "a_mm,b_mm,c_deg", waves(4, 4, 9), targets=("c_deg", "A_mm"))
     assert [one.column for one in found.poses] == ["c_deg", "a_mm"]
 
 
 def test_columns_whose_names_do_not_tell_are_given_names_and_units(tmp_path: Path) -> None:
-    found = read(tmp_path, "pose_3,pose_4,pose_5", waves(0.004, 0.4, 9), learn=("pose_4=rx_rad", "pose_3=depth_m"))
+    found = read(tmp_path, "pose_3,pose_4,pose_5", waves(0.004, 0.4, 9), targets=("pose_4=rx_rad", "pose_3=depth_m"))
     assert [(one.axis, one.unit) for one in found.poses] == [("rx", "deg"), ("depth", "mm")]
     np.testing.assert_allclose(np.abs(found.targets).max(axis=0), [np.degrees(0.4), 4.0], rtol=0.05)
 
@@ -89,7 +89,7 @@ def test_images_of_one_press_are_kept_together_and_rest_is_known_by_its_press(tm
 def test_euler_angles_become_the_rotation_vector_of_the_tilt(tmp_path: Path) -> None:
     cells = [[20.0 * np.sin(n), 0.0, 10.0 * np.cos(n)] for n in range(COUNT)]
     cells[0][1] = 1e-6
-    found = read(tmp_path, "rx_deg,ry_deg,rz_deg", cells, euler="xyz", learn=("rx_deg", "ry_deg"))
+    found = read(tmp_path, "rx_deg,ry_deg,rz_deg", cells, euler="xyz", targets=("rx_deg", "ry_deg"))
     tilt = np.hypot(*found.targets.T)
     np.testing.assert_allclose(tilt, np.abs([row[0] for row in cells]), atol=1e-4)
     np.testing.assert_allclose(
@@ -104,10 +104,10 @@ def test_euler_angles_become_the_rotation_vector_of_the_tilt(tmp_path: Path) -> 
     [
         ("rx,ry_deg", waves(0.4, 9), {}, ("column-unit-unknown", "rx", "0.4")),
         ("z,rx_deg", waves(0.005, 9), {}, ("column-unit-unknown", "z", "0.005", "mm")),
-        ("rx_deg", waves(9), {"learn": ("ry_deg",)}, ("column-unknown", "ry_deg", "image, rx_deg")),
-        ("rx_deg", [[1.0]] * COUNT, {"learn": ("rx_deg",)}, ("column-not-trainable", "rx_deg", "1")),
-        ("rx_deg", [["n/a"], *waves(9)[1:]], {"learn": ("rx_deg",)}, ("column-not-trainable", "n/a", "line 2")),
-        ("rx_deg", [[""], *waves(9)[1:]], {"learn": ("rx_deg",)}, ("column-not-trainable", "1", "24")),
+        ("rx_deg", waves(9), {"targets": ("ry_deg",)}, ("column-unknown", "ry_deg", "image, rx_deg")),
+        ("rx_deg", [[1.0]] * COUNT, {"targets": ("rx_deg",)}, ("column-not-trainable", "rx_deg", "1")),
+        ("rx_deg", [["n/a"], *waves(9)[1:]], {"targets": ("rx_deg",)}, ("column-not-trainable", "n/a", "line 2")),
+        ("rx_deg", [[""], *waves(9)[1:]], {"targets": ("rx_deg",)}, ("column-not-trainable", "1", "24")),
         ("rx_deg,rx_deg", waves(9, 9), {}, ("column-twice", "rx_deg")),
         ("lamp", [["on"]] * COUNT, {}, ("columns-none",)),
         ("press,rx_deg", [[1, *row] for row in waves(9)], {}, ("recording-few-presses", "1")),
