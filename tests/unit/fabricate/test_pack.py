@@ -134,7 +134,7 @@ def codes(dome: DomeSpec, markers: MarkerSpec, **process) -> dict[str, Severity]
 def test_check_process_reports_each_limit_of_the_workshop() -> None:
     assert codes(DomeSpec(), MarkerSpec(count=169)) == {}
     assert codes(DomeSpec(height=30), MarkerSpec(count=7))["peel-stretch"] is Severity.WARNING
-    assert codes(DomeSpec(), MarkerSpec(count=169), steepest_deg=45)["pad-reach"] is Severity.WARNING
+    assert codes(DomeSpec(), MarkerSpec(count=169), max_slope_deg=45)["pad-reach"] is Severity.WARNING
     assert codes(DomeSpec(), MarkerSpec(count=7, diameter=0.5))["dot-in-pixels"] is Severity.WARNING
     assert codes(DomeSpec(height=5, base_radius=5), MarkerSpec(count=7, diameter=2))["dot-on-curve"]
     assert codes(DomeSpec(), MarkerSpec(count=169, diameter=2.4))["dots-too-near"] is Severity.WARNING

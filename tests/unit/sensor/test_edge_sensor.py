@@ -103,7 +103,7 @@ def test_a_simulated_sensor_reads_offset_and_angle_of_an_edge(dataset, estimator
     unit = Unit(DOME, LAYOUT)
     for touched, offset, azimuth_deg in ((presses[1], 2.0, 150.0), (presses[0], 0.0, 70.0)):
         wall = touched.obstacle.model_copy(update={"azimuth_deg": azimuth_deg})
-        source = SimulatedSource(unit, [replace(touched, wall=wall)])
+        source = SimulatedSource(unit, [replace(touched, obstacle=wall)])
         images = source.images()
         sensor = open_sensor([next(images)], unit, predictor)
         readings = list(

@@ -25,7 +25,7 @@ def steep():
 
 
 def turned(press, azimuth_deg):
-    return replace(press, wall=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
+    return replace(press, obstacle=press.obstacle.model_copy(update={"azimuth_deg": azimuth_deg}))
 
 
 def unit_of(count):

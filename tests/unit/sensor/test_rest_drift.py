@@ -177,7 +177,7 @@ def test_few_dots_of_a_camera_that_never_moved_are_read_as_if_nothing_was_follow
             twin,
             Unit(DOME, FEW, nominal=unit.camera),
             MarkerAssignment(
-                np.arange(37), watchful.reader.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0
+                np.arange(37), watchful.estimator.watch.rest_px, np.ones(37, bool), 0.0, False, (), -1, 0.0
             ),
             SensorSpec(noise_px=NOISE, follow_px=0.0),
         )
