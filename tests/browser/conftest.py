@@ -11,6 +11,7 @@ from viewer_process import viewer
 
 from needs import find_program, needs, needs_program
 from palpate.bench import SimulatedSource, draw_touches
+from palpate.grid import name_row
 from palpate.sensor import Unit
 from palpate.viewer.library import Library
 from palpate.viewer.results import read_results
@@ -46,6 +47,12 @@ def results(tmp_path_factory) -> Path:
     for number, image in enumerate(islice(touches.images(), 30)):
         cv2.imwrite(str(recording / f"{number:03d}.png"), image)
     return out
+
+
+@pytest.fixture(scope="session")
+def designs(results) -> list[str]:
+    """Names of the designs of the study, as fields offer them."""
+    return [name_row(row) for row in read_results(results).grid.designs]
 
 
 @pytest.fixture(scope="session")

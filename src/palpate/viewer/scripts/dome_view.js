@@ -95,6 +95,7 @@ export default {
       this.$refs.low.textContent = low;
       this.$refs.high.textContent = this.colour === "contact" ? `${FAR_MM}+` : this.top.toPrecision(3);
       this.$refs.what.textContent = NAMES[this.colour];
+      this.$refs.what.dataset.colour = this.colour;
       this.$refs.ramp.style.background = `linear-gradient(90deg, ${ramp(this.colour).join(", ")})`;
       const ended = place.depth < stage.pose.depth - 1e-6;
       const waits = stage.look.colour === "stress" && !slot.motion.arrays.stress;
