@@ -19,6 +19,7 @@ from presses import run_tiny_study
 
 CHROMIUM = find_program("chromium")
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FLAGS += ["--disable-gpu-compositing"]  # pages without software GL, as Chrome draws them where there is no GPU
 PATIENCE_MS = 60_000
 
 
