@@ -19,6 +19,7 @@ from presses import run_tiny_study
 
 CHROMIUM = find_program("chromium")
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+FLAGS += ["--disable-gpu-compositing"]  # pages without software GL, as Chrome draws them where there is no GPU
 PATIENCE_MS = 60_000
 
 
@@ -70,10 +71,16 @@ def chromium():
         browser.close()
 
 
+@pytest.fixture(scope="session")
+def context(chromium):
+    """Shared by all tests, so that the pages' scripts are read and compiled once."""
+    return chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+
+
 @pytest.fixture
-def page(chromium):
-    """A page whose every fault fails the test, and which asks nobody but this machine."""
-    context = chromium.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+def page(context):
+    """A page without cookies, whose every fault fails the test, and which asks nobody but this machine."""
+    context.clear_cookies()
     page = context.new_page()
     page.set_default_timeout(PATIENCE_MS)
     faults: list[str] = []
@@ -82,7 +89,7 @@ def page(chromium):
     page.on("request", lambda request: None if _is_ours(request.url) else faults.append(f"asked {request.url}"))
     page.faults = faults
     yield page
-    context.close()
+    page.close()
     assert faults == []
 
 

@@ -30,6 +30,7 @@ def test_a_dome_is_on_the_screen_with_everything_around_it(page, link):
     open_page(page, link)
     assert time.monotonic() - start < 30  # the figure is for a machine that does nothing else
     assert colours(page) > 50
+    assert page.locator(".dome-view[data-drawn]").count() == 1, "the hidden view costs nothing"
     assert len(dots(page)) == 19
     assert page.get_by_test_id("kept").is_visible()
     assert numbers(page, "kept") == [2, 2]
@@ -110,6 +111,7 @@ def test_two_designs_are_compared(page, link, designs):
     choose(page, "beside", designs[0])
     page.wait_for_function("document.querySelectorAll('.camera-view')[1].querySelectorAll('circle').length > 0")
     assert page.locator(".dome-view:visible").count() == 2
+    page.wait_for_function("Number(document.querySelectorAll('.dome-view')[1].dataset.drawn) > 0")
     assert page.get_by_test_id("figures").locator("tr").first.inner_text().count("H20") == 2
 
 
